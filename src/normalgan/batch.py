@@ -1,0 +1,25 @@
+"""Batch: the one thing that the data and the model share."""
+
+from typing import NotRequired, TypedDict
+
+from torch import Tensor
+
+
+class Sketches(TypedDict):
+    """What the generator needs to draw: sketches, and hints if the user gave any."""
+
+    sketch: Tensor
+    """(N, 1, H, W) in [0, 1]; ink is 1, paper 0."""
+    hints: NotRequired[Tensor]
+    """(N, 4, H, W): unit normals at the hinted pixels (zero elsewhere), then 1 where they are."""
+    name: NotRequired[list[str]]
+    """N names of the samples, for error messages and file names."""
+
+
+class Batch(Sketches):
+    """Sketches with the truth: what training and testing need."""
+
+    normal: Tensor
+    """(N, 3, H, W) unit vectors in camera space (x right, y up, z to the viewer), 0 off the object."""
+    mask: Tensor
+    """(N, 1, H, W), 1 on the object and 0 elsewhere."""
