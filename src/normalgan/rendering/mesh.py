@@ -1,6 +1,7 @@
 """Meshes as the renderers take them, and how files in any disorder become so."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,3 +22,21 @@ class Mesh:
     vertices: NDArray[np.float32]
     faces: NDArray[np.int32]
     normals: NDArray[np.float32]
+
+
+class MeshSource(Protocol):
+    """Something a mesh can be had from, cheap to hold and to hand to a worker process."""
+
+    @property
+    def name(self) -> str:
+        """What the user calls it: a file name without suffix, a species with its number."""
+
+    def fingerprint(self) -> str:
+        """Return a hash of everything that `load` depends on: file bytes, orientation, parameters."""
+
+    def load(self) -> Mesh:
+        """Return the mesh.
+
+        Raises:
+            InputError: if it cannot be used; the message names it and says why.
+        """
