@@ -10,9 +10,9 @@ class InputError(ValueError):
 
 
 def brief(error: BaseException) -> str:
-    """Return the first line of an error's text, or its type's name if it has none.
+    r"""Return the first line of an error's text, or its type's name if it has none.
 
-    >>> brief(ValueError("bad shape\\nlong story"))
+    >>> brief(ValueError("bad shape\nlong story"))
     'bad shape'
     >>> brief(EOFError())
     'EOFError'

@@ -9,10 +9,10 @@ import inspect
 import warnings
 from collections.abc import Iterator
 from importlib.metadata import entry_points
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
-C = TypeVar("C", bound=type)
+C = TypeVar("C", bound=type[Any])
 
 
 class Registry(Generic[T]):
@@ -43,18 +43,19 @@ class Registry(Generic[T]):
             TypeError: if it is not a concrete subclass of the base.
             ValueError: if another class already has the name.
         """
-        name = cls.__name__
-        if not (isinstance(cls, type) and issubclass(cls, self.base)):
+        plugin: type[Any] = cls  # so that the checks do not narrow the type that is returned
+        name = plugin.__name__
+        if not issubclass(plugin, self.base):
             raise TypeError(f"{name} is not a subclass of {self.base.__name__}.")
-        if inspect.isabstract(cls):
-            missing = ", ".join(sorted(cls.__abstractmethods__))
+        if inspect.isabstract(plugin):
+            missing = ", ".join(sorted(getattr(plugin, "__abstractmethods__", ())))
             raise TypeError(f"{name} is abstract: it does not implement {missing}.")
         known = self._classes.get(name)
-        if known is not None and known is not cls:
+        if known is not None and known is not plugin:
             raise ValueError(
-                f"two classes are named {name}: {known.__module__} and {cls.__module__}; rename one."
+                f"two classes are named {name}: {known.__module__} and {plugin.__module__}; rename one."
             )
-        self._classes[name] = cls
+        self._classes[name] = plugin
         return cls
 
     def load_entry_points(self) -> None:

@@ -1,0 +1,19 @@
+"""Networks: generators and discriminators, each a plug-in."""
+
+from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Discriminator, Generator
+from normalgan.models.global_discriminator import GlobalDiscriminator
+from normalgan.models.patch_discriminator import PatchDiscriminator
+from normalgan.models.unet_discriminator import UNetDiscriminator
+from normalgan.models.unet_generator import UNetGenerator
+
+__all__ = [
+    "DISCRIMINATORS",
+    "GENERATORS",
+    "INPUT_CHANNELS",
+    "Discriminator",
+    "Generator",
+    "GlobalDiscriminator",
+    "PatchDiscriminator",
+    "UNetDiscriminator",
+    "UNetGenerator",
+]

@@ -1,0 +1,118 @@
+"""What a normal map is: axes, encoding and files. Every reader and writer goes through here; numpy only.
+
+Axes are those of the camera, as in OpenGL: x right, y up, z to the viewer. A unit vector n is stored as
+the colour (n + 1) / 2. Outside the object a map in memory is zero; a file holds flat, (0, 0, 1), there.
+"""
+
+import os
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError
+
+Bits = Literal[8, 16]
+Floats = NDArray[np.float32]
+
+
+def normalize(vectors: NDArray[np.floating], eps: float = 1e-8) -> Floats:
+    """Return unit vectors along the last axis; vectors shorter than ``eps`` become zero.
+
+    >>> normalize(np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])).tolist()
+    [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]
+    """
+    vectors = vectors.astype(np.float32)
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    unit: Floats = np.where(length > eps, vectors / np.maximum(length, eps), 0).astype(np.float32)
+    return unit
+
+
+def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Return the colours of normals, in any shape: [-1, 1] to the whole range of 8 or 16 bits.
+
+    The nearest level is taken, so that 0 becomes 128 (of 8 bits) or 32768.
+
+    >>> encode(np.array([0.0, 0.0, 1.0])).tolist()
+    [128, 128, 255]
+    """
+    top = 2**bits - 1
+    levels: NDArray[np.float64] = np.rint((np.clip(normals.astype(np.float64), -1, 1) + 1) / 2 * top)
+    return levels.astype(np.uint8) if bits == 8 else levels.astype(np.uint16)
+
+
+def decode(colours: NDArray[np.uint8] | NDArray[np.uint16]) -> Floats:
+    """Return the unit normals of colours, (..., 3), undoing `encode` to half a level.
+
+    >>> decode(np.array([255, 128, 128], dtype=np.uint8)).round(2).tolist()
+    [1.0, 0.0, 0.0]
+    """
+    top = np.iinfo(colours.dtype).max
+    return normalize(colours.astype(np.float32) / top * 2 - 1)
+
+
+def flip_green(normals: Floats) -> Floats:
+    """Turn y up (OpenGL) into y down (DirectX) or back, on vectors (..., 3)."""
+    return normals * np.array([1, -1, 1], dtype=np.float32)
+
+
+def paint_flat(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
+    """Return the map (H, W, 3) with (0, 0, 1), what engines take as no relief, off the object."""
+    return np.where(mask[..., None], normals, np.array([0, 0, 1], dtype=np.float32))
+
+
+def write_png(path: str | Path, normals: NDArray[np.floating], bits: Bits = 8) -> None:
+    """Write a normal map (H, W, 3) as an RGB PNG of 8 or 16 bits a channel.
+
+    It is written under a temporary name first, so that no half-written file is left.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    import cv2  # here, because decoding and encoding in memory does not need it
+
+    done, buffer = cv2.imencode(".png", encode(normals, bits)[..., ::-1])
+    if not done:
+        raise OSError(f"the normal map for {path} could not be encoded as PNG.")
+    write_bytes(path, buffer.tobytes())
+
+
+def write_bytes(path: str | Path, content: bytes) -> None:
+    """Write a file whole or not at all, making its folder where missing."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        temporary.write_bytes(content)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def read_png(path: str | Path) -> tuple[Floats, Floats]:
+    """Read a normal map of 8 or 16 bits a channel.
+
+    Returns:
+        Unit normals (H, W, 3) and opacity (H, W) in [0, 1], which is 1 where the file has no alpha.
+
+    Raises:
+        InputError: if there is no such file or it is not a colour image of 8 or 16 bits.
+    """
+    import cv2
+
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"there is no normal map at {path}.")
+    pixels: Any = (
+        cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
+        if path.stat().st_size
+        else None
+    )
+    if pixels is None:
+        raise InputError(f"{path} is not an image that can be read; a normal map is a PNG of 8 or 16 bits.")
+    if pixels.ndim != 3 or pixels.dtype not in {np.dtype(np.uint8), np.dtype(np.uint16)}:
+        raise InputError(f"{path} has no colours of 8 or 16 bits; a normal map is an RGB or RGBA PNG.")
+    top = np.float32(np.iinfo(pixels.dtype).max)
+    alpha = pixels[..., 3] / top if pixels.shape[2] == 4 else np.ones(pixels.shape[:2])
+    return decode(pixels[..., 2::-1]), alpha.astype(np.float32)
