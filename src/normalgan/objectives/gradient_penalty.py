@@ -53,9 +53,8 @@ class WassersteinGradientPenalty(AdversarialObjective):
         """Return λ E (‖∇D(x)‖₂ - 1)², x drawn on the lines between true and painted maps."""
         share = torch.rand(len(real), 1, 1, 1, device=real.device, dtype=real.dtype)
         between = (share * real + (1 - share) * fake).requires_grad_()
-        # Sum over samples, mean over the elements of each head: a score per sample, as in the paper.
-        score = sum(
-            (head.flatten(1).mean(1).sum() for head in (heads := critic(between))), real.new_zeros(())
-        )
-        (gradient,) = torch.autograd.grad(score / len(heads), between, create_graph=True)
-        return self.gradient_penalty * (gradient.flatten(1).norm(dim=1) - 1).square().mean()
+        # A score a sample (the mean over its elements and heads), summed: samples do not share gradients.
+        score = torch.stack([head.flatten(1).mean(1) for head in critic(between)]).mean(0).sum()
+        (gradient,) = torch.autograd.grad(score, between, create_graph=True)
+        penalty: Tensor = self.gradient_penalty * (gradient.flatten(1).norm(dim=1) - 1).square().mean()
+        return penalty
