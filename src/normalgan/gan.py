@@ -1,0 +1,251 @@
+"""NormalGAN: the LightningModule, with the optimisation of both networks by hand."""
+
+import hashlib
+from collections.abc import Callable
+from typing import cast
+
+import torch
+from lightning.pytorch import LightningModule
+from lightning.pytorch.cli import OptimizerCallable
+from lightning.pytorch.core.optimizer import LightningOptimizer
+from torch import Tensor, nn
+from torch.optim import Optimizer, RMSprop
+from torch.optim.lr_scheduler import LRScheduler
+
+from normalgan.batch import Batch, Sketches
+from normalgan.errors import InputError
+from normalgan.hints import HintSampler, hints_at
+from normalgan.metrics import normal_map_metrics, without_hints
+from normalgan.models import Discriminator, Generator
+from normalgan.models.condition import make_condition, paste_hints
+from normalgan.objectives import AdversarialObjective, hint_loss, l1_loss
+
+
+def _rmsprop(parameters: object) -> Optimizer:
+    return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
+
+
+def derive_seed(*parts: int | str) -> int:
+    """Return a seed that depends on every part and on nothing else, the same on every machine."""
+    return int.from_bytes(hashlib.sha256(repr(parts).encode()).digest()[:7], "little")
+
+
+class NormalGAN(LightningModule):
+    """Paints a normal map from a sketch and hints, and learns to against a discriminator.
+
+    All randomness of a training step (dropout, hints, the gradient penalty) is seeded by the number of the
+    step, so that a run that was killed and resumed ends in the same weights as one that was not.
+
+    Args:
+        generator: paints the map.
+        discriminator: tells painted maps from true ones; None trains on the reconstruction losses alone.
+        hint_sampler: plays the designer who gives hints, in training and testing. A batch that brings hints
+            of its own is not asked again; when predicting there are no others.
+        objective: what discriminator and generator want of the scores.
+        generator_optimizer: optimiser of the generator.
+        discriminator_optimizer: optimiser of the discriminator.
+        lr_scheduler: schedule of both learning rates, stepped after each epoch; None keeps them constant.
+        adversarial_weight: weight of the objective's generator loss.
+        l1_weight: weight of the L1 loss (a mean over pixels and channels).
+        hint_weight: weight of the hint loss (a mean over hints, a sum over channels).
+        n_critic: discriminator steps to each generator step; one batch each.
+        noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
+        seed: of the hints and the noise.
+
+    References:
+        He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling".
+    """
+
+    def __init__(
+        self,
+        generator: Generator,
+        discriminator: Discriminator | None,
+        hint_sampler: HintSampler,
+        objective: AdversarialObjective,
+        generator_optimizer: OptimizerCallable = _rmsprop,
+        discriminator_optimizer: OptimizerCallable = _rmsprop,
+        lr_scheduler: Callable[[Optimizer], LRScheduler] | None = None,
+        adversarial_weight: float = 1.0,
+        l1_weight: float = 500.0,
+        hint_weight: float = 15.0,
+        n_critic: int = 5,
+        noise_at_test: bool = False,
+        seed: int = 0,
+    ) -> None:
+        super().__init__()
+        if n_critic < 1:
+            raise InputError(f"n_critic must be 1 or more, not {n_critic}.")
+        for name, weight in (("adversarial", adversarial_weight), ("l1", l1_weight), ("hint", hint_weight)):
+            if weight < 0:
+                raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
+        if discriminator is not None:
+            objective.check(discriminator)
+        self.save_hyperparameters()
+        self.automatic_optimization = False
+        self.generator = generator
+        self.discriminator = discriminator
+        self.hint_sampler = hint_sampler
+        self.objective = objective
+        self.generator_optimizer = generator_optimizer
+        self.discriminator_optimizer = discriminator_optimizer
+        self.lr_scheduler = lr_scheduler
+        self.adversarial_weight = adversarial_weight
+        self.l1_weight = l1_weight
+        self.hint_weight = hint_weight
+        self.n_critic = n_critic
+        self.noise_at_test = noise_at_test
+        self.seed = seed
+        self.val_metrics = nn.ModuleDict(
+            {name: normal_map_metrics(f"val/{name}/") for name in ("hints", "no_hints")}
+        )
+        self.test_metrics = nn.ModuleDict(
+            {name: normal_map_metrics(f"test/{name}/") for name in ("hints", "unhinted", "no_hints")}
+        )
+
+    # --- painting -------------------------------------------------------------------------------------
+
+    def forward(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
+        """Paint normal maps.
+
+        Args:
+            sketch: (N, 1, H, W) in [0, 1], ink 1.
+            hints: (N, 4, H, W) normals at the hints and where they are; None for none.
+
+        Returns:
+            (N, 3, H, W) in [-1, 1], of about unit length on the object and of none off it.
+        """
+        if hints is None:
+            hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
+        painted: Tensor = self.generator(make_condition(sketch, hints))
+        return painted
+
+    def draw_hints(self, batch: Batch, seed: int) -> Tensor:
+        """Return the hints (N, 4, H, W) of a batch: its own, or else the sampler's under a seed."""
+        if "hints" in batch:
+            return batch["hints"]
+        rng = torch.Generator(device=batch["normal"].device).manual_seed(seed)
+        where = self.hint_sampler.sample(batch["normal"], batch["mask"], rng)
+        return hints_at(batch["normal"], where)
+
+    # --- training -------------------------------------------------------------------------------------
+
+    def training_step(self, batch: Batch, batch_idx: int) -> None:
+        """Step the discriminator, and with every n-th batch the generator."""
+        step = self.trainer.fit_loop.total_batch_idx  # goes on counting through epochs; batch_idx does not
+        seed = derive_seed("train", self.seed, step, self.global_rank)
+        torch.manual_seed(seed)
+        hints = self.draw_hints(batch, seed)
+        condition = make_condition(batch["sketch"], hints)
+        generates = self.discriminator is None or step % self.n_critic == self.n_critic - 1
+        with torch.set_grad_enabled(generates):
+            painted: Tensor = self.generator(condition)
+        fake = paste_hints(painted, hints)
+        if self.discriminator is not None:
+            self._step_discriminator(self.discriminator, condition, batch["normal"], fake.detach())
+        if generates:
+            self._step_generator(condition, batch["normal"], painted, fake, hints[:, 3:])
+
+    def _step_discriminator(
+        self, discriminator: Discriminator, condition: Tensor, real: Tensor, fake: Tensor
+    ) -> None:
+        optimizer = self._optimizers()[1]
+        with self.toggled_optimizer(optimizer):
+            # Two passes: in one, batch norm would mix the statistics of true and painted maps.
+            loss = self.objective.discriminator_loss(
+                discriminator(condition, real), discriminator(condition, fake)
+            )
+            penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
+            optimizer.zero_grad()
+            self.manual_backward(loss + penalty)
+            optimizer.step()
+            self.objective.after_discriminator_step(discriminator)
+        self.log("train/discriminator", loss.detach(), prog_bar=True)
+
+    def _step_generator(
+        self, condition: Tensor, real: Tensor, painted: Tensor, fake: Tensor, where: Tensor
+    ) -> None:
+        optimizer = self._optimizers()[0]
+        with self.toggled_optimizer(optimizer):
+            losses = {"l1": l1_loss(painted, real), "hint": hint_loss(painted, real, where)}
+            loss = self.l1_weight * losses["l1"] + self.hint_weight * losses["hint"]
+            if self.discriminator is not None:
+                losses["adversarial"] = self.objective.generator_loss(self.discriminator(condition, fake))
+                loss = loss + self.adversarial_weight * losses["adversarial"]
+            optimizer.zero_grad()
+            self.manual_backward(loss)
+            optimizer.step()
+        self.log_dict({f"train/{name}": value.detach() for name, value in losses.items()})
+        self.log("l1", losses["l1"].detach(), prog_bar=True, logger=False)
+
+    def on_train_epoch_end(self) -> None:
+        """Step the learning rates: Lightning leaves that to manual optimisation."""
+        schedulers = self.lr_schedulers()
+        for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
+            if scheduler is not None:
+                cast(LRScheduler, scheduler).step()
+
+    def configure_optimizers(self) -> tuple[list[Optimizer], list[LRScheduler]]:
+        """Return the optimisers of the generator and of the discriminator, in this order."""
+        optimizers = [self.generator_optimizer(self.generator.parameters())]
+        if self.discriminator is not None:
+            optimizers.append(self.discriminator_optimizer(self.discriminator.parameters()))
+        return optimizers, [self.lr_scheduler(o) for o in optimizers] if self.lr_scheduler else []
+
+    def _optimizers(self) -> list[LightningOptimizer]:
+        optimizers = self.optimizers()
+        return cast(list[LightningOptimizer], optimizers if isinstance(optimizers, list) else [optimizers])
+
+    # --- measuring and predicting ---------------------------------------------------------------------
+
+    def validation_step(self, batch: Batch, batch_idx: int) -> None:
+        """Measure with the sampler's hints, the same ones every epoch, and with none."""
+        hints = self.draw_hints(batch, derive_seed("validate", self.seed, batch_idx, self.global_rank))
+        self._measure(self.val_metrics, "hints", batch, hints)
+        self._measure(self.val_metrics, "no_hints", batch, None)
+
+    def on_validation_epoch_end(self) -> None:
+        """Log the metrics of the validation split."""
+        self._log_metrics(self.val_metrics)
+
+    def test_step(self, batch: Batch, batch_idx: int) -> None:
+        """Measure with the sampler's hints, also without the hinted pixels, and with no hints."""
+        hints = self.draw_hints(batch, derive_seed("test", self.seed, batch_idx, self.global_rank))
+        preds = self._measure(self.test_metrics, "hints", batch, hints)
+        unhinted = without_hints(batch["mask"], hints[:, 3:])
+        self.test_metrics["unhinted"].update(preds, batch["normal"], unhinted)
+        self._measure(self.test_metrics, "no_hints", batch, None)
+
+    def on_test_epoch_end(self) -> None:
+        """Log the metrics of the test split."""
+        self._log_metrics(self.test_metrics)
+
+    def predict_step(self, batch: Sketches, batch_idx: int) -> Tensor:
+        """Return painted normals (N, 3, H, W), with the user's hints if there are any."""
+        painted: Tensor = self(batch["sketch"], batch.get("hints"))
+        return painted.float()
+
+    def _measure(self, metrics: nn.ModuleDict, name: str, batch: Batch, hints: Tensor | None) -> Tensor:
+        preds: Tensor = self(batch["sketch"], hints).float()
+        metrics[name].update(preds, batch["normal"], batch["mask"])
+        return preds
+
+    def _log_metrics(self, metrics: nn.ModuleDict) -> None:
+        for collection in metrics.values():
+            self.log_dict(collection.compute(), sync_dist=False)  # torchmetrics has reduced them already
+            collection.reset()
+
+    def on_test_model_eval(self) -> None:
+        """Switch to evaluation, but keep the noise on if asked."""
+        super().on_test_model_eval()
+        self._keep_noise()
+
+    def on_predict_model_eval(self) -> None:
+        """Switch to evaluation, but keep the noise on if asked."""
+        super().on_predict_model_eval()
+        self._keep_noise()
+
+    def _keep_noise(self) -> None:
+        if self.noise_at_test:
+            for module in self.generator.modules():
+                if isinstance(module, nn.Dropout):
+                    module.train()

@@ -1,0 +1,153 @@
+import pytest
+import torch
+from torch import Tensor
+
+from normalgan.batch import Batch
+from normalgan.data.augmentation import Augmentation, change_width, drop_lines, wobble
+from normalgan.errors import InputError
+
+SIZE = 128
+STILL = {"flip": 0.0, "rotation": 0.0, "scale": (1.0, 1.0), "translation": 0.0}
+CLEAN = {"jitter": 0.0, "dropout": 0.0, "width": 0.0}
+
+
+def sphere(samples: int = 4) -> Batch:
+    """A sphere in the middle: any turn or mirroring leaves its normal map as it is."""
+    along = (torch.arange(SIZE) - (SIZE - 1) / 2) / 44
+    x, y = along[None, :].expand(SIZE, SIZE), -along[:, None].expand(SIZE, SIZE)
+    mask = (x**2 + y**2 < 1).float()
+    normal = torch.stack([x, y, (1 - x**2 - y**2).clamp(min=0).sqrt()]) * mask
+    sketch = ((x**2 + y**2).sqrt() - 1).abs().lt(0.03).float()
+    return {
+        "sketch": sketch.expand(samples, 1, SIZE, SIZE),
+        "normal": normal.expand(samples, 3, SIZE, SIZE),
+        "mask": mask.expand(samples, 1, SIZE, SIZE),
+    }
+
+
+def mean_error(preds: Tensor, target: Tensor, mask: Tensor) -> float:
+    error = torch.rad2deg(
+        torch.atan2(torch.linalg.cross(preds, target, dim=1).norm(dim=1), (preds * target).sum(1))
+    )
+    return float(error[mask[:, 0] > 0].mean())
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [{"flip": 1.0}, {"rotation": 60.0}, {"flip": 0.5, "rotation": 180.0}],
+    ids=["flip", "turn", "both"],
+)
+def test_a_sphere_stays_a_sphere(motion: dict[str, float]) -> None:
+    batch = sphere(8)
+    moved = Augmentation(**{**STILL, **CLEAN, **motion})(batch, seed=1)  # type: ignore[arg-type]
+    both = moved["mask"] * batch["mask"]
+    assert both.sum() / batch["mask"].sum() > 0.98
+    assert mean_error(moved["normal"], batch["normal"], both) < 0.2
+
+
+@pytest.mark.parametrize("motion", [{"flip": 1.0}, {"rotation": 60.0}], ids=["flip", "turn"])
+def test_the_sphere_test_can_fail(motion: dict[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("normalgan.data.augmentation.turn_normals", lambda normal, transform: normal)
+    batch = sphere(8)
+    moved = Augmentation(**{**STILL, **CLEAN, **motion})(batch, seed=1)  # type: ignore[arg-type]
+    assert mean_error(moved["normal"], batch["normal"], moved["mask"] * batch["mask"]) > 10
+
+
+def test_a_mirrored_slope_leans_the_other_way() -> None:
+    batch = sphere(1)
+    batch["normal"] = torch.tensor([0.6, 0.48, 0.64]).view(1, 3, 1, 1) * batch["mask"]
+    moved = Augmentation(**{**STILL, **CLEAN, "flip": 1.0})(batch, seed=0)  # type: ignore[arg-type]
+    middle = moved["normal"][0, :, SIZE // 2, SIZE // 2]
+    torch.testing.assert_close(middle, torch.tensor([-0.6, 0.48, 0.64]), atol=1e-4, rtol=0)
+
+
+def test_a_turned_slope_turns_with_its_place() -> None:
+    # The direction in the picture from the centre to a dot, and the slope painted on it, must stay one.
+    batch = sphere(6)
+    outward = batch["normal"].clone()
+    outward[:, 2] = 0
+    batch["normal"] = torch.nn.functional.normalize(outward, dim=1) * batch["mask"]
+    dot = torch.zeros(6, 1, SIZE, SIZE)
+    dot[:, :, 40:44, 90:94] = 1
+    batch["sketch"] = dot
+    moved = Augmentation(**{**STILL, **CLEAN, "rotation": 170.0})(batch, seed=3)  # type: ignore[arg-type]
+    for sketch, normal in zip(moved["sketch"], moved["normal"], strict=True):
+        row, column = (int(v) for v in (sketch[0] == sketch.max()).nonzero()[0])
+        place = torch.tensor([column - (SIZE - 1) / 2, (SIZE - 1) / 2 - row])
+        assert torch.dot(place / place.norm(), normal[:2, row, column]) > 0.99
+
+
+def test_normals_stay_of_unit_length_and_on_the_object() -> None:
+    moved = Augmentation()(sphere(), seed=0)
+    length = moved["normal"].norm(dim=1, keepdim=True)
+    torch.testing.assert_close(length, moved["mask"], atol=1e-4, rtol=0)
+    assert set(moved["mask"].unique().tolist()) == {0.0, 1.0}
+    assert moved["sketch"].min() >= 0
+    assert moved["sketch"].max() <= 1
+
+
+def test_scale_and_translation_move_sketch_and_mask_together() -> None:
+    batch = sphere()
+    batch["sketch"] = batch["mask"].clone()
+    settings = {**STILL, **CLEAN, "scale": (0.7, 0.8), "translation": 0.1}
+    moved = Augmentation(**settings)(batch, seed=0)  # type: ignore[arg-type]
+    assert (moved["sketch"] - moved["mask"]).abs().mean() < 0.01
+    assert not torch.equal(moved["mask"], batch["mask"])
+
+
+def test_seed_decides_and_global_state_is_left_alone() -> None:
+    batch = sphere()
+    torch.manual_seed(5)
+    expected = torch.rand(3)
+    torch.manual_seed(5)
+    first, again, other = (Augmentation()(batch, seed)["sketch"] for seed in (1, 1, 2))
+    assert torch.equal(torch.rand(3), expected)
+    assert torch.equal(first, again)
+    assert not torch.equal(first, other)
+
+
+def test_samples_of_a_batch_are_changed_each_in_its_own_way() -> None:
+    moved = Augmentation()(sphere(2), seed=0)
+    assert not torch.equal(moved["normal"][0], moved["normal"][1])
+    assert not torch.equal(moved["sketch"][0], moved["sketch"][1])
+
+
+def test_roughening_touches_the_sketch_alone() -> None:
+    batch = sphere()
+    moved = Augmentation(**STILL, jitter=3, dropout=0.2, width=1.0)(batch, seed=0)  # type: ignore[arg-type]
+    torch.testing.assert_close(moved["normal"], batch["normal"], atol=1e-5, rtol=0)
+    assert (moved["sketch"] - batch["sketch"]).abs().mean() > 1e-3
+
+
+def test_strength_zero_leaves_the_lines_alone() -> None:
+    sketch = sphere()["sketch"]
+    torch.testing.assert_close(wobble(sketch, 0.0), sketch, atol=1e-4, rtol=0)
+    torch.testing.assert_close(drop_lines(sketch, 0.0), sketch)
+    torch.testing.assert_close(change_width(sketch, 0.0), sketch)
+
+
+def test_wobble_moves_lines_by_its_strength() -> None:
+    torch.manual_seed(0)
+    ramp = torch.arange(SIZE).float().expand(8, 1, SIZE, SIZE)
+    inner = (slice(None), slice(None), slice(20, -20), slice(20, -20))
+    assert 1.0 < float((wobble(ramp, 2.0) - ramp)[inner].std()) < 2.5
+
+
+def test_dropped_share_is_bounded() -> None:
+    torch.manual_seed(0)
+    gone = 1 - drop_lines(torch.ones(64, 1, SIZE, SIZE), 0.3).mean(dim=(1, 2, 3))
+    assert gone.max() <= 0.3
+    assert gone.mean() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"flip": 2.0}, "flip must be between 0 and 1, not 2.0"),
+        ({"scale": (1.2, 0.8)}, "two positive numbers in order"),
+        ({"rotation": -1.0}, "0 or more"),
+    ],
+)
+def test_settings_are_checked(settings: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Augmentation(**settings)  # type: ignore[arg-type]
