@@ -1,0 +1,76 @@
+"""Framing: the square of a drawing that a model is shown, and the way back."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.normals import Floats, normalize
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The square of a drawing that a model is shown, and the way back.
+
+    Args:
+        shape: (H, W) of the drawing.
+        left: x of the square's left edge in pixels of the drawing; may be negative.
+        top: y of its top edge; may be negative.
+        side: its side in pixels of the drawing.
+        size: its side in pixels of the model.
+    """
+
+    shape: tuple[int, ...]
+    left: float
+    top: float
+    side: float
+    size: int
+
+    @classmethod
+    def around(cls, ink: Floats, size: int, margin: float = 0.06) -> Self:
+        """Return the frame that holds the lines of a drawing (H, W) as training samples are held.
+
+        Args:
+            ink: the drawing.
+            size: side of the model's pictures.
+            margin: share of the frame left free at each side.
+        """
+        rows, columns = np.flatnonzero((ink > 0.1).any(1)), np.flatnonzero((ink > 0.1).any(0))
+        top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+        side = max(bottom - top, right - left) / (1 - 2 * margin)
+        return cls(ink.shape, (left + right - side) / 2, (top + bottom - side) / 2, side, size)
+
+    def cut(self, ink: Floats) -> Floats:
+        """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1]."""
+        # Averaging over areas keeps thin lines; it needs whole pixels, so first the square is cut out.
+        side = round(self.side)
+        left, top = round(self.left), round(self.top)
+        square = np.zeros((side, side), np.float32)
+        h, w = self.shape
+        x0, y0, x1, y1 = max(left, 0), max(top, 0), min(left + side, w), min(top + side, h)
+        square[y0 - top : y1 - top, x0 - left : x1 - left] = ink[y0:y1, x0:x1]
+        method = cv2.INTER_AREA if side > self.size else cv2.INTER_LINEAR
+        return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
+
+    def cut_hints(self, normals: Floats, where: NDArray[np.bool_]) -> Floats:
+        """Return hints (4, size, size) for the model: unit normals, averaged where they meet, and where."""
+        rows, columns = np.nonzero(where)
+        x = np.floor((columns + 0.5 - round(self.left)) * self.size / round(self.side)).astype(int)
+        y = np.floor((rows + 0.5 - round(self.top)) * self.size / round(self.side)).astype(int)
+        inside = (x >= 0) & (x < self.size) & (y >= 0) & (y < self.size)
+        total = np.zeros((self.size, self.size, 3), np.float32)
+        np.add.at(total, (y[inside], x[inside]), normals[rows[inside], columns[inside]])
+        unit = normalize(total)
+        hinted = (np.abs(unit).sum(-1, keepdims=True) > 0).astype(np.float32)
+        return np.concatenate([unit, hinted], axis=-1).transpose(2, 0, 1)
+
+    def restore(self, painted: Floats) -> Floats:
+        """Bring what the model painted, (size, size, C), to the drawing's own place and size, (H, W, C)."""
+        scale = round(self.side) / self.size
+        # Maps pixel centres of the model to those of the drawing.
+        x0, y0 = round(self.left) + (scale - 1) / 2, round(self.top) + (scale - 1) / 2
+        placed = np.array([[scale, 0, x0], [0, scale, y0]], np.float64)
+        h, w = self.shape
+        return np.asarray(cv2.warpAffine(painted, placed, (w, h), flags=cv2.INTER_LINEAR), np.float32)

@@ -1,0 +1,109 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from normalgan import normals
+from normalgan.errors import InputError
+from normalgan.normals import Bits
+
+angles = st.floats(-np.pi, np.pi)
+
+
+def hemisphere(size: int = 64) -> normals.Floats:
+    y, x = (1 - 2 * np.mgrid[:size, :size][0] / (size - 1)), 2 * np.mgrid[:size, :size][1] / (size - 1) - 1
+    z = np.sqrt(np.clip(1 - x**2 - y**2, 0, None))
+    return normals.normalize(np.stack([x, y, z], -1))
+
+
+@given(angles, angles)
+def test_decoding_undoes_encoding(azimuth: float, elevation: float) -> None:
+    n = np.array(
+        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+    )
+    for bits, tolerance in ((8, 0.5), (16, 0.002)):
+        back = normals.decode(normals.encode(n, bits))  # type: ignore[arg-type]
+        assert np.rad2deg(np.arccos(np.clip(back @ n, -1, 1))) < tolerance + 0.03  # float32 arccos
+
+
+def test_flat_is_128_and_zero_too() -> None:
+    assert normals.encode(np.array([0.0, 0.0, 1.0])).tolist() == [128, 128, 255]
+    assert normals.encode(np.zeros(3), 16).tolist() == [32768] * 3
+
+
+def test_axes_are_opengl() -> None:
+    colours = normals.encode(np.eye(3))
+    assert colours.tolist() == [[255, 128, 128], [128, 255, 128], [128, 128, 255]]
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_files_keep_normals(tmp_path: Path, bits: Bits) -> None:
+    truth = hemisphere()
+    normals.write_png(tmp_path / "map.png", truth, bits)
+    back, alpha = normals.read_png(tmp_path / "map.png")
+    angle = np.rad2deg(np.arctan2(np.linalg.norm(np.cross(truth, back), axis=-1), (truth * back).sum(-1)))
+    assert angle.max() < (0.5 if bits == 8 else 0.002)
+    assert (alpha == 1).all()
+    assert [p.name for p in tmp_path.iterdir()] == ["map.png"]  # no temporary file is left
+
+
+def test_channels_are_in_order_for_other_programs(tmp_path: Path) -> None:
+    red = np.broadcast_to(np.array([1.0, 0.0, 0.0]), (4, 4, 3))
+    normals.write_png(tmp_path / "map.png", red)
+    with Image.open(tmp_path / "map.png") as image:
+        assert image.mode == "RGB"
+        assert image.getpixel((0, 0)) == (255, 128, 128)
+
+
+def test_alpha_is_read(tmp_path: Path) -> None:
+    Image.new("RGBA", (4, 4), (128, 128, 255, 51)).save(tmp_path / "map.png")
+    flat, alpha = normals.read_png(tmp_path / "map.png")
+    assert np.allclose(flat, (0, 0, 1), atol=0.01)
+    assert np.allclose(alpha, 0.2)
+
+
+def test_green_flips_to_directx_and_back() -> None:
+    n = hemisphere()
+    assert (normals.flip_green(n)[..., 1] == -n[..., 1]).all()
+    assert (normals.flip_green(normals.flip_green(n)) == n).all()
+
+
+def test_flat_is_painted_off_the_object_alone() -> None:
+    mask = np.array([[True, False]])
+    painted = normals.paint_flat(np.array([[[1.0, 0, 0], [0, 0, 0]]], np.float32), mask)
+    assert painted.tolist() == [[[1, 0, 0], [0, 0, 1]]]
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    normals.write_png(tmp_path / "map.png", hemisphere())
+    before = (tmp_path / "map.png").read_bytes()
+
+    def full(self: Path, content: bytes) -> int:
+        with self.open("wb") as file:
+            file.write(content[: len(content) // 2])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        normals.write_png(tmp_path / "map.png", -hemisphere())
+    assert (tmp_path / "map.png").read_bytes() == before
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize(
+    ("content", "message"), [(b"", "not an image"), (b"hello", "not an image"), (None, "no normal map at")]
+)
+def test_bad_files_are_said(tmp_path: Path, content: bytes | None, message: str) -> None:
+    if content is not None:
+        (tmp_path / "map.png").write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        normals.read_png(tmp_path / "map.png")
+
+
+def test_a_grey_picture_is_no_normal_map(tmp_path: Path) -> None:
+    Image.new("L", (4, 4)).save(tmp_path / "map.png")
+    with pytest.raises(InputError, match="RGB or RGBA"):
+        normals.read_png(tmp_path / "map.png")
