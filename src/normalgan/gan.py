@@ -127,6 +127,14 @@ class NormalGAN(LightningModule):
         where = self.hint_sampler.sample(batch["normal"], batch["mask"], rng)
         return hints_at(batch["normal"], where)
 
+    def validation_hints(self, batch: Batch, batch_idx: int) -> Tensor:
+        """Return the hints (N, 4, H, W) that validation gives with a batch, the same every epoch."""
+        return self.draw_hints(batch, derive_seed("validate", self.seed, batch_idx, self.global_rank))
+
+    def test_hints(self, batch: Batch, batch_idx: int) -> Tensor:
+        """Return the hints (N, 4, H, W) that testing gives with a batch."""
+        return self.draw_hints(batch, derive_seed("test", self.seed, batch_idx, self.global_rank))
+
     # --- training -------------------------------------------------------------------------------------
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
@@ -199,7 +207,7 @@ class NormalGAN(LightningModule):
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, the same ones every epoch, and with none."""
-        hints = self.draw_hints(batch, derive_seed("validate", self.seed, batch_idx, self.global_rank))
+        hints = self.validation_hints(batch, batch_idx)
         self._measure(self.val_metrics, "hints", batch, hints)
         self._measure(self.val_metrics, "no_hints", batch, None)
 
@@ -209,7 +217,7 @@ class NormalGAN(LightningModule):
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, also without the hinted pixels, and with no hints."""
-        hints = self.draw_hints(batch, derive_seed("test", self.seed, batch_idx, self.global_rank))
+        hints = self.test_hints(batch, batch_idx)
         preds = self._measure(self.test_metrics, "hints", batch, hints)
         unhinted = without_hints(batch["mask"], hints[:, 3:])
         self.test_metrics["unhinted"].update(preds, batch["normal"], unhinted)

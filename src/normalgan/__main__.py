@@ -1,0 +1,84 @@
+"""The front door: turns whatever happens inside into an exit code and, if it went wrong, one sentence.
+
+0: done. 2: something that was given cannot be used. 1: it failed while running. 130: stopped by Ctrl-C.
+"""
+
+import errno
+import os
+import sys
+
+from normalgan import __version__
+from normalgan.errors import InputError, brief
+
+USAGE = """\
+normalgan: from a line sketch to a surface normal map
+
+Usage: normalgan COMMAND [--config FILE]... [options]
+
+Commands:
+  fit        train a generator on rendered meshes
+  validate   measure a checkpoint on the validation split
+  test       measure a checkpoint on the test split: table, baselines, gallery
+  predict    paint normal maps for sketches of your own
+  render     only render the training samples to disk
+
+normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
+"""
+COMMANDS = ("fit", "validate", "test", "predict", "render")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command and return its exit code.
+
+    Args:
+        arguments: what follows the program's name; None takes them from the command line.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if not arguments or arguments[0] in {"-h", "--help"}:
+        print(USAGE, end="")
+        return 0 if arguments else 2
+    if arguments[0] == "--version":
+        print(f"normalgan {__version__}")
+        return 0
+    if arguments[0] not in COMMANDS:
+        return _fail(f"no command named {arguments[0]!r}; the commands are {', '.join(COMMANDS)}.", 2)
+    try:
+        from normalgan.cli import run  # late: lightning takes seconds to import
+
+        return run(arguments)
+    except InputError as error:
+        return _fail(str(error), 2)
+    except KeyboardInterrupt:
+        return _fail("stopped.", 130)
+    except OSError as error:
+        return _fail(_explain(error), 1)
+    except MemoryError:
+        return _fail("out of memory; make data.batch_size, data.size or the networks' width smaller.", 1)
+    except Exception as error:
+        if os.environ.get("NORMALGAN_TRACEBACK"):
+            raise
+        return _fail(
+            f"failed while running: {type(error).__name__}: {brief(error)} "
+            "(set NORMALGAN_TRACEBACK=1 to see where).",
+            1,
+        )
+
+
+def _explain(error: OSError) -> str:
+    where = f" {error.filename}" if error.filename else ""
+    match error.errno:
+        case errno.ENOSPC:
+            return f"the disk is full{where and f' at{where}'}; free some space and run the command again."
+        case errno.EROFS | errno.EACCES | errno.EPERM:
+            return f"no permission to write{where}; choose another folder."
+        case _:
+            return f"failed while reading or writing{where}: {error.strerror or brief(error)}."
+
+
+def _fail(sentence: str, code: int) -> int:
+    print(f"normalgan: {sentence}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,54 @@
+"""PictureLogger: what the generator paints, in TensorBoard, as training goes on."""
+
+from io import BytesIO
+
+import numpy as np
+from lightning.pytorch import Callback, LightningModule, Trainer
+from lightning.pytorch.loggers import TensorBoardLogger
+from lightning.pytorch.utilities import rank_zero_only
+from PIL import Image
+
+from normalgan.batch import Batch
+from normalgan.callbacks.rows import batch_row
+from normalgan.errors import InputError
+from normalgan.gallery import draw_gallery
+from normalgan.gan import NormalGAN
+
+
+class PictureLogger(Callback):
+    """Logs a gallery of the first samples of the validation split.
+
+    Args:
+        every_n_epochs: how often.
+        samples: how many rows, at most one batch of them.
+    """
+
+    def __init__(self, every_n_epochs: int = 5, samples: int = 4) -> None:
+        if every_n_epochs < 1 or samples < 1:
+            raise InputError("the pictures' every_n_epochs and samples must be 1 or more.")
+        self.every_n_epochs = every_n_epochs
+        self.samples = samples
+
+    @rank_zero_only
+    def on_validation_batch_end(
+        self,
+        trainer: Trainer,
+        pl_module: LightningModule,
+        outputs: object,
+        batch: Batch,
+        batch_idx: int,
+        dataloader_idx: int = 0,
+    ) -> None:
+        """Log the gallery of the first batch when its epoch has come."""
+        due = (trainer.current_epoch + 1) % self.every_n_epochs == 0
+        logger = next((log for log in trainer.loggers if isinstance(log, TensorBoardLogger)), None)
+        if batch_idx or trainer.sanity_checking or not due or logger is None:
+            return
+        if not isinstance(pl_module, NormalGAN):
+            raise TypeError(f"PictureLogger draws what a NormalGAN paints, not a {type(pl_module).__name__}.")
+        hints = pl_module.validation_hints(batch, batch_idx)
+        preds = pl_module(batch["sketch"], hints)
+        rows = [batch_row(batch, i, hints, preds) for i in range(min(self.samples, len(preds)))]
+        with Image.open(BytesIO(draw_gallery(rows))) as png:
+            picture = np.asarray(png.convert("RGB"))
+        logger.experiment.add_image("val/gallery", picture, trainer.current_epoch, dataformats="HWC")

@@ -1,0 +1,44 @@
+"""Gallery rows out of batches: the same few samples whenever they are asked for."""
+
+import torch
+from torch import Tensor
+
+from normalgan.batch import Batch
+from normalgan.gallery import Row
+
+
+def spread(total: int, count: int) -> list[int]:
+    """Return ``count`` positions spread evenly over ``total`` samples, all of them if they are fewer.
+
+    >>> spread(10, 3)
+    [0, 4, 9]
+    >>> spread(2, 5)
+    [0, 1]
+    """
+    if total <= count:
+        return list(range(total))
+    return [round(i * (total - 1) / max(count - 1, 1)) for i in range(count)]
+
+
+def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor) -> Row:
+    """Return the gallery row of one sample of a batch.
+
+    Args:
+        batch: N samples.
+        index: which of them.
+        hints: (N, 4, H, W) the generator was given.
+        preds: (N, 3, H, W) it painted.
+    """
+
+    def array(tensor: Tensor) -> Tensor:
+        return tensor[index].detach().to("cpu", torch.float32)
+
+    names = batch.get("name")
+    return Row(
+        title=names[index] if names else "",
+        sketch=array(batch["sketch"])[0].numpy(),
+        hints=array(hints).numpy(),
+        preds=array(preds).numpy(),
+        target=array(batch["normal"]).numpy(),
+        mask=array(batch["mask"])[0].numpy() > 0.5,
+    )

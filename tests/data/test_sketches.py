@@ -1,0 +1,73 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from normalgan.data.sketches import SketchDataset, collate_sketches
+from normalgan.errors import InputError
+
+
+def draw(path: Path, width: int = 60, height: int = 40) -> Path:
+    grey = np.full((height, width), 255, np.uint8)
+    grey[10:30, 10:50] = 0
+    grey[13:27, 13:47] = 255
+    Image.fromarray(grey).save(path)
+    return path
+
+
+def paint_hint(path: Path, x: int = 30, y: int = 20) -> None:
+    image = Image.new("RGBA", (60, 40), (0, 0, 0, 0))
+    image.putpixel((x, y), (128, 128, 255, 255))
+    image.save(path)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "drawings").mkdir()
+    (tmp_path / "hints").mkdir()
+    for name in ("cat", "dog"):
+        draw(tmp_path / "drawings" / f"{name}.png")
+    return tmp_path
+
+
+def test_drawings_without_hints(folder: Path) -> None:
+    dataset = SketchDataset(str(folder / "drawings"), 32)
+    batch = collate_sketches([dataset[0], dataset[1]])
+    assert batch["sketch"].shape == (2, 1, 32, 32)
+    assert batch["sketch"].max() > 0.9
+    assert batch["hints"].shape == (2, 4, 32, 32)
+    assert not batch["hints"].any()
+    assert batch["name"] == ["cat", "dog"]
+
+
+@pytest.mark.parametrize("name", ["dog.png", "dog_hints.png"])
+def test_hints_find_their_drawing(folder: Path, name: str) -> None:
+    paint_hint(folder / "hints" / name)
+    dataset = SketchDataset(str(folder / "drawings"), 32, str(folder / "hints"))
+    cat, dog = dataset[0], dataset[1]
+    assert not cat["hints"].any()
+    assert dog["hints"][3].sum() == 1
+    assert dog["hints"][2].max() > 0.99
+
+
+def test_hints_may_lie_beside_the_drawings_by_their_own_name(folder: Path) -> None:
+    sketches = [str(folder / "drawings" / f"{name}.png") for name in ("cat", "dog")]
+    paint_hint(folder / "drawings" / "cat_hints.png")
+    dataset = SketchDataset(sketches, 32, str(folder / "drawings"))
+    cat, dog = dataset[0], dataset[1]
+    assert cat["hints"][3].sum() == 1
+    assert not dog["hints"].any()
+
+
+def test_one_bad_drawing_is_said_at_once(folder: Path) -> None:
+    (folder / "drawings" / "zebra.png").write_text("stripes")
+    with pytest.raises(InputError, match=r"zebra\.png is not an image"):
+        SketchDataset(str(folder / "drawings"), 32)
+
+
+def test_hints_for_nothing_are_said(folder: Path) -> None:
+    with pytest.raises(InputError, match="holds no hints for any sketch"):
+        SketchDataset(str(folder / "drawings"), 32, str(folder / "hints"))
+    with pytest.raises(InputError, match="no folder of hints"):
+        SketchDataset(str(folder / "drawings"), 32, str(folder / "missing"))
