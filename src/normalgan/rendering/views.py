@@ -5,6 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.errors import InputError
+from normalgan.rendering.mesh import Mesh
+
+Doubles = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -20,9 +25,153 @@ class Camera:
         far: distance to the far plane, positive.
     """
 
-    rotation: NDArray[np.float64]
-    translation: NDArray[np.float64]
+    rotation: Doubles
+    translation: Doubles
     perspective: bool
     window: tuple[float, float, float, float]
     near: float
     far: float
+
+    def view_matrix(self) -> Doubles:
+        """Return the (4, 4) matrix from world to camera, for column vectors."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.rotation
+        matrix[:3, 3] = self.translation
+        return matrix
+
+    def projection_matrix(self) -> Doubles:
+        """Return the (4, 4) matrix from camera to OpenGL clip space, for column vectors.
+
+        The matrices of ``glFrustum`` and ``glOrtho`` (OpenGL 2.1 specification, section 2.11.2), the
+        window of the former given on the plane z = -1 instead of the near plane.
+        """
+        left, right, bottom, top = self.window
+        width, height, length = right - left, top - bottom, self.far - self.near
+        matrix = np.zeros((4, 4))
+        matrix[0, 0], matrix[1, 1] = 2 / width, 2 / height
+        column = 2 if self.perspective else 3
+        sign = 1 if self.perspective else -1
+        matrix[0, column] = sign * (right + left) / width
+        matrix[1, column] = sign * (top + bottom) / height
+        if self.perspective:
+            matrix[2, 2:] = -(self.far + self.near) / length, -2 * self.far * self.near / length
+            matrix[3, 2] = -1
+        else:
+            matrix[2, 2:] = -2 / length, -(self.far + self.near) / length
+            matrix[3, 3] = 1
+        return matrix
+
+    def rays(self, size: int) -> tuple[Doubles, Doubles]:
+        """Return where the line of sight of every pixel's centre starts and where it goes.
+
+        Returns:
+            origins: (size, size, 3) world positions on the camera plane, row 0 the top of the picture.
+            directions: (size, size, 3) world vectors as long as one unit of depth, so that the ``t`` of
+                ``origin + t * direction`` is what `Maps` calls depth.
+        """
+        left, right, bottom, top = self.window
+        steps = (np.arange(size) + 0.5) / size
+        x, y = np.meshgrid(left + (right - left) * steps, top + (bottom - top) * steps)
+        zero, one = np.zeros_like(x), np.ones_like(x)
+        if self.perspective:
+            start, heading = np.stack([zero, zero, zero], -1), np.stack([x, y, -one], -1)
+        else:
+            start, heading = np.stack([x, y, zero], -1), np.stack([zero, zero, -one], -1)
+        return (start - self.translation) @ self.rotation, heading @ self.rotation
+
+
+def look_at_origin(azimuth: float, elevation: float, roll: float) -> Doubles:
+    """Return the (3, 3) rotation, world to camera, of a camera that looks at the origin.
+
+    Args:
+        azimuth: degrees from +Z towards +X; at 0 the viewer stands at +Z and has +X on the right.
+        elevation: degrees above the horizon, +Y being up.
+        roll: degrees by which the picture is turned counter-clockwise.
+
+    Example:
+        >>> look_at_origin(90, 0, 0).round() @ [1, 0, 0]  # from +X, +X points at the viewer
+        array([0., 0., 1.])
+    """
+    a, e, r = np.deg2rad([azimuth, elevation, roll])
+    z = np.array([np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e)])
+    x = np.array([np.cos(a), 0.0, -np.sin(a)])
+    y = np.cross(z, x)
+    return np.stack([np.cos(r) * x - np.sin(r) * y, np.sin(r) * x + np.cos(r) * y, z])
+
+
+@dataclass(frozen=True)
+class Views:
+    """How views of an object are drawn at random: uniformly from ranges, always filling the frame.
+
+    Args:
+        azimuth: range in degrees of the viewer's turn about +Y; 0 is at +Z, with +X on the right.
+        elevation: range in degrees of the viewer's height above the horizon.
+        roll: range in degrees by which the picture is tilted, counter-clockwise positive.
+        perspective: share of perspective views, from 0 (all orthographic) to 1.
+        field_of_view: range in degrees of the angle under which the eye of a perspective view sees the
+            object's bounding sphere; the smaller, the farther the eye.
+        margin: part of the frame's side left free on each side of the object, from 0 to below 0.5.
+    """
+
+    azimuth: tuple[float, float] = (0.0, 360.0)
+    elevation: tuple[float, float] = (-10.0, 30.0)
+    roll: tuple[float, float] = (-5.0, 5.0)
+    perspective: float = 0.5
+    field_of_view: tuple[float, float] = (20.0, 50.0)
+    margin: float = 0.06
+
+    def __post_init__(self) -> None:
+        """Refuse what no camera can be drawn from."""
+        _check_range("azimuth", self.azimuth, -360.0, 360.0)
+        _check_range("elevation", self.elevation, -90.0, 90.0)
+        _check_range("roll", self.roll, -180.0, 180.0)
+        _check_range("field_of_view", self.field_of_view, 1.0, 120.0)
+        if not 0.0 <= self.perspective <= 1.0:
+            raise InputError(f"perspective is {self.perspective}; it is a share, from 0 to 1.")
+        if not 0.0 <= self.margin < 0.5:
+            raise InputError(f"margin is {self.margin}; it must lie from 0 to below 0.5.")
+
+    def camera(self, mesh: Mesh, rng: np.random.Generator) -> Camera:
+        """Draw a view of ``mesh`` that shows all of it, centred, ``margin`` away from the frame."""
+        # Five draws whatever comes out, so that one setting does not shift what the others draw.
+        azimuth, elevation, roll = (rng.uniform(*r) for r in (self.azimuth, self.elevation, self.roll))
+        perspective = bool(rng.random() < self.perspective)
+        field_of_view = rng.uniform(*self.field_of_view)
+        rotation = look_at_origin(azimuth, elevation, roll)
+        return framed(mesh.vertices, rotation, field_of_view if perspective else None, self.margin)
+
+
+def framed(
+    vertices: NDArray[np.floating], rotation: Doubles, field_of_view: float | None, margin: float
+) -> Camera:
+    """Return the camera of the given direction whose frame the projected vertices just fill.
+
+    Args:
+        vertices: (V, 3) world positions about the origin.
+        rotation: (3, 3) world to camera.
+        field_of_view: angle in degrees that the bounding sphere takes up in a perspective view; None for
+            an orthographic one.
+        margin: part of the frame's side left free on each side.
+    """
+    turned = vertices.astype(np.float64) @ rotation.T
+    radius = float(np.linalg.norm(turned, axis=1).max())
+    perspective = field_of_view is not None
+    distance = radius / np.sin(np.deg2rad(field_of_view) / 2) if field_of_view is not None else 2 * radius
+    seen = turned[:, :2] / (distance - turned[:, 2:]) if perspective else turned[:, :2]
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    unit = radius / distance if perspective else radius
+    # A line seen end on has no extent: the frame then shows a hundredth of the object around it.
+    side = max(float((high - low).max()), 0.01 * unit) / (1 - 2 * margin)
+    (x, y), half = (low + high) / 2, side / 2
+    window = (float(x - half), float(x + half), float(y - half), float(y + half))
+    # 1 % of slack, so that rounding cannot push the nearest or farthest point out of the depth range.
+    near, far = 0.99 * (distance - radius), 1.01 * (distance + radius)
+    return Camera(rotation, np.array([0.0, 0.0, -distance]), perspective, window, float(near), float(far))
+
+
+def _check_range(name: str, values: tuple[float, float], lowest: float, highest: float) -> None:
+    if len(values) != 2 or not lowest <= values[0] <= values[1] <= highest:
+        raise InputError(
+            f"{name} is {values}; it must be two angles, low then high, "
+            f"from {lowest:g} to {highest:g} degrees."
+        )

@@ -1,0 +1,6 @@
+"""Renderers: from a mesh and a camera to normal, depth and mask."""
+
+from normalgan.rendering.renderers.base import RENDERERS, Renderer
+from normalgan.rendering.renderers.embree import EmbreeRenderer
+
+__all__ = ["RENDERERS", "EmbreeRenderer", "Renderer"]

@@ -1,0 +1,89 @@
+"""Triangles out of a mesh file: every format that trimesh reads, scenes flattened, nothing repaired."""
+
+import logging
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError, brief
+
+if TYPE_CHECKING:
+    from trimesh import Scene, Trimesh
+
+Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
+
+SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
+"""The file formats taken, by suffix; upper case is as good."""
+
+
+def read_triangles(path: Path) -> Triangles:
+    """Return the vertices (V, 3) and faces (F, 3) of all meshes in a file, in the file's world axes.
+
+    Raises:
+        InputError: if the file cannot be read, or holds no triangle, or a coordinate that is no number.
+    """
+    parts = [_placed(mesh, matrix) for mesh, matrix in _meshes(_scene(path))]
+    if not any(len(faces) for _, faces in parts):
+        raise InputError(f"{path} holds no faces; a mesh of triangles is needed, not points or lines.")
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    vertices = np.concatenate([vertices for vertices, _ in parts])
+    faces = np.concatenate([faces + start for (_, faces), start in zip(parts, starts[:-1], strict=True)])
+    if not np.isfinite(vertices).all():
+        bad = int((~np.isfinite(vertices)).any(axis=1).sum())
+        raise InputError(f"{path} has {bad} vertices with a coordinate that is not a finite number.")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise InputError(f"{path} has a face that refers to a vertex that is not there; is it truncated?")
+    return vertices, faces
+
+
+def _scene(path: Path) -> "Scene":
+    if path.suffix.lower() not in SUFFIXES:
+        raise InputError(f"{path} is no mesh file; its name must end in one of {' '.join(SUFFIXES)}.")
+    if not path.is_file():
+        raise InputError(f"{path} does not exist or is not a file; name a mesh file.")
+    import trimesh  # takes a second: only when a mesh is read
+
+    try:
+        with _silence():
+            return trimesh.load_scene(path, process=False)
+    except Exception as error:  # whatever the many parsers raise on a broken file
+        raise InputError(
+            f"{path} cannot be read as a mesh: {type(error).__name__}: {brief(error)}"
+        ) from error
+
+
+def _meshes(scene: "Scene") -> Iterator[tuple["Trimesh", NDArray[np.float64]]]:
+    """Yield each mesh of the scene with its (4, 4) place; points and paths are passed over."""
+    import trimesh
+
+    for node in scene.graph.nodes_geometry:
+        matrix, name = scene.graph[node]
+        geometry = scene.geometry[name]
+        if isinstance(geometry, trimesh.Trimesh):
+            yield geometry, np.asarray(matrix, dtype=np.float64)
+
+
+def _placed(mesh: "Trimesh", matrix: NDArray[np.float64]) -> Triangles:
+    vertices = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    faces = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
+    # A mirroring transform turns what was outside inside.
+    return vertices, faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep what trimesh and the parsers under it warn and log out of the user's sight."""
+    logger = logging.getLogger("trimesh")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logger.setLevel(level)

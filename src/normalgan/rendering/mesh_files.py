@@ -1,0 +1,141 @@
+"""MeshFile: a mesh in a file, and how a folder, a pattern or a list becomes mesh files."""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from glob import glob
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.loading import SUFFIXES, read_triangles
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
+from normalgan.rendering.repair import shade, weld, wind
+
+LOADER_VERSION = 1
+"""Part of every fingerprint; raise it when `MeshFile.load` comes to return something else."""
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A mesh in a file, a `MeshSource`.
+
+    Args:
+        path: a file in one of the formats of `SUFFIXES`.
+        rotation: 3 rows of 3 numbers R, x' = R x, after which +Y is up; None leaves it as it lies.
+        inside_out: whether the file's faces are wound clockwise seen from outside; None finds out.
+        crease_angle: edges sharper than this, in degrees, stay hard; None smooths all.
+    """
+
+    path: str
+    rotation: Rotation | None = None
+    inside_out: bool | None = None
+    crease_angle: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a matrix that is no rotation and an angle that none is."""
+        if self.rotation is not None:
+            object.__setattr__(self, "rotation", checked_rotation(self.path, self.rotation))
+        if self.crease_angle is not None and not 0 <= self.crease_angle <= 180:
+            raise InputError(f"crease_angle is {self.crease_angle}; it must lie from 0 to 180 degrees.")
+
+    @property
+    def name(self) -> str:
+        """The file's name without its suffix."""
+        return Path(self.path).stem
+
+    def fingerprint(self) -> str:
+        """Return a hash of the file's bytes, of those it refers to, and of the settings.
+
+        Raises:
+            InputError: if the file cannot be read.
+        """
+        settings = [LOADER_VERSION, self.name, self.rotation, self.inside_out, self.crease_angle]
+        digest = hashlib.sha256(json.dumps(settings).encode())
+        for path in (Path(self.path), *_buffers(Path(self.path))):
+            digest.update(_bytes(path))
+        return digest.hexdigest()
+
+    def load(self) -> Mesh:
+        """Return the mesh: welded, outward, turned, centred on its bounding box, its farthest vertex at 1.
+
+        Raises:
+            InputError: if the file cannot be read or holds no surface; the message says why.
+        """
+        vertices, faces = weld(*read_triangles(Path(self.path)))
+        if not len(faces):
+            raise InputError(
+                f"{self.path} has only faces without area; a mesh needs triangles that have one."
+            )
+        if self.rotation is not None:
+            vertices = vertices @ np.array(self.rotation).T
+        vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+        vertices /= np.linalg.norm(vertices, axis=1).max()
+        faces = wind(vertices, faces, self.inside_out)
+        vertices, faces, normals = shade(vertices, faces, self.crease_angle)
+        return Mesh(
+            self.name, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32)
+        )
+
+
+def find_meshes(
+    source: str | list[str], orientation: str | None = None, crease_angle: float | None = None
+) -> list[MeshFile]:
+    """Return the mesh files that a user's words stand for, sorted by name.
+
+    Args:
+        source: a folder (its own files, not those of its subfolders), a file, a pattern such as
+            ``meshes/**/*.ply``, or a list of these.
+        orientation: a file for `read_orientations`; meshes it does not name are taken as they are.
+        crease_angle: see `MeshFile`.
+
+    Raises:
+        InputError: if nothing is found, two files have the same name, or the orientation file is bad.
+    """
+    sources = [source] if isinstance(source, str) else source
+    paths = sorted({path for one in sources for path in _paths(one)}, key=lambda path: (path.stem, path))
+    if not paths:
+        raise InputError("the list of meshes is empty; name a folder, a file or a pattern.")
+    for one, other in pairwise(paths):
+        if one.stem == other.stem:
+            raise InputError(f"two meshes are named {one.stem!r}: {one} and {other}; rename one.")
+    known = {} if orientation is None else read_orientations(orientation)
+    if orientation is not None and known.keys().isdisjoint(path.stem for path in paths):
+        raise InputError(f"the orientation file {orientation} names none of the {len(paths)} meshes found.")
+    as_it_is = Orientation(None, None)
+    return [MeshFile(str(path), *known.get(path.stem, as_it_is), crease_angle) for path in paths]
+
+
+def _paths(source: str) -> list[Path]:
+    """Return the mesh files of one folder, file or pattern."""
+    place = Path(source).expanduser()
+    if place.is_file():
+        return [place]
+    where = place.iterdir() if place.is_dir() else map(Path, glob(str(place), recursive=True))
+    found = [path for path in where if path.suffix.lower() in SUFFIXES and path.is_file()]
+    if found:
+        return found
+    if place.is_dir():
+        raise InputError(f"the folder {source} holds no mesh; files in {' '.join(SUFFIXES)} are taken.")
+    raise InputError(f"{source} is no file, no folder and no pattern that matches a mesh file.")
+
+
+def _buffers(path: Path) -> list[Path]:
+    """Return the files that a .gltf keeps its numbers in."""
+    if path.suffix.lower() != ".gltf":
+        return []
+    try:
+        names = [buffer.get("uri", "") for buffer in json.loads(_bytes(path))["buffers"]]
+    except (ValueError, LookupError, AttributeError, TypeError):
+        return []  # broken: `load` says how
+    return [path.parent / name for name in names if name and not name.startswith("data:")]
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from error

@@ -1,0 +1,90 @@
+"""Which faces of a mesh adjoin: its bodies, their winding, its hard edges; by graphs, without loops."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Indices = NDArray[np.int64]
+
+
+def neighbours(faces: Indices) -> tuple[Indices, Indices, NDArray[np.bool_]]:
+    """Return the pairs of faces that share an edge with each other and with no third face.
+
+    Args:
+        faces: (F, 3) vertex indices.
+
+    Returns:
+        first: (E,) indices of faces.
+        second: (E,) indices of their neighbours.
+        alike: (E,) whether the two are wound alike: they run along their edge in opposite directions.
+    """
+    first, second, start, end = _shared_edges(faces)
+    return first // 3, second // 3, start == end
+
+
+def _shared_edges(faces: Indices) -> tuple[Indices, Indices, Indices, Indices]:
+    """Return (E,) half-edges ``3 * face + side``, their partners, the start of one, the end of the other."""
+    starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    keys = np.minimum(starts, ends) * (int(faces.max()) + 1) + np.maximum(starts, ends)
+    order = np.argsort(keys, kind="stable")
+    _, begin, count = np.unique(keys[order], return_index=True, return_counts=True)
+    pairs = begin[count == 2]
+    first, second = order[pairs], order[pairs + 1]
+    return first, second, starts[first], ends[second]
+
+
+def bodies(faces: Indices) -> tuple[Indices, NDArray[np.bool_]]:
+    """Return each face's body (F,), and which faces (F,) to turn so that a body is wound alike.
+
+    Every face stands twice in a graph, as it is and turned over. Neighbours wound alike are joined copy
+    by like copy, others crosswise; a body that can be wound alike then falls into two components that
+    mirror each other, and either is a choice. One that cannot (a Möbius strip) stays one component, and
+    as it is.
+    """
+    first, second, alike = neighbours(faces)
+    count = len(faces)
+    body = components(count, first, second)
+    other = np.where(alike, 0, count)
+    label = components(
+        2 * count, np.r_[first, first + count], np.r_[second + other, second + count - other]
+    ).reshape(2, count)
+    # The component of a body's first face as it is, is the choice; faces found there turned are to turn.
+    _, leaders = np.unique(body, return_index=True)
+    chosen = label[0, leaders][body]
+    return body, (label[0] != chosen) & (label[1] == chosen)
+
+
+def seams(faces: Indices, soft: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+    """Split vertices where the faces about them hang together by no soft edge.
+
+    Args:
+        faces: (F, 3) vertex indices.
+        soft: (E,) for each pair of `neighbours`, whether normals run smoothly across their edge.
+
+    Returns:
+        origin: (V',) the old vertex of each new one.
+        faces: (F, 3) indices of new vertices.
+    """
+    first, second, start, end = _shared_edges(faces)
+    # The corner at the first half-edge's start, and the one at its end; the partner runs either way.
+    after_first, after_second = _next_corner(first), _next_corner(second)
+    opposite = start == end
+    at_start = np.where(opposite, after_second, second)
+    at_end = np.where(opposite, second, after_second)
+    one, other = np.r_[first[soft], after_first[soft]], np.r_[at_start[soft], at_end[soft]]
+    corner = components(faces.size, one, other)
+    _, member = np.unique(corner, return_index=True)
+    return faces.ravel()[member], corner.reshape(-1, 3)
+
+
+def _next_corner(half_edges: Indices) -> Indices:
+    return half_edges - half_edges % 3 + (half_edges + 1) % 3
+
+
+def components(count: int, first: Indices, second: Indices) -> Indices:
+    """Return the (count,) number, from 0, of the component of each node of a graph given by its edges."""
+    from scipy.sparse import coo_array  # half a second: only when a mesh is read
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
+    _, labels = connected_components(graph, directed=False)
+    return labels.astype(np.int64)
