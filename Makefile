@@ -1,0 +1,41 @@
+# make demo   sets everything up and runs the main job on the embedded animals
+# make test   sets everything up and runs the tests
+VENV ?= .venv
+BIN := $(VENV)/bin
+RUN := runs/quickstart
+
+.PHONY: help install dev demo test test-fast lint types clean
+help:
+	@sed -n 's/^# \(make .*\)/\1/p' Makefile
+
+install: $(VENV)/.installed
+dev: $(VENV)/.installed-dev
+
+$(VENV)/.installed: pyproject.toml tools/install.sh
+	tools/install.sh $(VENV)
+	@touch $@
+
+$(VENV)/.installed-dev: pyproject.toml tools/install.sh
+	tools/install.sh $(VENV) '[dev]'
+	@touch $@ $(VENV)/.installed
+
+# The demo's own folder is made anew; no other run is touched.
+demo: install
+	rm -rf $(RUN)
+	$(BIN)/normalgan fit --config configs/quickstart.yaml
+	$(BIN)/normalgan test --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
+	$(BIN)/normalgan predict --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
+
+# make test SLOW=1 also runs the tests that take long.
+test: dev
+	$(BIN)/pytest $(if $(SLOW),,-m "not slow")
+
+lint: dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+
+types: dev
+	$(BIN)/mypy
+
+clean:
+	rm -rf $(VENV) runs cache .mypy_cache .ruff_cache .pytest_cache

@@ -1,0 +1,40 @@
+#!/bin/sh
+# Makes a virtual environment and installs the package into it: tools/install.sh VENV EXTRAS
+# PYTHON names the interpreter; TORCH the requirement for PyTorch (a version that the tests were run with).
+set -eu
+venv=$1
+extras=${2:-}
+python=${PYTHON:-python3}
+torch=${TORCH:-torch==2.13.0}
+
+say() { printf '%s\n' "$*" >&2; }
+
+"$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || {
+    say "normalgan needs Python 3.11 or newer; '$python' is not. Install one and run: make PYTHON=python3.12 …"
+    exit 2
+}
+if [ ! -x "$venv/bin/python" ]; then
+    "$python" -m venv "$venv" || {
+        say "Python cannot make virtual environments here. On Debian or Ubuntu: apt-get install python3-venv"
+        exit 2
+    }
+fi
+
+# PyTorch first: where there is no NVIDIA GPU, its build for the CPU saves gigabytes of CUDA libraries. uv knows
+# where PyTorch keeps those builds; pip alone would take the one with CUDA on Linux.
+if ! "$venv/bin/python" -c 'import importlib.metadata as m; m.version("torch")' 2>/dev/null; then
+    if [ "$(uname -s)" = Linux ] && ! command -v nvidia-smi >/dev/null 2>&1; then
+        say "Installing PyTorch for the CPU …"
+        "$venv/bin/pip" install --quiet uv
+        UV_HTTP_RETRIES=1 "$venv/bin/uv" pip install --quiet --python "$venv/bin/python" \
+            --torch-backend cpu "$torch" 2>/dev/null || {
+            say "PyTorch's own index of CPU builds is out of reach; asking pip's index instead."
+            "$venv/bin/pip" install "$torch"
+        }
+    else
+        say "Installing PyTorch …"
+        "$venv/bin/pip" install --quiet "$torch"
+    fi
+fi
+say "Installing normalgan …"
+"$venv/bin/pip" install --quiet --editable ".$extras"
