@@ -1,0 +1,18 @@
+"""Where the true normal is given away: hint samplers, each a plug-in, and hints as tensors."""
+
+from normalgan.hints.base import HINT_SAMPLERS, HintSampler
+from normalgan.hints.curvature import CurvatureHints
+from normalgan.hints.divergence import curvature_map
+from normalgan.hints.encode import hints_at
+from normalgan.hints.none import NoHints
+from normalgan.hints.uniform import UniformHints
+
+__all__ = [
+    "HINT_SAMPLERS",
+    "CurvatureHints",
+    "HintSampler",
+    "NoHints",
+    "UniformHints",
+    "curvature_map",
+    "hints_at",
+]

@@ -1,0 +1,36 @@
+"""How good a painted normal map is: per-pixel errors, and metrics over data sets."""
+
+from normalgan.metrics.angular import (
+    MeanAngularError,
+    MeanAngularErrorPerImage,
+    MedianAngularError,
+    RootMeanSquareAngularError,
+    ShareBelow,
+)
+from normalgan.metrics.base import NormalMapMetric
+from normalgan.metrics.collection import normal_map_metrics
+from normalgan.metrics.distance import MeanL1, MeanL2
+from normalgan.metrics.functional import (
+    angular_error,
+    l1_distance,
+    l2_distance,
+    unit_vectors,
+    without_hints,
+)
+
+__all__ = [
+    "MeanAngularError",
+    "MeanAngularErrorPerImage",
+    "MeanL1",
+    "MeanL2",
+    "MedianAngularError",
+    "NormalMapMetric",
+    "RootMeanSquareAngularError",
+    "ShareBelow",
+    "angular_error",
+    "l1_distance",
+    "l2_distance",
+    "normal_map_metrics",
+    "unit_vectors",
+    "without_hints",
+]

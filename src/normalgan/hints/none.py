@@ -1,0 +1,22 @@
+"""NoHints: the sketch alone, as in pix2pix."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from normalgan.hints.base import HINT_SAMPLERS, HintSampler
+
+
+@HINT_SAMPLERS.register
+@dataclass(frozen=True)
+class NoHints(HintSampler):
+    """Give no hints at all.
+
+    So are pix2pix (Isola et al., "Image-to-Image Translation with Conditional Adversarial Networks",
+    CVPR 2017) and a network for bare sketches trained and tested.
+    """
+
+    def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
+        """Return zeros (N, 1, H, W); ``rng`` is left as it is."""
+        return torch.zeros_like(normal[:, :1])

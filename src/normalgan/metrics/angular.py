@@ -1,0 +1,92 @@
+"""Metrics of the angle between the painted and the true normal."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.metrics.base import BINS_PER_DEGREE, NormalMapMetric
+
+
+class MeanAngularError(NormalMapMetric):
+    """Mean angle in degrees over all pixels in the masks.
+
+    Example:
+        >>> metric = MeanAngularError()
+        >>> right, up = torch.eye(3)[0].view(1, 3, 1, 1), torch.eye(3)[1].view(1, 3, 1, 1)
+        >>> metric.update(right, up, torch.ones(1, 1, 1, 1))
+        >>> metric.update(up, up, torch.ones(1, 1, 1, 1))
+        >>> metric.compute()
+        tensor(45.)
+    """
+
+    higher_is_better = False
+
+    def value(self) -> Tensor:
+        """Return degrees."""
+        return self.mean(self.angle_sum)
+
+
+class MeanAngularErrorPerImage(NormalMapMetric):
+    """Mean over the images of an image's mean angle in degrees: a small object weighs like a large one."""
+
+    higher_is_better = False
+
+    def value(self) -> Tensor:
+        """Return degrees."""
+        return self.mean_image_angle()
+
+
+class RootMeanSquareAngularError(NormalMapMetric):
+    """Root of the mean squared angle, in degrees, over all pixels in the masks."""
+
+    higher_is_better = False
+
+    def value(self) -> Tensor:
+        """Return degrees."""
+        return self.mean_square_angle().sqrt()
+
+
+class MedianAngularError(NormalMapMetric):
+    """Median angle in degrees over all pixels in the masks, to within 0.005°.
+
+    It is read off a histogram, so memory does not grow with the number of pixels. Of an even number it is
+    the mean of the two in the middle. Perfection is 0.005°, the middle of the first bin.
+    """
+
+    higher_is_better = False
+
+    def value(self) -> Tensor:
+        """Return degrees."""
+        ranks = torch.stack([(self.count + 1) // 2, self.count // 2 + 1])
+        bins = torch.searchsorted(self.histogram.cumsum(0), ranks)
+        return (bins.float().mean() + 0.5) / BINS_PER_DEGREE
+
+
+class ShareBelow(NormalMapMetric):
+    """Share, 0…1, of the pixels in the masks whose angle is strictly below a threshold.
+
+    The usual thresholds are 5, 7.5, 11.25, 22.5 and 30 degrees.
+
+    Args:
+        threshold: degrees, above 0 and below 180, with at most two decimals.
+        normalize: as in `NormalMapMetric`.
+    """
+
+    higher_is_better = True
+
+    def __init__(self, threshold: float, normalize: bool = True, **kwargs: Any) -> None:
+        super().__init__(normalize, **kwargs)
+        bins = threshold * BINS_PER_DEGREE
+        if not 0 < threshold < 180 or abs(bins - round(bins)) > 1e-6:
+            raise InputError(
+                f"ShareBelow was given threshold={threshold!r}; "
+                "use degrees between 0 and 180 with at most two decimals."
+            )
+        self.threshold = threshold
+        self._bins = round(bins)
+
+    def value(self) -> Tensor:
+        """Return the share."""
+        return self.histogram[: self._bins].sum().float() / self.count

@@ -1,0 +1,126 @@
+"""NormalMapMetric: what all metrics of normal maps count, so that a collection counts it once."""
+
+from abc import abstractmethod
+from typing import Any
+
+import torch
+from torch import Tensor
+from torchmetrics import Metric
+
+from normalgan.errors import InputError
+from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors
+
+BINS_PER_DEGREE = 100
+
+# Sums are whole numbers of these fractions: exact, the same in any order and on any number of processes,
+# safe when Lightning's `bf16-true` casts the module, and at home on devices without float64 (Apple's).
+# An int64 then holds 10^10 pixels even if every one is 180° off.
+_FRACTION = 2.0**-20
+_SQUARE_FRACTION = 2.0**-14
+
+
+class NormalMapMetric(Metric):
+    """Base of the metrics: errors on the object, pooled over the pixels of all images.
+
+    A metric over no pixel at all is nan; so is one over a prediction that is not finite on the object. An
+    image without a pixel in the mask changes nothing.
+
+    Args:
+        normalize: scale the predictions to unit length before L1 and L2 are taken, as is right for a
+            normal map; angles do not depend on it. False measures what the network put out.
+    """
+
+    is_differentiable = False
+    full_state_update = False
+
+    count: Tensor
+    invalid: Tensor
+    angle_sum: Tensor
+    angle_square_sum: Tensor
+    l1_sum: Tensor
+    l2_sum: Tensor
+    histogram: Tensor
+    image_count: Tensor
+    image_angle_sum: Tensor
+
+    def __init__(self, normalize: bool = True, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.normalize = normalize
+        for name in ("count", "invalid", "angle_sum", "angle_square_sum", "l1_sum", "l2_sum"):
+            self._add(name, torch.zeros((), dtype=torch.int64))
+        self._add("histogram", torch.zeros(180 * BINS_PER_DEGREE, dtype=torch.int64))
+        for name in ("image_count", "image_angle_sum"):
+            self._add(name, torch.zeros((), dtype=torch.int64))
+
+    def _add(self, name: str, default: Tensor) -> None:
+        self.add_state(name, default, dist_reduce_fx="sum")
+
+    def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
+        """Count a batch.
+
+        Args:
+            preds: (N, 3, H, W) painted normals.
+            target: (N, 3, H, W) true unit normals.
+            mask: (N, 1, H, W), 1 where to look: the object, perhaps `without_hints`.
+
+        Raises:
+            InputError: if the shapes are not these.
+        """
+        angle = angular_error(preds, target)
+        if mask.shape != angle.shape:
+            raise InputError(
+                f"mask has the shape {tuple(mask.shape)}; it must be {tuple(angle.shape)}, as preds."
+            )
+        if self.normalize:
+            preds = unit_vectors(preds)
+        l1, l2 = l1_distance(preds, target), l2_distance(preds, target)
+        inside = mask > 0.5
+        finite = torch.isfinite(angle + l1 + l2)
+        valid = inside & finite
+        angle, l1, l2 = (torch.where(valid, error, torch.zeros_like(error)) for error in (angle, l1, l2))
+
+        self.count = self.count + inside.sum()
+        self.invalid = self.invalid + (inside & ~finite).sum()
+        self.angle_sum = self.angle_sum + _whole(_by_image(angle), _FRACTION)
+        self.angle_square_sum = self.angle_square_sum + _whole(_by_image(angle.square()), _SQUARE_FRACTION)
+        self.l1_sum = self.l1_sum + _whole(_by_image(l1), _FRACTION)
+        self.l2_sum = self.l2_sum + _whole(_by_image(l2), _FRACTION)
+        bins = len(self.histogram)
+        bin_of = (angle[valid] * BINS_PER_DEGREE).long().clamp(max=bins - 1)
+        self.histogram = self.histogram + torch.bincount(bin_of, minlength=bins)
+        pixels = inside.sum((1, 2, 3))
+        self.image_count = self.image_count + (pixels > 0).sum()
+        self.image_angle_sum = self.image_angle_sum + _whole(
+            _by_image(angle) / pixels.clamp(min=1), _FRACTION
+        )
+
+    def compute(self) -> Tensor:
+        """Return the metric of all batches so far, a float32 scalar; nan as the class says."""
+        nothing = (self.count == 0) | (self.invalid > 0)
+        return torch.where(nothing, torch.nan, self.value())
+
+    @abstractmethod
+    def value(self) -> Tensor:
+        """Return the metric, given that there are pixels and all are finite."""
+
+    def mean(self, total: Tensor) -> Tensor:
+        """Return a sum of the state, in fractions, as a mean over the pixels."""
+        return total.float() * _FRACTION / self.count
+
+    def mean_square_angle(self) -> Tensor:
+        """Return the mean over the pixels of the squared angle, in degrees²."""
+        return self.angle_square_sum.float() * _SQUARE_FRACTION / self.count
+
+    def mean_image_angle(self) -> Tensor:
+        """Return the mean over the images of their mean angle, in degrees."""
+        return self.image_angle_sum.float() * _FRACTION / self.image_count
+
+
+def _by_image(errors: Tensor) -> Tensor:
+    """Return the sum over each image's pixels, (N,)."""
+    return errors.sum((1, 2, 3))
+
+
+def _whole(sums: Tensor, fraction: float) -> Tensor:
+    """Return the sum over the images, each rounded to a whole number of the fraction."""
+    return (sums / fraction).round().long().sum()

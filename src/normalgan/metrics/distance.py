@@ -1,0 +1,25 @@
+"""Metrics of the distance between the painted and the true normal."""
+
+from torch import Tensor
+
+from normalgan.metrics.base import NormalMapMetric
+
+
+class MeanL1(NormalMapMetric):
+    """Mean over all pixels in the masks of Σ|Δ| over the three coordinates, on [-1, 1]."""
+
+    higher_is_better = False
+
+    def value(self) -> Tensor:
+        """Return the mean distance."""
+        return self.mean(self.l1_sum)
+
+
+class MeanL2(NormalMapMetric):
+    """Mean over all pixels in the masks of the length ‖Δ‖₂ of the difference, on [-1, 1]."""
+
+    higher_is_better = False
+
+    def value(self) -> Tensor:
+        """Return the mean distance."""
+        return self.mean(self.l2_sum)

@@ -1,0 +1,128 @@
+"""How far a painted normal is from the true one, pixel by pixel."""
+
+import torch
+from torch import Tensor
+
+from normalgan.errors import InputError
+
+
+def angular_error(preds: Tensor, target: Tensor) -> Tensor:
+    """Return the angle between two maps of vectors in degrees, 0…180.
+
+    Computed as atan2(|p × t|, p · t): acos of the dot product is up to 0.028° off near 0° in float32. The
+    vectors need not be of unit length. A zero vector, which says nothing, is 90° from every other, as it is
+    where the error is taken from a cosine similarity (Bae and Davison, DSINE, CVPR 2024).
+
+    Args:
+        preds: (N, 3, H, W) painted normals.
+        target: (N, 3, H, W) true normals.
+
+    Returns:
+        (N, 1, H, W) degrees, in float32 or, if an input is, float64.
+
+    Raises:
+        InputError: if the shapes are not these.
+
+    Example:
+        >>> up, right = torch.eye(3)[1].view(1, 3, 1, 1), torch.eye(3)[0].view(1, 3, 1, 1)
+        >>> angular_error(up + right, right).item()
+        45.0
+    """
+    preds, target = (_of_unit_size(vectors) for vectors in _checked(preds, target))
+    across = torch.linalg.vector_norm(torch.linalg.cross(preds, target, dim=1), dim=1, keepdim=True)
+    along = (preds * target).sum(1, keepdim=True)
+    degrees = torch.rad2deg(torch.atan2(across, along))
+    silent = (preds == 0).all(1, keepdim=True) | (target == 0).all(1, keepdim=True)
+    return degrees.masked_fill(silent, 90.0)
+
+
+def l1_distance(preds: Tensor, target: Tensor) -> Tensor:
+    """Return the sum over the three coordinates of the absolute differences.
+
+    This is ‖preds - target‖₁ of equation 5 of He et al. (arXiv 2104.11554) at a pixel, on [-1, 1]: their
+    published figures are too large for a mean over coordinates or a difference of colours in [0, 1].
+
+    Args:
+        preds: (N, 3, H, W) painted normals.
+        target: (N, 3, H, W) true normals.
+
+    Returns:
+        (N, 1, H, W), 0…2√3 for unit vectors.
+
+    Raises:
+        InputError: if the shapes are not these.
+
+    Example:
+        >>> l1_distance(torch.ones(1, 3, 1, 1), torch.zeros(1, 3, 1, 1)).item()
+        3.0
+    """
+    preds, target = _checked(preds, target)
+    return (preds - target).abs().sum(1, keepdim=True)
+
+
+def l2_distance(preds: Tensor, target: Tensor) -> Tensor:
+    """Return the length of the difference of two vectors, ‖preds - target‖₂.
+
+    Args:
+        preds: (N, 3, H, W) painted normals.
+        target: (N, 3, H, W) true normals.
+
+    Returns:
+        (N, 1, H, W), 0…2 for unit vectors: twice the sine of half the angle.
+
+    Raises:
+        InputError: if the shapes are not these.
+
+    Example:
+        >>> l2_distance(torch.tensor([3.0, 4.0, 0.0]).view(1, 3, 1, 1), torch.zeros(1, 3, 1, 1)).item()
+        5.0
+    """
+    preds, target = _checked(preds, target)
+    length: Tensor = torch.linalg.vector_norm(preds - target, dim=1, keepdim=True)
+    return length
+
+
+def unit_vectors(vectors: Tensor) -> Tensor:
+    """Return (N, 3, H, W) vectors scaled to length 1; the zero vector stays zero.
+
+    Example:
+        >>> unit_vectors(torch.tensor([3.0, 4.0, 0.0]).view(1, 3, 1, 1)).flatten().tolist()
+        [0.6000000238418579, 0.800000011920929, 0.0]
+    """
+    vectors = _of_unit_size(vectors.to(torch.promote_types(vectors.dtype, torch.float32)))
+    length = torch.linalg.vector_norm(vectors, dim=1, keepdim=True)
+    return vectors / torch.where(length == 0, 1.0, length)
+
+
+def without_hints(mask: Tensor, where: Tensor) -> Tensor:
+    """Return the mask less the hinted pixels, whose normals were given away.
+
+    Args:
+        mask: (N, 1, H, W), 1 on the object.
+        where: (N, 1, H, W), 1 at a hinted pixel.
+
+    Returns:
+        (N, 1, H, W) of the mask's type.
+
+    Example:
+        >>> without_hints(torch.tensor([1, 1, 0]), torch.tensor([0, 1, 0]))
+        tensor([1, 0, 0])
+    """
+    return mask.masked_fill(where > 0.5, 0)
+
+
+def _checked(preds: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
+    """Return both in one floating type, at least float32."""
+    if preds.ndim != 4 or preds.shape[1] != 3 or preds.shape != target.shape:
+        raise InputError(
+            f"preds has the shape {tuple(preds.shape)} and target {tuple(target.shape)}; "
+            "both must be the same (N, 3, H, W)."
+        )
+    dtype = torch.promote_types(torch.promote_types(preds.dtype, target.dtype), torch.float32)
+    return preds.to(dtype), target.to(dtype)
+
+
+def _of_unit_size(vectors: Tensor) -> Tensor:
+    """Scale each vector to a largest coordinate of ±1, so that no square of it under- or overflows."""
+    largest = vectors.abs().amax(1, keepdim=True)
+    return vectors / torch.where(largest == 0, 1.0, largest)

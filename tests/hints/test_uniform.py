@@ -1,0 +1,101 @@
+import pytest
+import torch
+from hint_scenes import sphere
+
+from normalgan.errors import InputError
+from normalgan.hints import NoHints, UniformHints, hints_at
+
+
+def seeded(seed: int = 0) -> torch.Generator:
+    return torch.Generator().manual_seed(seed)
+
+
+def test_every_count_between_the_bounds_comes_up_and_no_other() -> None:
+    normal, mask = sphere(32, radius=12)
+    where = UniformHints(3, 6).sample(normal.expand(400, -1, -1, -1), mask.expand(400, -1, -1, -1), seeded())
+    counts = where.sum((1, 2, 3)).long().bincount(minlength=8).tolist()
+    assert sum(counts[3:7]) == 400
+    assert all(60 < count < 140 for count in counts[3:7])
+
+
+def test_every_pixel_of_the_object_has_an_equal_chance_and_no_other_has_any() -> None:
+    normal, mask = sphere(10, radius=4)
+    where = UniformHints(5, 5).sample(
+        normal.expand(4000, -1, -1, -1), mask.expand(4000, -1, -1, -1), seeded()
+    )
+    frequency = where.mean(0)[0]
+    inside = mask[0, 0] > 0
+    chance = 5 / inside.sum().item()
+    assert frequency[~inside].eq(0).all()
+    assert (frequency[inside] - chance).abs().max() < 5 * (chance * (1 - chance) / 4000) ** 0.5
+
+
+def test_small_object_is_hinted_everywhere_and_an_empty_one_nowhere() -> None:
+    mask = torch.zeros(2, 1, 6, 6)
+    mask[0, 0, 2, 1:4] = 1
+    where = UniformHints(10, 50).sample(torch.ones(2, 3, 6, 6), mask, seeded())
+    assert torch.equal(where, mask)
+
+
+def test_zero_hints_are_legal() -> None:
+    normal, mask = sphere(8, radius=3)
+    assert UniformHints(0, 0).sample(normal, mask, seeded()).sum() == 0
+
+
+def test_seed_decides() -> None:
+    normal, mask = sphere(32, radius=12)
+    first = UniformHints().sample(normal, mask, seeded(1))
+    assert torch.equal(first, UniformHints().sample(normal, mask, seeded(1)))
+    assert not torch.equal(first, UniformHints().sample(normal, mask, seeded(2)))
+
+
+def test_sample_does_not_depend_on_its_neighbours_content() -> None:
+    normal, mask = sphere(32, radius=12)
+    _, small = sphere(32, radius=1)
+    beside_itself = UniformHints().sample(normal.expand(2, -1, -1, -1), torch.cat([mask, mask]), seeded())
+    beside_small = UniformHints().sample(normal.expand(2, -1, -1, -1), torch.cat([small, mask]), seeded())
+    assert torch.equal(beside_itself[1], beside_small[1])
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64, torch.bfloat16])
+def test_keeps_shape_and_type(dtype: torch.dtype) -> None:
+    normal, mask = sphere(16, radius=6)
+    for sampler in (UniformHints(4, 4), NoHints()):
+        where = sampler.sample(normal.to(dtype), mask.bool(), seeded())
+        assert (where.shape, where.dtype) == (mask.shape, dtype)
+
+
+@pytest.mark.parametrize(("minimum", "maximum"), [(5, 4), (-1, 4)])
+def test_bad_bounds_say_what_would_be_right(minimum: int, maximum: int) -> None:
+    with pytest.raises(
+        InputError, match=f"minimum={minimum} and maximum={maximum}; use whole numbers with 0 <="
+    ):
+        UniformHints(minimum, maximum)
+
+
+def test_no_hints_gives_none_and_draws_nothing() -> None:
+    normal, mask = sphere(16, radius=6)
+    rng = seeded()
+    before = rng.get_state()
+    assert NoHints().sample(normal, mask, rng).sum() == 0
+    assert torch.equal(rng.get_state(), before)
+
+
+def test_hints_are_the_true_normals_where_they_are_and_zero_elsewhere() -> None:
+    normal, mask = sphere(16, radius=6)
+    where = UniformHints(7, 7).sample(normal, mask, seeded())
+    hints = hints_at(normal, where)
+    chosen = where[0, 0] > 0
+    assert torch.equal(hints[:, 3:], where)
+    assert torch.equal(hints[0, :3, chosen], normal[0, :, chosen])
+    assert hints[0, :3, ~chosen].eq(0).all()
+
+
+def test_hints_take_the_normals_type_and_hide_what_is_not_a_number() -> None:
+    normal = torch.full((1, 3, 2, 2), float("nan"), dtype=torch.float64)
+    normal[..., 0, 0] = 1.0
+    where = torch.zeros(1, 1, 2, 2, dtype=torch.bool)
+    where[..., 0, 0] = True
+    hints = hints_at(normal, where)
+    assert hints.dtype == torch.float64
+    assert hints.sum() == 4
