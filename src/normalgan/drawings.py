@@ -74,13 +74,15 @@ def _brightness(image: Image.Image) -> Floats:
         grey = np.asarray(image, dtype=np.float32)
         # 16-bit greys come as I;16, or as I with the same range; a float image has none that is agreed on.
         top = np.float32(1 if image.mode == "F" and grey.max() <= 1 else 65535)
-        return np.clip(grey / top, 0, 1).astype(np.float32)
+        clipped: Floats = np.clip(grey / top, 0, 1)
+        return clipped
     if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
         image = image.convert("RGBA")
         paper = Image.new("RGBA", image.size, "white")
         image = Image.alpha_composite(paper, image)
     grey = np.asarray(image.convert("RGB").convert("L"), dtype=np.float32)
-    return np.divide(grey, 255, dtype=np.float32)
+    brightness: Floats = grey / np.float32(255)
+    return brightness
 
 
 def read_drawing(path: str | Path) -> Floats:

@@ -1,6 +1,7 @@
 """NormalGAN: the LightningModule, with the optimisation of both networks by hand."""
 
 import hashlib
+import warnings
 from collections.abc import Callable
 from typing import cast
 
@@ -11,6 +12,7 @@ from lightning.pytorch.core.optimizer import LightningOptimizer
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
 from torch.optim.lr_scheduler import LRScheduler
+from torchmetrics import MetricCollection
 
 from normalgan.batch import Batch, Sketches
 from normalgan.errors import InputError
@@ -28,6 +30,10 @@ def _rmsprop(parameters: object) -> Optimizer:
 def derive_seed(*parts: int | str) -> int:
     """Return a seed that depends on every part and on nothing else, the same on every machine."""
     return int.from_bytes(hashlib.sha256(repr(parts).encode()).digest()[:7], "little")
+
+
+def _collection(metrics: nn.ModuleDict, name: str) -> MetricCollection:
+    return cast(MetricCollection, metrics[name])
 
 
 class NormalGAN(LightningModule):
@@ -80,7 +86,10 @@ class NormalGAN(LightningModule):
                 raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
         if discriminator is not None:
             objective.check(discriminator)
-        self.save_hyperparameters()
+        with warnings.catch_warnings():
+            # From the command line the settings are saved; in Python the objects themselves, which is meant.
+            warnings.filterwarnings("ignore", message=".*is an instance of `nn.Module`.*")
+            self.save_hyperparameters()
         self.automatic_optimization = False
         self.generator = generator
         self.discriminator = discriminator
@@ -190,7 +199,7 @@ class NormalGAN(LightningModule):
         schedulers = self.lr_schedulers()
         for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
             if scheduler is not None:
-                cast(LRScheduler, scheduler).step()
+                scheduler.step()
 
     def configure_optimizers(self) -> tuple[list[Optimizer], list[LRScheduler]]:
         """Return the optimisers of the generator and of the discriminator, in this order."""
@@ -220,7 +229,7 @@ class NormalGAN(LightningModule):
         hints = self.test_hints(batch, batch_idx)
         preds = self._measure(self.test_metrics, "hints", batch, hints)
         unhinted = without_hints(batch["mask"], hints[:, 3:])
-        self.test_metrics["unhinted"].update(preds, batch["normal"], unhinted)
+        _collection(self.test_metrics, "unhinted").update(preds, batch["normal"], unhinted)
         self._measure(self.test_metrics, "no_hints", batch, None)
 
     def on_test_epoch_end(self) -> None:
@@ -234,11 +243,12 @@ class NormalGAN(LightningModule):
 
     def _measure(self, metrics: nn.ModuleDict, name: str, batch: Batch, hints: Tensor | None) -> Tensor:
         preds: Tensor = self(batch["sketch"], hints).float()
-        metrics[name].update(preds, batch["normal"], batch["mask"])
+        _collection(metrics, name).update(preds, batch["normal"], batch["mask"])
         return preds
 
     def _log_metrics(self, metrics: nn.ModuleDict) -> None:
-        for collection in metrics.values():
+        for name in metrics:
+            collection = _collection(metrics, name)
             self.log_dict(collection.compute(), sync_dist=False)  # torchmetrics has reduced them already
             collection.reset()
 

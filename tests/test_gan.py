@@ -1,0 +1,286 @@
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from lightning.pytorch import Callback, LightningModule, Trainer
+from torch import Tensor, nn
+from torch.optim import Adam, RMSprop
+from torch.optim.lr_scheduler import ExponentialLR
+
+from normalgan.errors import InputError
+from normalgan.gan import NormalGAN
+from normalgan.hints import NoHints, UniformHints
+from normalgan.models import PatchDiscriminator, UNetDiscriminator, UNetGenerator
+from normalgan.models.condition import make_condition, paste_hints
+from normalgan.objectives import CrossEntropy, Wasserstein, WassersteinGradientPenalty
+from spheres import batch, loader
+
+# What Lightning says of settings that are meant: no workers for eight spheres, few batches.
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*does not have many workers.*",
+    "ignore:.*have no `val_dataloader`.*",
+    "ignore:.*smaller than the logging interval.*",
+    "ignore:.*removed from hparams because it cannot be pickled.*",  # tests hand in local classes and lambdas
+    "ignore:.*LeafSpec.*is deprecated.*",
+)
+
+
+def make(**settings: Any) -> NormalGAN:
+    torch.manual_seed(0)
+    defaults: dict[str, Any] = {
+        "generator": UNetGenerator(size=32, width=4),
+        "discriminator": UNetDiscriminator(size=32, width=4),
+        "hint_sampler": UniformHints(3, 3),
+        "objective": Wasserstein(),
+        "n_critic": 1,
+    }
+    return NormalGAN(**(defaults | settings))
+
+
+def trainer(folder: Path, **settings: Any) -> Trainer:
+    quiet: dict[str, Any] = {
+        "accelerator": "cpu",
+        "default_root_dir": folder,
+        "logger": False,
+        "enable_checkpointing": False,
+        "enable_progress_bar": False,
+        "enable_model_summary": False,
+        "max_epochs": 1,
+    }
+    return Trainer(**(quiet | settings))
+
+
+class Steps(Callback):
+    """Notes what each batch changed."""
+
+    def __init__(self) -> None:
+        self.generator: list[bool] = []
+        self.discriminator: list[bool] = []
+        self._before: dict[str, Tensor] = {}
+
+    def on_train_batch_start(self, trainer: Trainer, pl_module: LightningModule, *_: object) -> None:
+        self._before = {name: p.detach().clone() for name, p in pl_module.named_parameters()}
+
+    def on_train_batch_end(self, trainer: Trainer, pl_module: LightningModule, *_: object) -> None:
+        for network in ("generator", "discriminator"):
+            changed = any(
+                not torch.equal(p, self._before[name])
+                for name, p in pl_module.named_parameters()
+                if name.startswith(network)
+            )
+            getattr(self, network).append(changed)
+
+
+def weights(module: nn.Module) -> dict[str, Tensor]:
+    return {name: value.clone() for name, value in module.state_dict().items()}
+
+
+def same(a: dict[str, Tensor], b: dict[str, Tensor]) -> bool:
+    return all(torch.equal(a[name], b[name]) for name in a)
+
+
+def test_n_critic_counts_through_epochs(tmp_path: Path) -> None:
+    # Four batches an epoch and every third generates: counted by batch_idx it would start anew each epoch.
+    steps = Steps()
+    trainer(tmp_path, max_epochs=3, callbacks=[steps]).fit(make(n_critic=3), loader())
+    assert steps.discriminator == [True] * 12
+    assert steps.generator == [False, False, True] * 4
+
+
+def test_hints_are_painted_into_the_sketch_and_marked() -> None:
+    sketch = torch.zeros(1, 1, 4, 4)
+    sketch[0, 0, 0] = 1
+    hints = torch.zeros(1, 4, 4, 4)
+    hints[0, :, 2, 3] = torch.tensor([0.6, 0.0, 0.8, 1.0])
+    condition = make_condition(sketch, hints)
+    assert condition[0, :, 0, 0].tolist() == [-1, -1, -1, 0]  # ink is black
+    assert condition[0, :, 1, 1].tolist() == [1, 1, 1, 0]  # paper is white
+    torch.testing.assert_close(condition[0, :, 2, 3], torch.tensor([0.6, 0.0, 0.8, 1.0]))
+
+
+def test_truth_is_pasted_at_the_hints_alone() -> None:
+    preds, hints = torch.full((1, 3, 4, 4), 0.5), torch.zeros(1, 4, 4, 4)
+    hints[0, :, 2, 3] = torch.tensor([0.6, 0.0, 0.8, 1.0])
+    pasted = paste_hints(preds, hints)
+    torch.testing.assert_close(pasted[0, :, 2, 3], torch.tensor([0.6, 0.0, 0.8]))
+    assert (pasted != preds).any(1).sum() == 1
+
+
+def test_the_discriminator_sees_the_truth_at_the_hints(tmp_path: Path) -> None:
+    seen: list[tuple[Tensor, Tensor]] = []
+
+    class Watched(UNetDiscriminator):
+        def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
+            seen.append((condition.detach(), normal.detach()))
+            return super().forward(condition, normal)
+
+    trainer(tmp_path, max_steps=1, limit_train_batches=1).fit(
+        make(discriminator=Watched(size=32, width=4)), loader()
+    )
+    assert len(seen) == 3  # true, painted, and painted again for the generator: never mixed in one batch
+    truth = batch()["normal"]
+    condition, _ = seen[0]
+    hinted = condition[:, 3:].expand(-1, 3, -1, -1) > 0
+    assert hinted.sum() == 2 * 3 * 3
+    assert torch.equal(seen[0][1], truth)
+    for _, fake in seen[1:]:
+        assert torch.equal(fake[hinted], truth[hinted])
+        assert not torch.equal(fake, truth)
+
+
+def test_the_generators_loss_leaves_no_gradient_on_the_discriminator(tmp_path: Path) -> None:
+    gradients = []
+    for adversarial_weight in (0.0, 1000.0):
+        gan = make(adversarial_weight=adversarial_weight)
+        trainer(tmp_path, limit_train_batches=1).fit(gan, loader())
+        assert gan.discriminator is not None
+        gradients.append([p.grad for p in gan.discriminator.parameters()])
+    for without, strong in zip(*gradients, strict=True):
+        assert without is not None
+        assert torch.equal(without, strong)
+
+
+def test_clipping_holds_after_training(tmp_path: Path) -> None:
+    gan = make(objective=Wasserstein(weight_clip=0.02))
+    trainer(tmp_path).fit(gan, loader())
+    assert gan.discriminator is not None
+    assert max(float(p.detach().abs().max()) for p in gan.discriminator.parameters()) <= 0.02
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {
+            "objective": WassersteinGradientPenalty(),
+            "discriminator": UNetDiscriminator(size=32, width=4, norm="none"),
+        },
+        {
+            "objective": CrossEntropy(),
+            "discriminator": PatchDiscriminator(width=4, layers=2),
+            "hint_sampler": NoHints(),
+        },
+        {"discriminator": UNetDiscriminator(size=32, width=4, encoder_head=True)},
+        {"discriminator": None},
+    ],
+    ids=["penalty", "pix2pix", "two heads", "no discriminator"],
+)
+def test_every_objective_trains(tmp_path: Path, settings: dict[str, Any]) -> None:
+    gan = make(**settings)
+    before = weights(gan.generator)
+    trainer(tmp_path).fit(gan, loader())
+    assert not same(before, weights(gan.generator))
+    assert all(value.isfinite().all() for value in gan.state_dict().values())
+
+
+def test_training_lowers_the_error(tmp_path: Path) -> None:
+    gan = make(
+        generator=UNetGenerator(size=32, width=8),
+        generator_optimizer=lambda parameters: Adam(parameters, lr=2e-3),
+        l1_weight=100.0,
+    )
+    run = trainer(tmp_path, max_epochs=30)
+    before = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
+    run.fit(gan, loader())
+    after = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
+    assert before > 60
+    assert after < 25
+
+
+def test_a_run_resumed_ends_in_the_same_weights_to_the_bit(tmp_path: Path) -> None:
+    def optimizer(parameters: Any) -> RMSprop:
+        return RMSprop(parameters, lr=1e-3)
+
+    def schedule(given: Any) -> ExponentialLR:
+        return ExponentialLR(given, 0.5)
+
+    settings = {"generator_optimizer": optimizer, "n_critic": 3, "lr_scheduler": schedule}
+    unbroken = make(**settings)
+    trainer(tmp_path, max_epochs=4).fit(unbroken, loader())
+    first = make(**settings)
+    run = trainer(tmp_path, max_epochs=2)
+    run.fit(first, loader())
+    run.save_checkpoint(tmp_path / "two.ckpt")
+    torch.manual_seed(12345)  # global state is not in a checkpoint, and must not matter
+    resumed = make(**settings)
+    torch.manual_seed(54321)
+    trainer(tmp_path, max_epochs=4).fit(
+        resumed, loader(), ckpt_path=tmp_path / "two.ckpt", weights_only=False
+    )
+    assert not same(weights(first), weights(unbroken))
+    assert same(weights(resumed), weights(unbroken))
+
+
+def test_learning_rates_follow_the_schedule(tmp_path: Path) -> None:
+    gan = make(lr_scheduler=lambda optimizer: ExponentialLR(optimizer, 0.1))
+    run = trainer(tmp_path, max_epochs=2)
+    run.fit(gan, loader())
+    assert [o.param_groups[0]["lr"] for o in run.optimizers] == pytest.approx([5e-7, 5e-7])
+
+
+def test_validation_hints_are_the_same_every_time(tmp_path: Path) -> None:
+    gan = make()
+    run = trainer(tmp_path)
+    first, again = (run.validate(gan, loader(), verbose=False)[0] for _ in range(2))
+    assert first == again
+
+
+def test_hints_of_the_batch_are_not_asked_for_again() -> None:
+    gan = make(hint_sampler=NoHints())
+    given = batch()
+    given["hints"] = torch.ones(2, 4, 32, 32)
+    assert gan.draw_hints(given, 0) is given["hints"]
+
+
+def test_hinted_pixels_can_be_left_out_of_the_figures(tmp_path: Path) -> None:
+    class Cheat(UNetGenerator):
+        """Paints the hints and nothing else."""
+
+        def forward(self, condition: Tensor) -> Tensor:
+            return condition[:, :3] * condition[:, 3:] + 0 * super().forward(condition)
+
+    gan = make(generator=Cheat(size=32, width=4), hint_sampler=UniformHints(50, 50))
+    result = trainer(tmp_path).test(gan, loader(), verbose=False)[0]
+    assert result["test/hints/below_5"] > 0.05
+    assert result["test/unhinted/below_5"] == 0
+    assert result["test/no_hints/below_5"] == 0
+
+
+def test_noise_at_test_is_off_unless_asked(tmp_path: Path) -> None:
+    def paint(gan: NormalGAN) -> Tensor:
+        run = trainer(tmp_path)
+        pages = run.predict(gan, loader())
+        assert pages is not None
+        return torch.cat([page for page in pages if isinstance(page, Tensor)])
+
+    def builder(noise: bool) -> NormalGAN:
+        return make(generator=UNetGenerator(size=64, width=4), noise_at_test=noise)
+
+    large: Callable[..., Any] = lambda: loader(size=64)  # noqa: E731  # wide enough for dropout layers
+    for noise in (False, True):
+        gan = builder(noise)
+        run = trainer(tmp_path)
+        first, again = (run.predict(gan, large()) for _ in range(2))
+        assert first is not None
+        assert again is not None
+        assert torch.equal(first[0], again[0]) is not noise  # type: ignore[arg-type]
+
+
+def test_bf16_trains_and_measures_in_full_precision(tmp_path: Path) -> None:
+    gan = make()
+    trainer(tmp_path, precision="bf16-mixed", limit_val_batches=1).fit(gan, loader(), loader())
+    assert all(p.dtype == torch.float32 for p in gan.parameters())
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"n_critic": 0}, "n_critic must be 1 or more, not 0"),
+        ({"l1_weight": -1.0}, "l1_weight must be 0 or more"),
+        ({"objective": WassersteinGradientPenalty()}, "without batch norm"),
+    ],
+)
+def test_settings_are_checked(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        make(**settings)
