@@ -1,0 +1,65 @@
+"""Suggestive contours found in the picture: valleys of n·v along the direction of the eye."""
+
+import cv2
+import numpy as np
+
+from normalgan.rendering.lines.edges import PAIRS
+from normalgan.rendering.lines.sight import Sight
+from normalgan.rendering.lines.strokes import Mark
+from normalgan.rendering.maps import Floats
+
+_ROUNDING = 1e-6  # a slope of n·v in single precision that is as good as none: planes lie in no valley
+
+
+def smooth_normals(normal: Floats, known: Mark, sigma: float) -> Floats:
+    """Return unit normals (H, W, 3) smoothed over ``sigma`` pixels, from those at ``known`` pixels alone.
+
+    A normalised convolution: with background and contours not known, neither the far surface nor
+    half-seen pixels leak in. (The sum needs no dividing by the weights: it is made a unit vector.)
+    """
+    side = 2 * round(3 * sigma) + 1  # by default a third more, for the last 0.3 % of the weight
+    total = cv2.GaussianBlur(normal * known[..., None], (side, side), sigma)
+    smooth: Floats = total / np.maximum(np.sqrt(np.einsum("ijk,ijk->ij", total, total)), 1e-12)[..., None]
+    return smooth
+
+
+def valley_depth(normal: Floats, sight: Sight) -> tuple[Floats, Floats, Floats]:
+    """Return f = n·v, its slope g along the eye's direction in the picture, and the slope of g, (H, W) each.
+
+    The direction is that of w, the projection of the view vector v to the tangent plane; g and its
+    slope are per pixel. Suggestive contours are where g crosses 0 upwards (DeCarlo, Finkelstein,
+    Rusinkiewicz, Santella, "Suggestive Contours for Conveying Shape", SIGGRAPH 2003, section 2).
+    """
+    x, y = sight.x[None, :], sight.y[:, None]
+    f = (normal[..., 2] - normal[..., 0] * x - normal[..., 1] * y) / np.sqrt(1 + x * x + y * y)
+    # A displacement e moves a point's picture by e_x + x e_z, e_y + y e_z; w = v - f n, and v moves it by 0.
+    right = -(normal[..., 0] + x * normal[..., 2])
+    down = normal[..., 1] + y * normal[..., 2]
+    length = np.maximum(np.sqrt(right * right + down * down), 1e-12)
+    right, down = right / length, down / length
+    slope = _along(f, right, down)
+    return f, slope, _along(slope, right, down)
+
+
+def _along(field: Floats, right: Floats, down: Floats) -> Floats:
+    """Return the derivative of a field along a unit direction, by central differences."""
+    result = np.zeros_like(field)
+    result[:, 1:-1] = (field[:, 2:] - field[:, :-2]) * right[:, 1:-1]
+    result[1:-1] += (field[2:] - field[:-2]) * down[1:-1]
+    result /= 2
+    return result
+
+
+def zero_crossings(slope: Floats, valid: Mark) -> Mark:
+    """Return the pixels next to which ``slope`` changes sign between two valid neighbours.
+
+    Of the two the one nearer to zero is marked.
+    """
+    marks = np.zeros_like(valid)
+    size, negative = np.abs(slope), slope < -_ROUNDING
+    for one, two in PAIRS:
+        crossing = (negative[one] != negative[two]) & valid[one] & valid[two]
+        nearer = size[one] <= size[two]
+        marks[one] |= crossing & nearer
+        marks[two] |= crossing & ~nearer
+    return marks
