@@ -1,7 +1,5 @@
 """Where the surface breaks off: silhouette, occluding contours and creases, as marks on pixels."""
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,9 +7,11 @@ from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.lines.strokes import Mark
 from normalgan.rendering.maps import Floats, Maps
 
-Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
+Index = NDArray[np.intp]
+Pixels = tuple[Index, Index]
 
 _GRAZING = 0.1  # the least cosine a tangent plane is trusted with: beyond, it would explain any gap
+_BAND = 2  # a flank this narrow, in pixels, is a contour: it is thinner than the line that would be drawn
 _BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: farther than any object
 
 PAIRS = (
@@ -25,7 +25,7 @@ def depth_gaps(maps: Maps, sight: Sight, least: float) -> Floats:
     """Return how far the surface jumps back behind each pixel, (H, W) in pixels of its own size.
 
     Between two neighbours the depth may change by anything between what the tangent plane of the one
-    and of the other foretells, and what it changes by on either side of the two; only what exceeds that
+    and of the other foretells, and what it changes by a little off on either side; only what exceeds that
     is a gap. So flanks seen at a grazing angle stay free of ink, even where the interpolated normals of
     a coarse mesh deny that they are grazing. The gap is noted on the nearer pixel, the one that hides.
     Huge where that pixel borders on the background, 0 where nothing is hidden; the frame's border hides
@@ -43,14 +43,15 @@ def depth_gaps(maps: Maps, sight: Sight, least: float) -> Floats:
     for axis, (one, two) in enumerate(PAIRS):
         wide = np.abs(depth[two] - depth[one]) > np.maximum(floor[one], floor[two])
         rows, columns = np.nonzero(wide)
-        # Pixels in a row of four, the pair in the middle; at the frame's border repeated.
-        ahead = [(rows, columns + k) if axis == 0 else (rows + k, columns) for k in (-1, 0, 1, 2)]
-        four = [_clip(pixel, depth.shape) for pixel in ahead]
-        steps = [depth[b] - depth[a] for a, b in pairwise(four)]
+        # Pixels in a row: the pair and, some way off on both sides, two more pairs.
+        ahead = (-_BAND, 1 - _BAND, 0, 1, _BAND, _BAND + 1)
+        line = [_moved(rows, columns, k, axis, depth.shape) for k in ahead]
+        steps = [depth[line[k + 1]] - depth[line[k]] for k in (0, 2, 4)]
+        pair = line[2:4]
         excuses = [np.where(np.abs(steps[k]) < _BEYOND / 2, steps[k], 0) for k in (0, 2)]
-        excuses += [_foretold(maps, sight, pixel, axis) for pixel in four[1:3]]
+        excuses += [_foretold(maps, sight, pixel, axis) for pixel in pair]
         back, front = steps[1] - np.max(excuses, axis=0), np.min(excuses, axis=0) - steps[1]
-        for pixel, gap in ((four[1], back), (four[2], front)):
+        for pixel, gap in ((pair[0], back), (pair[1], front)):
             # Off the object, where a pixel has no size, nothing can hide anything.
             seen = maps.mask[pixel] & (gap > 0)
             at = (pixel[0][seen], pixel[1][seen])
@@ -58,9 +59,10 @@ def depth_gaps(maps: Maps, sight: Sight, least: float) -> Floats:
     return gaps
 
 
-def _clip(pixel: Pixels, shape: tuple[int, ...]) -> Pixels:
-    """Return indices moved into an array of ``shape``."""
-    return pixel[0].clip(0, shape[0] - 1), pixel[1].clip(0, shape[1] - 1)
+def _moved(rows: Index, columns: Index, by: int, axis: int, shape: tuple[int, ...]) -> Pixels:
+    """Return indices moved to the right (axis 0) or down (1), but not out of an array of ``shape``."""
+    down, right = (by, 0) if axis else (0, by)
+    return (rows + down).clip(0, shape[0] - 1), (columns + right).clip(0, shape[1] - 1)
 
 
 def _foretold(maps: Maps, sight: Sight, pixel: Pixels, axis: int) -> Floats:
