@@ -2,5 +2,6 @@
 
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 from normalgan.rendering.renderers.embree import EmbreeRenderer
+from normalgan.rendering.renderers.pyrender import PyrenderRenderer
 
-__all__ = ["RENDERERS", "EmbreeRenderer", "Renderer"]
+__all__ = ["RENDERERS", "EmbreeRenderer", "PyrenderRenderer", "Renderer"]

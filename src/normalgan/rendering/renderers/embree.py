@@ -103,7 +103,9 @@ def _shade(
     # The corners' normals may cancel on a fold; the triangle's own then stands in.
     cancelled = _dot(normals, normals) < CANCELLED**2
     normals[cancelled] = flat[cancelled]
-    normals[_dot(flat, directions) > 0] *= -1  # seen from behind
+    # Seen from behind is what the triangle says, not the normal: on a coarse mesh a normal near the
+    # silhouette may lean away from the viewer on a triangle that faces him.
+    normals[_dot(flat, directions) > 0] *= -1
     return normals / np.linalg.norm(normals, axis=1, keepdims=True), depth
 
 

@@ -1,0 +1,70 @@
+"""Meshes and cameras for the tests of this folder."""
+
+from functools import cache
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from skimage.measure import marching_cubes
+
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.repair import shade
+from normalgan.rendering.views import Camera, framed, look_at_origin
+
+
+def as_mesh(name: str, points: NDArray[np.floating], triangles: NDArray[np.integer]) -> Mesh:
+    vertices, faces, normals = shade(points.astype(np.float64), triangles.astype(np.int64), None)
+    return Mesh(name, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
+
+
+@cache
+def ellipsoid(a: float, b: float, c: float, subdivisions: int = 5) -> Mesh:
+    ball = trimesh.creation.icosphere(subdivisions=subdivisions)
+    return as_mesh("ellipsoid", ball.vertices * [a, b, c], ball.faces)
+
+
+@cache
+def blob() -> Mesh:
+    """A body on four legs with a neck and a head: concave, and hiding parts of itself."""
+    axis = np.linspace(-1, 1, 64)
+    x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
+    field = -0.9 * np.ones_like(x)
+    balls = [(0.3 * i - 0.45, 0.1, 0.0, 0.2) for i in range(4)] + [
+        (0.5, 0.25, 0.0, 0.14),
+        (0.62, 0.42, 0.0, 0.16),
+    ]
+    balls += [
+        (sx * 0.4, -0.35 + 0.12 * i, sz * 0.15, 0.08) for sx in (-1, 1) for sz in (-1, 1) for i in range(4)
+    ]
+    for bx, by, bz, radius in balls:
+        field += np.exp(-((x - bx) ** 2 + (y - by) ** 2 + (z - bz) ** 2) / radius**2)
+    field += 0.02 * np.sin(23 * x) * np.sin(19 * y + 1) * np.sin(17 * z + 2)
+    vertices, faces, _, _ = marching_cubes(field, 0.0, spacing=(2 / 63,) * 3)  # type: ignore[no-untyped-call]
+    vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    vertices /= np.linalg.norm(vertices, axis=1).max()
+    solid = trimesh.Trimesh(vertices, faces, process=False)
+    return as_mesh("blob", vertices, faces if solid.volume > 0 else faces[:, ::-1])
+
+
+@cache
+def bowl() -> Mesh:
+    """A sphere without its cap about +Z: from there one sees its inside through the hole."""
+    ball = trimesh.creation.icosphere(subdivisions=5)
+    return as_mesh("bowl", ball.vertices, ball.faces[ball.triangles_center[:, 2] < 0.5])
+
+
+def camera_at(
+    mesh: Mesh,
+    azimuth: float = 30,
+    elevation: float = 20,
+    roll: float = 10,
+    field_of_view: float | None = None,
+) -> Camera:
+    return framed(mesh.vertices, look_at_origin(azimuth, elevation, roll), field_of_view, 0.06)
+
+
+def angles(a: NDArray[np.floating], b: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return the angles in degrees between vectors (..., 3)."""
+    one, other = a.astype(np.float64), b.astype(np.float64)
+    across = np.linalg.norm(np.cross(one, other), axis=-1)
+    return np.asarray(np.rad2deg(np.arctan2(across, (one * other).sum(axis=-1))))

@@ -1,0 +1,236 @@
+import os
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from jsonargparse import auto_cli
+from mesh_shapes import angles, blob, bowl, camera_at, ellipsoid
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.renderers import RENDERERS, EmbreeRenderer, PyrenderRenderer, Renderer
+from normalgan.rendering.views import Camera
+
+
+def no_opengl() -> str:
+    try:
+        PyrenderRenderer().check()
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+reason = no_opengl()
+needs_opengl = pytest.mark.skipif(bool(reason), reason=reason)
+both = pytest.mark.parametrize(
+    "renderer",
+    [EmbreeRenderer(), pytest.param(PyrenderRenderer(), marks=needs_opengl)],
+    ids=["embree", "pyrender"],
+)
+projections = pytest.mark.parametrize("field_of_view", [None, 40.0], ids=["orthographic", "perspective"])
+
+
+def exact_ellipsoid(radii: tuple[float, float, float], camera: Camera, size: int) -> Maps:
+    """Return the maps of an ellipsoid by solving the ray equation."""
+    origins, directions = camera.rays(size)
+    o, d = origins / radii, directions / radii
+    a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 1
+    mask = b * b - a * c > 0
+    depth = np.where(mask, (-b - np.sqrt(np.maximum(b * b - a * c, 0))) / a, np.inf)
+    points = origins + np.where(mask, depth, 0)[..., None] * directions
+    normal = (points / np.square(radii)) @ camera.rotation.T * mask[..., None]
+    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
+    return Maps(normal.astype(np.float32), depth.astype(np.float32), mask)
+
+
+@both
+@projections
+@pytest.mark.parametrize("radii", [(1.0, 1.0, 1.0), (1.0, 0.6, 0.4)], ids=["sphere", "ellipsoid"])
+def test_maps_are_those_of_the_true_surface(
+    renderer: Renderer, field_of_view: float | None, radii: tuple[float, float, float]
+) -> None:
+    mesh = ellipsoid(*radii)
+    camera = camera_at(mesh, field_of_view=field_of_view)
+    maps, exact = renderer.render(mesh, camera, 256), exact_ellipsoid(radii, camera, 256)
+    assert (maps.mask & exact.mask).sum() / (maps.mask | exact.mask).sum() > 0.99
+    shared = maps.mask & exact.mask
+    error = angles(maps.normal[shared], exact.normal[shared])
+    assert error.mean() < 0.2
+    assert np.sort(error)[-len(error) // 100 :].mean() < 2
+    # The facets lie up to 4e-4 below the surface; near the silhouette depth is steep.
+    sight = camera.rays(256)[1] @ camera.rotation.T
+    facing = shared & (angles(exact.normal, -sight) < 70)
+    np.testing.assert_allclose(maps.depth[facing], exact.depth[facing], atol=3e-3)
+
+
+@both
+@projections
+@pytest.mark.parametrize("size", [64, 256, 512])
+def test_nothing_is_blended_with_the_background(
+    renderer: Renderer, field_of_view: float | None, size: int
+) -> None:
+    maps = renderer.render(blob(), camera_at(blob(), field_of_view=field_of_view), size)
+    assert maps.normal.shape == (size, size, 3)
+    assert maps.depth.shape == maps.mask.shape == (size, size)
+    assert [str(part.dtype) for part in (maps.normal, maps.depth, maps.mask)] == [
+        "float32",
+        "float32",
+        "bool",
+    ]
+    np.testing.assert_allclose(np.linalg.norm(maps.normal[maps.mask], axis=1), 1, atol=1e-6)
+    assert not maps.normal[~maps.mask].any()
+    assert np.isposinf(maps.depth[~maps.mask]).all()
+    assert np.isfinite(maps.depth[maps.mask]).all()
+    rows, columns = np.nonzero(maps.mask)
+    extent = max(np.ptp(rows), np.ptp(columns)) + 1
+    assert extent / size == pytest.approx(0.88, abs=2 / size)
+
+
+@both
+def test_a_picture_holds_the_sides_of_the_object_where_they_are(renderer: Renderer) -> None:
+    camera = camera_at(ellipsoid(1, 1, 1), azimuth=0, elevation=0, roll=0)
+    normal = renderer.render(ellipsoid(1, 1, 1), camera, 65).normal
+    np.testing.assert_allclose(normal[32, 32], [0, 0, 1], atol=0.02)
+    assert normal[32, 58, 0] > 0.8
+    assert normal[6, 32, 1] > 0.8
+
+
+@needs_opengl
+@projections
+@pytest.mark.parametrize(("shape", "azimuth"), [(blob, 30), (blob, 140), (bowl, 20), (bowl, 75)])
+def test_both_renderers_agree(shape: object, azimuth: float, field_of_view: float | None) -> None:
+    mesh: Mesh = shape()  # type: ignore[operator]
+    camera = camera_at(mesh, azimuth, field_of_view=field_of_view)
+    one, other = EmbreeRenderer().render(mesh, camera, 256), PyrenderRenderer().render(mesh, camera, 256)
+    assert (one.mask ^ other.mask).sum() <= 10
+    shared = one.mask & other.mask
+    # A pixel on the very edge between near and far may fall to either.
+    same = shared & np.isclose(one.depth, other.depth, rtol=0, atol=1e-3)
+    assert (shared & ~same).sum() <= 3
+    assert angles(one.normal[same], other.normal[same]).mean() < 0.01
+
+
+@both
+@projections
+def test_the_inside_of_an_open_shell_faces_the_viewer(
+    renderer: Renderer, field_of_view: float | None
+) -> None:
+    camera = camera_at(bowl(), azimuth=0, elevation=0, roll=0, field_of_view=field_of_view)
+    maps = renderer.render(bowl(), camera, 128)
+    origins, directions = camera.rays(128)
+    points = origins + np.where(maps.mask, maps.depth, 0)[..., None] * directions
+    inside = maps.mask & (points[..., 2] < -0.1)
+    assert inside.sum() > 3000
+    assert angles(maps.normal[inside], -points[inside]).max() < 1.5
+
+
+@both
+def test_turning_faces_over_changes_nothing(renderer: Renderer) -> None:
+    mesh, camera = blob(), camera_at(blob())
+    turned = Mesh("turned", mesh.vertices, mesh.faces[:, ::-1].copy(), -mesh.normals)
+    one, other = renderer.render(mesh, camera, 128), renderer.render(turned, camera, 128)
+    shared = one.mask & other.mask
+    assert (one.mask ^ other.mask).sum() <= 3
+    assert (angles(one.normal[shared], other.normal[shared]) > 0.1).mean() < 1e-3
+
+
+@both
+def test_normals_that_cancel_give_way_to_the_flat_one(renderer: Renderer) -> None:
+    vertices = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], dtype=np.float32)
+    mesh = Mesh("flat", vertices, np.array([[0, 1, 2]], dtype=np.int32), np.zeros((3, 3), dtype=np.float32))
+    maps = renderer.render(mesh, camera_at(mesh, 0, 0, 0), 32)
+    np.testing.assert_allclose(maps.normal[maps.mask], np.tile([0, 0, 1], (maps.mask.sum(), 1)), atol=1e-6)
+
+
+@both
+def test_an_object_half_outside_the_frame_or_behind_the_eye_is_cut(renderer: Renderer) -> None:
+    whole = camera_at(ellipsoid(1, 1, 1), field_of_view=60)
+    left, right, bottom, top = whole.window
+    shifted = Camera(whole.rotation, whole.translation, True, (0.0, right, bottom, top), 0.01, whole.far)
+    assert renderer.render(ellipsoid(1, 1, 1), shifted, 64).mask[:, 0].any()
+    behind = Camera(whole.rotation, np.array([0, 0, 0.5]), True, (left, right, bottom, top), 0.01, whole.far)
+    depth: NDArray[np.float32] = renderer.render(ellipsoid(1, 1, 1), behind, 64).depth
+    assert 0 < depth.min() < depth.max() < 1.5 + 1e-3
+
+
+@both
+def test_meshes_and_sizes_may_alternate(renderer: Renderer) -> None:
+    def render(mesh: Mesh, size: int) -> NDArray[np.float32]:
+        return renderer.render(mesh, camera_at(mesh), size).normal
+
+    first = render(blob(), 64)
+    assert not np.array_equal(render(bowl(), 64), first)
+    render(bowl(), 100)
+    np.testing.assert_array_equal(render(blob(), 64), first)
+
+
+def test_renderers_are_plug_ins_that_travel() -> None:
+    assert {"EmbreeRenderer", "PyrenderRenderer"} <= set(RENDERERS.names())
+    for renderer in (EmbreeRenderer(), PyrenderRenderer()):
+        assert pickle.loads(pickle.dumps(renderer)) == renderer
+    EmbreeRenderer().check()
+
+
+def test_a_renderer_can_be_named_on_the_command_line() -> None:
+    def command(renderer: Renderer) -> Renderer:
+        return renderer
+
+    assert auto_cli(command, args=["--renderer=PyrenderRenderer"], as_positional=False) == PyrenderRenderer()
+
+
+CHECK = "from normalgan.rendering import PyrenderRenderer\n{}PyrenderRenderer().check()"
+
+
+@pytest.mark.parametrize(
+    ("platform", "before", "message"),
+    [
+        ("glx", "", "through EGL, but PYOPENGL_PLATFORM is 'glx': unset it, or choose EmbreeRenderer."),
+        # No libEGL on the machine: ctypes finds none.
+        (
+            "egl",
+            "import ctypes, ctypes.util\n"
+            "ctypes.util.find_library = lambda name: None\n"
+            "def missing(*args, **kwargs): raise OSError('cannot open shared object file')\n"
+            "ctypes.CDLL = missing\nctypes.cdll.LoadLibrary = missing\n",
+            "install libegl1 and libgl1 (Debian, Ubuntu), or choose EmbreeRenderer.",
+        ),
+    ],
+)
+def test_a_machine_without_egl_is_told_what_to_install(platform: str, before: str, message: str) -> None:
+    environment = {**os.environ, "PYOPENGL_PLATFORM": platform}
+    script = CHECK.format(before)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=False
+    )
+    last = done.stderr.strip().splitlines()[-1]
+    assert last.startswith("normalgan.errors.InputError: PyrenderRenderer needs OpenGL through EGL")
+    assert last.endswith(message)
+
+
+@needs_opengl
+def test_a_process_that_rendered_ends_quietly_and_may_fork() -> None:
+    script = (
+        "import multiprocessing as mp, sys\n"
+        "sys.path.insert(0, sys.argv[1])\n"
+        "from mesh_shapes import camera_at, ellipsoid\n"
+        "from normalgan.rendering import PyrenderRenderer\n"
+        "def draw(_): return float(PyrenderRenderer().render(mesh, camera_at(mesh), 32).depth.min())\n"
+        "mesh = ellipsoid(1, 1, 1, 2)\n"
+        "here = draw(0)\n"
+        "with mp.get_context('fork').Pool(1) as pool:\n"
+        "    assert pool.map_async(draw, [0]).get(timeout=30) == [here]\n"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "LP_NUM_THREADS"}
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", script, os.path.dirname(__file__)],  # noqa: PTH120
+        capture_output=True,
+        text=True,
+        env=environment,
+        check=False,
+        timeout=100,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
