@@ -1,0 +1,106 @@
+"""SampleDataset: the stored samples of one split as tensors, and how they make a batch."""
+
+from collections.abc import Sequence
+from typing import Any, TypedDict
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.utils.data import Dataset
+
+from normalgan.batch import Batch
+from normalgan.data.layout import ARRAYS
+from normalgan.data.shards import ShardedSamples
+
+
+class Item(TypedDict):
+    """One sample; see `Batch` for the axes and ranges."""
+
+    sketch: Tensor
+    """(1, H, W)"""
+    normal: Tensor
+    """(3, H, W)"""
+    mask: Tensor
+    """(1, H, W)"""
+    name: str
+    """Mesh and number of the view, such as ``horse-0001/17``."""
+
+
+class SampleDataset(Dataset[Item]):
+    """Samples of one split, from memory if they fit, else from the store one by one.
+
+    Works in DataLoader workers, forked or spawned: the samples in memory are shared, not copied, and
+    a store is opened by each process for itself.
+
+    Args:
+        store: where they lie.
+        memory: bytes that may be used to hold the split; a sample of 256 pixels a side takes 0.5 MB.
+
+    Raises:
+        InputError: if it is held in memory and a shard is not finished or damaged. If not, reading raises it.
+    """
+
+    def __init__(self, store: ShardedSamples, memory: int = 2 * 1024**3) -> None:
+        self.store = store
+        self._held: dict[str, Tensor] | None = None
+        if len(store) * bytes_per_sample(store.layout.size) <= memory:
+            self._held = _read_all(store)
+
+    def __len__(self) -> int:
+        return len(self.store)
+
+    def __getitem__(self, index: int) -> Item:
+        index = range(len(self))[index]  # as a list: from the end if negative, IndexError if beyond
+        if self._held is not None:
+            arrays = {name: held[index] for name, held in self._held.items()}
+        else:
+            sample = self.store.read(index)
+            arrays = {name: torch.from_numpy(np.array(getattr(sample, name))) for name in ARRAYS}
+        return to_item(arrays["sketch"], arrays["normal"], arrays["mask"], self.store.name(index))
+
+
+def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str) -> Item:
+    """Return a stored sample as the network takes it, its normals of unit length again on the object.
+
+    Args:
+        sketch: (H, W) uint8, ink 255.
+        normal: (H, W, 3) of any float type.
+        mask: (H, W) bool.
+        name: what the sample is called.
+    """
+    on = mask[None].float()
+    unit = torch.nn.functional.normalize(normal.permute(2, 0, 1).float(), dim=0)
+    return {"sketch": sketch[None].float() / 255, "normal": unit * on, "mask": on, "name": name}
+
+
+def collate(items: Sequence[Item]) -> Batch:
+    """Return the samples stacked to a batch."""
+    return {
+        "sketch": torch.stack([item["sketch"] for item in items]),
+        "normal": torch.stack([item["normal"] for item in items]),
+        "mask": torch.stack([item["mask"] for item in items]),
+        "name": [item["name"] for item in items],
+    }
+
+
+def bytes_per_sample(size: int) -> int:
+    """Return the memory that one sample of ``size`` pixels a side takes.
+
+    >>> bytes_per_sample(256)
+    524288
+    """
+    return size * size * sum(np.dtype(kind).itemsize * int(np.prod(tail)) for kind, tail in ARRAYS.values())
+
+
+def _read_all(store: ShardedSamples) -> dict[str, Tensor]:
+    """Return the arrays of a split as tensors, which processes share when they are handed over."""
+    size, count = store.layout.size, len(store)
+    held: dict[str, NDArray[Any]] = {
+        name: np.empty((count, size, size, *tail), kind) for name, (kind, tail) in ARRAYS.items()
+    }
+    for shard in range(store.layout.shards):
+        indices = store.layout.indices(shard)
+        for name, part in store.read_shard(shard).items():
+            held[name][indices.start : indices.stop] = part
+    return {name: torch.from_numpy(array) for name, array in held.items()}

@@ -1,0 +1,112 @@
+"""Manifest: what a stored data set is, and the key it is found under."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from normalgan.data.layout import Layout
+from normalgan.data.shards import ShardedSamples
+from normalgan.data.storage import Storage
+from normalgan.errors import InputError
+from normalgan.rendering.mesh import MeshSource
+from normalgan.rendering.samples import Recipe
+
+FORMAT_VERSION = 1
+"""Raise it when samples are stored in another way: those stored before are then made anew."""
+
+_NAME = "dataset.json"
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What is in a data set; for people to read, it lies beside the samples as ``dataset.json``.
+
+    Args:
+        recipe: how the samples were made, as `Recipe.describe` tells it.
+        splits: what lies where, by split.
+        left_out: why a mesh was left out, by name.
+    """
+
+    recipe: dict[str, Any]
+    splits: dict[str, Layout]
+    left_out: dict[str, str]
+
+    def stores(self, folder: Storage) -> dict[str, ShardedSamples]:
+        """Return the samples by split."""
+        return {split: ShardedSamples(folder.url, split, layout) for split, layout in self.splits.items()}
+
+    def write(self, folder: Storage) -> None:
+        """Write the descriptions of the arrays, then the manifest, which vouches for them."""
+        for store in self.stores(folder).values():
+            store.create()
+        counts = {split: len(layout) for split, layout in self.splits.items()}
+        content = {"format": FORMAT_VERSION, "samples": counts, **asdict(self)}
+        folder.write(_NAME, (json.dumps(content, indent=1) + "\n").encode())
+
+    @staticmethod
+    def read(folder: Storage) -> "Manifest | None":
+        """Return the manifest in a folder, or None if there is none that makes sense."""
+        text = folder.read(_NAME) or b""
+        try:
+            content = json.loads(text)
+            splits = {
+                split: Layout(**{**layout, "meshes": tuple(layout["meshes"])})
+                for split, layout in content["splits"].items()
+            }
+            return Manifest(dict(content["recipe"]), splits, dict(content["left_out"]))
+        except (ValueError, TypeError, KeyError, AttributeError):
+            return None
+
+
+def fingerprints(sources: Mapping[str, Sequence[MeshSource]]) -> dict[str, list[tuple[str, str]]]:
+    """Return name and fingerprint of every mesh by split; a mesh without one is left for `load` to refuse."""
+    return {
+        split: [(source.name, _fingerprint(source)) for source in part] for split, part in sources.items()
+    }
+
+
+def dataset_key(
+    meshes: Mapping[str, Sequence[tuple[str, str]]], views: Mapping[str, int], recipe: Recipe
+) -> str:
+    """Return the name of the folder for such a data set: 24 hexadecimal digits.
+
+    It changes with anything that the stored bytes depend on: names, fingerprints and order of the meshes,
+    views a mesh, recipe, and the versions of the rendering and of the format.
+    """
+    everything = [FORMAT_VERSION, recipe.describe(), [[s, views[s], meshes[s]] for s in meshes]]
+    return hashlib.sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def views_by_split(
+    views_per_mesh: int | Mapping[str, int], sources: Mapping[str, Sequence[MeshSource]]
+) -> dict[str, int]:
+    """Return the number of views a mesh for every split that has meshes.
+
+    Raises:
+        InputError: if it is not a positive number for every split, or a mesh's name occurs twice.
+    """
+    names = [source.name for part in sources.values() for source in part]
+    twins = sorted({name for name in names if names.count(name) > 1})
+    if twins:
+        raise InputError(
+            f"two meshes are named {twins[0]}; every mesh needs a name of its own, in one split."
+        )
+    if not names:
+        raise InputError("there are no meshes to render; give at least one.")
+    views = {}
+    for split, part in sources.items():
+        if part:
+            number = views_per_mesh if isinstance(views_per_mesh, int) else views_per_mesh.get(split, 0)
+            if number < 1:
+                raise InputError(f"{number} views a mesh are asked for {split}; it must be at least 1.")
+            views[split] = number
+    return views
+
+
+def _fingerprint(source: MeshSource) -> str:
+    try:
+        return source.fingerprint()
+    except InputError as error:
+        return f"none: {error}"

@@ -1,0 +1,130 @@
+"""Splits: which meshes are for training, validation and testing; by mesh, never by view."""
+
+import json
+import warnings
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from normalgan.errors import InputError, brief
+
+SPLITS = ("train", "val", "test")
+"""The names of the splits, in the order in which fractions are given."""
+
+Split = dict[str, list[str]]
+
+
+def split_by_fractions(names: Sequence[str], fractions: tuple[float, float, float], seed: int = 0) -> Split:
+    """Deal the meshes out at random in the given proportions; names keep their order within a split.
+
+    The counts are the fractions of the whole by largest remainder, but every fraction above 0 gets at
+    least one mesh. Which mesh goes where depends on the set of names and the seed, not on their order.
+
+    Args:
+        names: the meshes.
+        fractions: shares of training, validation and testing, summing to 1.
+        seed: another seed deals them out otherwise.
+
+    Returns:
+        the names of each of ``train``, ``val`` and ``test``; an empty list where the fraction is 0.
+
+    Raises:
+        InputError: if two meshes share a name, the fractions are not shares of 1, or there are fewer
+            meshes than fractions above 0.
+
+    Example:
+        >>> {k: len(v) for k, v in split_by_fractions("abcdefghij", (0.8, 0.1, 0.1)).items()}
+        {'train': 8, 'val': 1, 'test': 1}
+    """
+    _refuse_twins(names)
+    if len(fractions) != len(SPLITS) or min(fractions) < 0 or not abs(sum(fractions) - 1) <= 1e-6:
+        raise InputError(
+            f"the fractions are {tuple(fractions)}; they must be three shares (train, val, test), none "
+            "below 0, that sum to 1."
+        )
+    wanted = sum(share > 0 for share in fractions)
+    if len(names) < wanted:
+        raise InputError(
+            f"{len(names)} mesh(es) cannot be split in {wanted} parts; add meshes or set a fraction to 0."
+        )
+    counts = _apportion(len(names), fractions)
+    dealt = np.random.default_rng(seed).permutation(sorted(names)).tolist()
+    split: Split = {}
+    for part, count in zip(SPLITS, counts, strict=True):
+        chosen, dealt = set(dealt[:count]), dealt[count:]
+        split[part] = [name for name in names if name in chosen]
+    return split
+
+
+def split_by_file(path: Path, names: Sequence[str]) -> Split:
+    """Return the split that a JSON file fixes: ``{"train": ["381", …], "val": […], "test": […]}``.
+
+    Meshes the file does not name are left out, with a warning.
+
+    Args:
+        path: the file.
+        names: the meshes there are.
+
+    Raises:
+        InputError: if the file cannot be read as such, names a mesh that is not there, or names a mesh twice.
+    """
+    _refuse_twins(names)
+    split = _read(path)
+    named = [name for part in split.values() for name in part]
+    unknown = [name for name in named if name not in set(names)]
+    if unknown:
+        raise InputError(
+            f"{path} names {_few(unknown)}, but there is no such mesh among the {len(names)} given."
+        )
+    twice = [name for name, times in Counter(named).items() if times > 1]
+    if twice:
+        raise InputError(f"{path} names {_few(twice)} more than once; a mesh belongs to one split only.")
+    left_out = [name for name in names if name not in set(named)]
+    if left_out:
+        warnings.warn(f"left out, because {path} does not name them: {_few(left_out)}.", stacklevel=2)
+    return split
+
+
+def _read(path: Path) -> Split:
+    right = 'it must be like {"train": ["a", "b"], "val": ["c"], "test": ["d"]}.'
+    try:
+        content: Any = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"the split file {path} cannot be read: {error.strerror or brief(error)}."
+        ) from error
+    except ValueError as error:
+        raise InputError(f"the split file {path} is not JSON ({brief(error)}); {right}") from error
+    if not isinstance(content, dict) or not content or set(content) - set(SPLITS):
+        raise InputError(f"the split file {path} does not map train, val and test to names; {right}")
+    for part, listed in content.items():
+        if not isinstance(listed, list) or not all(isinstance(name, str) for name in listed):
+            raise InputError(f"{part!r} in the split file {path} is not a list of names; {right}")
+    return {part: content.get(part, []) for part in SPLITS}
+
+
+def _apportion(total: int, fractions: Sequence[float]) -> list[int]:
+    """Return whole counts summing to ``total``, at least 1 where the fraction is above 0."""
+    counts = [int(total * share + 1e-9) for share in fractions]
+    remainders = [total * share - count for share, count in zip(fractions, counts, strict=True)]
+    for i in sorted(range(len(counts)), key=lambda i: -remainders[i])[: total - sum(counts)]:
+        counts[i] += 1
+    for i, share in enumerate(fractions):
+        if share > 0 and counts[i] == 0:
+            counts[counts.index(max(counts))] -= 1
+            counts[i] = 1
+    return counts
+
+
+def _refuse_twins(names: Sequence[str]) -> None:
+    twins = [name for name, times in Counter(names).items() if times > 1]
+    if twins:
+        raise InputError(f"two meshes are named {_few(twins)}; every mesh needs a name of its own.")
+
+
+def _few(names: Sequence[str], limit: int = 5) -> str:
+    more = f" and {len(names) - limit} more" if len(names) > limit else ""
+    return ", ".join(names[:limit]) + more
