@@ -1,15 +1,26 @@
 """Meshes and cameras for the tests of this folder."""
 
 from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-import trimesh
+import pytest
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
 from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.repair import shade
 from normalgan.rendering.views import Camera, framed, look_at_origin
+
+trimesh: Any = import_module("trimesh")  # its types cover half of it
+
+MESHES = Path(__file__).parents[2] / ".." / "shared" / "meshes"
+needs_meshes = pytest.mark.skipif(not MESHES.is_dir(), reason="the shared meshes are not on this machine")
+
+BALL = trimesh.creation.icosphere(subdivisions=3)
 
 
 def as_mesh(name: str, points: NDArray[np.floating], triangles: NDArray[np.integer]) -> Mesh:
@@ -68,3 +79,17 @@ def angles(a: NDArray[np.floating], b: NDArray[np.floating]) -> NDArray[np.float
     one, other = a.astype(np.float64), b.astype(np.float64)
     across = np.linalg.norm(np.cross(one, other), axis=-1)
     return np.asarray(np.rad2deg(np.arctan2(across, (one * other).sum(axis=-1))))
+
+
+def solid(mesh: Mesh) -> Any:
+    """Return the mesh as trimesh knows it."""
+    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+
+
+def write(path: Path, vertices: Any, faces: Any) -> MeshFile:
+    """Write an OFF file by hand, exactly as given."""
+    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
+    lines += [" ".join(map(str, vertex)) for vertex in vertices]
+    lines += [" ".join(map(str, [len(face), *face])) for face in faces]
+    path.write_text("\n".join(lines) + "\n")
+    return MeshFile(str(path))

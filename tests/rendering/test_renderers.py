@@ -1,31 +1,14 @@
-import os
-import pickle
-import subprocess
-import sys
-
 import numpy as np
 import pytest
-from jsonargparse import auto_cli
 from mesh_shapes import angles, blob, bowl, camera_at, ellipsoid
 from numpy.typing import NDArray
+from opengl_here import needs_opengl
 
-from normalgan.errors import InputError
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.renderers import RENDERERS, EmbreeRenderer, PyrenderRenderer, Renderer
+from normalgan.rendering.renderers import EmbreeRenderer, PyrenderRenderer, Renderer
 from normalgan.rendering.views import Camera
 
-
-def no_opengl() -> str:
-    try:
-        PyrenderRenderer().check()
-    except InputError as error:
-        return str(error)
-    return ""
-
-
-reason = no_opengl()
-needs_opengl = pytest.mark.skipif(bool(reason), reason=reason)
 both = pytest.mark.parametrize(
     "renderer",
     [EmbreeRenderer(), pytest.param(PyrenderRenderer(), marks=needs_opengl)],
@@ -166,71 +149,3 @@ def test_meshes_and_sizes_may_alternate(renderer: Renderer) -> None:
     assert not np.array_equal(render(bowl(), 64), first)
     render(bowl(), 100)
     np.testing.assert_array_equal(render(blob(), 64), first)
-
-
-def test_renderers_are_plug_ins_that_travel() -> None:
-    assert {"EmbreeRenderer", "PyrenderRenderer"} <= set(RENDERERS.names())
-    for renderer in (EmbreeRenderer(), PyrenderRenderer()):
-        assert pickle.loads(pickle.dumps(renderer)) == renderer
-    EmbreeRenderer().check()
-
-
-def test_a_renderer_can_be_named_on_the_command_line() -> None:
-    def command(renderer: Renderer) -> Renderer:
-        return renderer
-
-    assert auto_cli(command, args=["--renderer=PyrenderRenderer"], as_positional=False) == PyrenderRenderer()
-
-
-CHECK = "from normalgan.rendering import PyrenderRenderer\n{}PyrenderRenderer().check()"
-
-
-@pytest.mark.parametrize(
-    ("platform", "before", "message"),
-    [
-        ("glx", "", "through EGL, but PYOPENGL_PLATFORM is 'glx': unset it, or choose EmbreeRenderer."),
-        # No libEGL on the machine: ctypes finds none.
-        (
-            "egl",
-            "import ctypes, ctypes.util\n"
-            "ctypes.util.find_library = lambda name: None\n"
-            "def missing(*args, **kwargs): raise OSError('cannot open shared object file')\n"
-            "ctypes.CDLL = missing\nctypes.cdll.LoadLibrary = missing\n",
-            "install libegl1 and libgl1 (Debian, Ubuntu), or choose EmbreeRenderer.",
-        ),
-    ],
-)
-def test_a_machine_without_egl_is_told_what_to_install(platform: str, before: str, message: str) -> None:
-    environment = {**os.environ, "PYOPENGL_PLATFORM": platform}
-    script = CHECK.format(before)
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=False
-    )
-    last = done.stderr.strip().splitlines()[-1]
-    assert last.startswith("normalgan.errors.InputError: PyrenderRenderer needs OpenGL through EGL")
-    assert last.endswith(message)
-
-
-@needs_opengl
-def test_a_process_that_rendered_ends_quietly_and_may_fork() -> None:
-    script = (
-        "import multiprocessing as mp, sys\n"
-        "sys.path.insert(0, sys.argv[1])\n"
-        "from mesh_shapes import camera_at, ellipsoid\n"
-        "from normalgan.rendering import PyrenderRenderer\n"
-        "def draw(_): return float(PyrenderRenderer().render(mesh, camera_at(mesh), 32).depth.min())\n"
-        "mesh = ellipsoid(1, 1, 1, 2)\n"
-        "here = draw(0)\n"
-        "with mp.get_context('fork').Pool(1) as pool:\n"
-        "    assert pool.map_async(draw, [0]).get(timeout=30) == [here]\n"
-    )
-    environment = {name: value for name, value in os.environ.items() if name != "LP_NUM_THREADS"}
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", script, os.path.dirname(__file__)],  # noqa: PTH120
-        capture_output=True,
-        text=True,
-        env=environment,
-        check=False,
-        timeout=100,
-    )
-    assert (done.returncode, done.stderr) == (0, "")

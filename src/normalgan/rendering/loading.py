@@ -69,7 +69,8 @@ def _meshes(scene: "Scene") -> Iterator[tuple["Trimesh", NDArray[np.float64]]]:
 
 
 def _placed(mesh: "Trimesh", matrix: NDArray[np.float64]) -> Triangles:
-    vertices = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    with np.errstate(invalid="ignore"):  # coordinates that are no numbers are refused later
+        vertices = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     faces = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
     # A mirroring transform turns what was outside inside.
     return vertices, faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces
