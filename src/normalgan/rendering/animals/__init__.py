@@ -1,0 +1,6 @@
+"""Procedural quadrupeds, the default meshes: smooth-blended implicit surfaces, seeded, no two alike."""
+
+from normalgan.rendering.animals.animal import Animal, herd
+from normalgan.rendering.animals.kinds import SPECIES
+
+__all__ = ["SPECIES", "Animal", "herd"]

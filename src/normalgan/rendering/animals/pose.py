@@ -1,0 +1,151 @@
+"""Poses: joint angles of one moment, drawn from gaits and habits."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+Angles = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Angles in degrees, as differences from rest; a positive joint angle moves what hangs below forward.
+
+    Args:
+        legs: the four joints of right fore, left fore, right hind, left hind, from the top down.
+        stance: which of those feet bear on the ground.
+        pitch: of the torso, positive with the chest up.
+        neck_pitch: share, 0 to 1, of the range by which the species raises its neck.
+        neck_yaw: positive turns the neck to the animal's left.
+        head_pitch: positive raises the nose.
+        head_yaw: of the head against the neck.
+        tail_lift: share, 0 to 1, of the range of the species.
+        tail_swing: degrees to the left.
+        graze: lower the neck until the muzzle is near the ground.
+        sit: fold the hind legs and sit on them.
+    """
+
+    legs: tuple[Angles, Angles, Angles, Angles]
+    stance: tuple[bool, bool, bool, bool] = (True, True, True, True)
+    pitch: float = 0.0
+    neck_pitch: float = 0.0
+    neck_yaw: float = 0.0
+    head_pitch: float = 0.0
+    head_yaw: float = 0.0
+    tail_lift: float = 0.5
+    tail_swing: float = 0.0
+    graze: bool = False
+    sit: bool = False
+
+
+@dataclass(frozen=True)
+class Gait:
+    """A way of going (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
+
+    Args:
+        phases: of right fore, left fore, right hind, left hind in the cycle, 0 to 1.
+        duty: share of the cycle for which a foot is on the ground.
+        swing: degrees the leg swings forward and back.
+        lift: degrees the swinging leg folds.
+        grounded: whether feet in their stance are brought to the ground; not in the leap of a gallop.
+    """
+
+    phases: Angles
+    duty: float
+    swing: float
+    lift: float
+    grounded: bool = True
+
+
+WALK = Gait((0.75, 0.25, 0.5, 0.0), 0.64, 19.0, 42.0)
+TROT = Gait((0.0, 0.5, 0.5, 0.0), 0.48, 25.0, 62.0)
+GALLOP = Gait((0.62, 0.5, 0.12, 0.0), 0.3, 42.0, 70.0, grounded=False)
+
+
+def _leg(gait: Gait, phase: float, fore: bool) -> tuple[Angles, bool]:
+    phase %= 1.0
+    if phase < gait.duty:
+        upper = gait.swing * (1 - 2 * phase / gait.duty)
+        return (upper, 0.0, 0.0, -upper if gait.grounded else -0.4 * upper), True
+    s = (phase - gait.duty) / (1 - gait.duty)
+    upper = gait.swing * (2 * s * s * (3 - 2 * s) - 1)
+    fold = gait.lift * float(np.sin(np.pi * s) ** 1.3)
+    if fore:
+        return (upper, 0.55 * fold, -1.25 * fold, -0.6 * fold), False
+    return (upper + 0.45 * fold, -0.85 * fold, 0.75 * fold, -0.8 * fold), False
+
+
+def _going(gait: Gait, rng: np.random.Generator) -> Pose:
+    start = rng.uniform()
+    gait = replace(gait, swing=gait.swing * rng.uniform(0.75, 1.1), lift=gait.lift * rng.uniform(0.8, 1.15))
+    drawn = [_leg(gait, start + phase, fore=i < 2) for i, phase in enumerate(gait.phases)]
+    stance = tuple(down and gait.grounded for _, down in drawn)
+    rf, lf, rh, lh = (angles for angles, _ in drawn)
+    pitch = 7.0 * float(np.sin(2 * np.pi * start)) if not gait.grounded else 0.0
+    return replace(
+        _carriage(rng),
+        legs=(rf, lf, rh, lh),
+        stance=(stance[0], stance[1], stance[2], stance[3]),
+        pitch=pitch,
+    )
+
+
+def _carriage(rng: np.random.Generator) -> Pose:
+    """Draw how neck, head and tail are carried, the legs at rest."""
+    still: Angles = (0.0, 0.0, 0.0, 0.0)
+    return Pose(
+        (still, still, still, still),
+        neck_pitch=float(rng.uniform(0, 1)),
+        neck_yaw=float(rng.normal(0, 14)),
+        head_pitch=float(rng.uniform(-8, 10)),
+        head_yaw=float(rng.normal(0, 9)),
+        tail_lift=float(rng.uniform(0, 1)),
+        tail_swing=float(rng.normal(0, 18)),
+    )
+
+
+def _stand(rng: np.random.Generator) -> Pose:
+    uppers = rng.normal(0, 4, 4).clip(-9, 9)
+    rf, lf, rh, lh = ((float(a), 0.0, 0.0, -float(a)) for a in uppers)
+    return replace(_carriage(rng), legs=(rf, lf, rh, lh))
+
+
+def _walk(rng: np.random.Generator) -> Pose:
+    return _going(WALK, rng)
+
+
+def _trot(rng: np.random.Generator) -> Pose:
+    return _going(TROT, rng)
+
+
+def _gallop(rng: np.random.Generator) -> Pose:
+    return replace(_going(GALLOP, rng), tail_lift=float(rng.uniform(0.6, 1.0)))
+
+
+def _graze(rng: np.random.Generator) -> Pose:
+    ahead = float(rng.uniform(8, 17))
+    back = float(rng.uniform(-9, 0))
+    fronts = [(ahead, 0.0, 0.0, -ahead), (back, 0.0, 0.0, -back)]
+    first = int(rng.integers(2))
+    pose = _stand(rng)
+    legs = (fronts[first], fronts[1 - first], pose.legs[2], pose.legs[3])
+    return replace(pose, legs=legs, graze=True, neck_yaw=float(rng.normal(0, 10)))
+
+
+def _sit(rng: np.random.Generator) -> Pose:
+    front = float(rng.uniform(-2, 8))
+    fold = float(rng.uniform(-4, 6))
+    fore = (front, 0.0, 0.0, -front)
+    hind = (62.0 + fold, -102.0, 98.0, -58.0 - fold)
+    return replace(_carriage(rng), legs=(fore, fore, hind, hind), sit=True)
+
+
+POSES: Mapping[str, Callable[[np.random.Generator], Pose]] = {
+    "stand": _stand,
+    "walk": _walk,
+    "trot": _trot,
+    "gallop": _gallop,
+    "graze": _graze,
+    "sit": _sit,
+}
