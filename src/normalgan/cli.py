@@ -1,5 +1,6 @@
 """The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
 
+import logging
 import re
 import sys
 import warnings
@@ -11,7 +12,7 @@ from jsonargparse import Namespace
 from lightning.pytorch import Trainer
 from lightning.pytorch.callbacks import ModelCheckpoint
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI
-from lightning.pytorch.utilities.exceptions import MisconfigurationException
+from lightning.fabric.utilities.exceptions import MisconfigurationException
 
 from normalgan.callbacks import NormalMapWriter, PictureLogger, TestReport
 from normalgan.data.datamodule import MeshDataModule
@@ -164,12 +165,15 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if something that was given cannot be used.
     """
+    # Advertisements and what hardware there is not: of no use to anyone who waits for a result.
+    logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)
     for registry in REGISTRIES.values():
         registry.load_entry_points()
     # Lightning asks for more data workers than this machine has cores, and for settings we chose on purpose.
     warnings.filterwarnings("ignore", message=r".*does not have many workers.*")
     warnings.filterwarnings("ignore", message=r".*is smaller than the logging interval.*")
     warnings.filterwarnings("ignore", message=r".*LeafSpec.*is deprecated.*")
+    warnings.filterwarnings("ignore", message=r"LightningCLI.s args parameter is intended.*")
     try:
         NormalGANCLI(
             NormalGAN,

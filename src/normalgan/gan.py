@@ -1,6 +1,5 @@
 """NormalGAN: the LightningModule, with the optimisation of both networks by hand."""
 
-import hashlib
 import warnings
 from collections.abc import Callable
 from typing import cast
@@ -21,15 +20,11 @@ from normalgan.metrics import normal_map_metrics, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.objectives import AdversarialObjective, hint_loss, l1_loss
+from normalgan.seeds import derive_seed
 
 
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
-
-
-def derive_seed(*parts: int | str) -> int:
-    """Return a seed that depends on every part and on nothing else, the same on every machine."""
-    return int.from_bytes(hashlib.sha256(repr(parts).encode()).digest()[:7], "little")
 
 
 def _collection(metrics: nn.ModuleDict, name: str) -> MetricCollection:
