@@ -52,7 +52,11 @@ class Frame:
         x0, y0, x1, y1 = max(left, 0), max(top, 0), min(left + side, w), min(top + side, h)
         square[y0 - top : y1 - top, x0 - left : x1 - left] = ink[y0:y1, x0:x1]
         method = cv2.INTER_AREA if side > self.size else cv2.INTER_LINEAR
-        return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
+        shown = np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
+        # Averaging makes thin lines pale; training samples have lines as dark as ink, so the darker half of
+        # the lines is brought back to that.
+        lines = shown[shown > 0.1]
+        return np.minimum(shown / max(float(np.median(lines)), 0.1), 1) if lines.size else shown
 
     def cut_hints(self, normals: Floats, where: NDArray[np.bool_]) -> Floats:
         """Return hints (4, size, size) for the model: unit normals, averaged where they meet, and where."""

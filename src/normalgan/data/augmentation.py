@@ -12,6 +12,7 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 from normalgan.errors import InputError
+from normalgan.metrics import unit_vectors
 
 
 def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
@@ -123,7 +124,7 @@ class Augmentation:
             transform = cast(Tensor, self.geometric.transform_matrix)
             sketch = self.roughen(moved[:, :1])
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
-        normal = F.normalize(turn_normals(moved[:, 1:], transform), dim=1) * mask
+        normal = unit_vectors(turn_normals(moved[:, 1:], transform)) * mask
         return {**batch, "sketch": sketch, "normal": normal, "mask": mask}
 
     def roughen(self, sketch: Tensor) -> Tensor:

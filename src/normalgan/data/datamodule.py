@@ -5,7 +5,6 @@ from functools import cached_property
 from pathlib import Path
 
 import torch
-import torch.nn.functional as F
 from lightning.pytorch import LightningDataModule
 from torch import Tensor
 from torch.utils.data import DataLoader
@@ -19,6 +18,7 @@ from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketche
 from normalgan.data.splits import SPLITS, split_by_file, split_by_fractions
 from normalgan.errors import InputError
 from normalgan.framing import Frame
+from normalgan.metrics import unit_vectors
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views, find_meshes
 from normalgan.rendering.animals import herd
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
@@ -191,14 +191,15 @@ class MeshDataModule(LightningDataModule):
     def predict_dataloader(self) -> DataLoader[SketchSample]:
         """Return the drawings in order."""
         dataset = self._drawings()
-        return DataLoader(dataset, self.batch_size, collate_fn=collate_sketches)
+        # By name: Lightning builds the loader anew from its arguments when predicting.
+        return DataLoader(dataset, batch_size=self.batch_size, collate_fn=collate_sketches)
 
     def _loader(
         self, dataset: SampleDataset, sampler: DistributedSampler[Item] | None = None, drop_last: bool = False
     ) -> DataLoader[Item]:
         return DataLoader(
             dataset,
-            self.batch_size,
+            batch_size=self.batch_size,
             sampler=sampler,
             num_workers=self.workers,
             collate_fn=collate,
@@ -222,7 +223,7 @@ class MeshDataModule(LightningDataModule):
         total = torch.zeros(3, self.recipe.size, self.recipe.size, dtype=torch.float64)
         for index in range(len(self.train_dataset)):
             total += self.train_dataset[index]["normal"]
-        return F.normalize(total, dim=0).float()
+        return unit_vectors(total[None])[0].float()
 
     def frame(self, name: str) -> Frame:
         """Return how the drawing of this name was framed for the model."""

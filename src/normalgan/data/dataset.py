@@ -12,6 +12,7 @@ from torch.utils.data import Dataset
 from normalgan.batch import Batch
 from normalgan.data.layout import ARRAYS
 from normalgan.data.shards import ShardedSamples
+from normalgan.metrics import unit_vectors
 
 
 class Item(TypedDict):
@@ -70,7 +71,7 @@ def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str) -> Item:
         name: what the sample is called.
     """
     on = mask[None].float()
-    unit = torch.nn.functional.normalize(normal.permute(2, 0, 1).float(), dim=0)
+    unit = unit_vectors(normal.permute(2, 0, 1)[None])[0]
     return {"sketch": sketch[None].float() / 255, "normal": unit * on, "mask": on, "name": name}
 
 
