@@ -11,12 +11,11 @@ from lightning.pytorch.core.optimizer import LightningOptimizer
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
 from torch.optim.lr_scheduler import LRScheduler
-from torchmetrics import MetricCollection
 
 from normalgan.batch import Batch, Sketches
 from normalgan.errors import InputError
 from normalgan.hints import HintSampler, hints_at
-from normalgan.metrics import normal_map_metrics, without_hints
+from normalgan.metrics import StageMetrics, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.objectives import AdversarialObjective, hint_loss, l1_loss
@@ -25,10 +24,6 @@ from normalgan.seeds import derive_seed
 
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
-
-
-def _collection(metrics: nn.ModuleDict, name: str) -> MetricCollection:
-    return cast(MetricCollection, metrics[name])
 
 
 class NormalGAN(LightningModule):
@@ -99,12 +94,8 @@ class NormalGAN(LightningModule):
         self.n_critic = n_critic
         self.noise_at_test = noise_at_test
         self.seed = seed
-        self.val_metrics = nn.ModuleDict(
-            {name: normal_map_metrics(f"val/{name}/") for name in ("hints", "no_hints")}
-        )
-        self.test_metrics = nn.ModuleDict(
-            {name: normal_map_metrics(f"test/{name}/") for name in ("hints", "unhinted", "no_hints")}
-        )
+        self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
+        self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 
     # --- painting -------------------------------------------------------------------------------------
 
@@ -211,41 +202,35 @@ class NormalGAN(LightningModule):
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, the same ones every epoch, and with none."""
+        target, mask = batch["normal"], batch["mask"]
         hints = self.validation_hints(batch, batch_idx)
-        self._measure(self.val_metrics, "hints", batch, hints)
-        self._measure(self.val_metrics, "no_hints", batch, None)
+        self.val_metrics.update("hints", self._paint(batch, hints), target, mask)
+        self.val_metrics.update("no_hints", self._paint(batch, None), target, mask)
 
     def on_validation_epoch_end(self) -> None:
         """Log the metrics of the validation split."""
-        self._log_metrics(self.val_metrics)
+        self.log_dict(self.val_metrics.pop())
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, also without the hinted pixels, and with no hints."""
+        target, mask = batch["normal"], batch["mask"]
         hints = self.test_hints(batch, batch_idx)
-        preds = self._measure(self.test_metrics, "hints", batch, hints)
-        unhinted = without_hints(batch["mask"], hints[:, 3:])
-        _collection(self.test_metrics, "unhinted").update(preds, batch["normal"], unhinted)
-        self._measure(self.test_metrics, "no_hints", batch, None)
+        preds = self._paint(batch, hints)
+        self.test_metrics.update("hints", preds, target, mask)
+        self.test_metrics.update("unhinted", preds, target, without_hints(mask, hints[:, 3:]))
+        self.test_metrics.update("no_hints", self._paint(batch, None), target, mask)
 
     def on_test_epoch_end(self) -> None:
         """Log the metrics of the test split."""
-        self._log_metrics(self.test_metrics)
+        self.log_dict(self.test_metrics.pop())
 
     def predict_step(self, batch: Sketches, batch_idx: int) -> Tensor:
         """Return painted normals (N, 3, H, W), with the user's hints if there are any."""
-        painted: Tensor = self(batch["sketch"], batch.get("hints"))
-        return painted.float()
+        return self._paint(batch, batch.get("hints"))
 
-    def _measure(self, metrics: nn.ModuleDict, name: str, batch: Batch, hints: Tensor | None) -> Tensor:
-        preds: Tensor = self(batch["sketch"], hints).float()
-        _collection(metrics, name).update(preds, batch["normal"], batch["mask"])
-        return preds
-
-    def _log_metrics(self, metrics: nn.ModuleDict) -> None:
-        for name in metrics:
-            collection = _collection(metrics, name)
-            self.log_dict(collection.compute(), sync_dist=False)  # torchmetrics has reduced them already
-            collection.reset()
+    def _paint(self, batch: Sketches, hints: Tensor | None) -> Tensor:
+        painted: Tensor = self(batch["sketch"], hints)
+        return painted.float()  # under bf16, figures and files are still made of full precision
 
     def on_test_model_eval(self) -> None:
         """Switch to evaluation, but keep the noise on if asked."""

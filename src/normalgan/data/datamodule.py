@@ -1,8 +1,6 @@
 """MeshDataModule: from meshes (or the embedded animals) to batches, and from drawings to be predicted."""
 
-from collections.abc import Sequence
 from functools import cached_property
-from pathlib import Path
 
 import torch
 from lightning.pytorch import LightningDataModule
@@ -15,12 +13,11 @@ from normalgan.data.augmentation import Augmentation
 from normalgan.data.dataset import Item, SampleDataset, collate
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketches
-from normalgan.data.splits import SPLITS, split_by_file, split_by_fractions
+from normalgan.data.sources import find_sources, split_sources
 from normalgan.errors import InputError
 from normalgan.framing import Frame
 from normalgan.metrics import unit_vectors
-from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views, find_meshes
-from normalgan.rendering.animals import herd
+from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.samples import Recipe
 from normalgan.seeds import derive_seed
@@ -118,17 +115,8 @@ class MeshDataModule(LightningDataModule):
         Raises:
             InputError: if a mesh, the split or the orientation cannot be used.
         """
-        found: Sequence[MeshSource]
-        if self.meshes is None:
-            found = herd(self.animals, self.seed)
-        else:
-            found = find_meshes(self.meshes, self.orientation, self.crease_angle)
-        by_name = {source.name: source for source in found}
-        if self.split_file is None:
-            names = split_by_fractions(list(by_name), self.fractions, self.split_seed)
-        else:
-            names = split_by_file(Path(self.split_file), list(by_name))
-        return {split: [by_name[name] for name in names[split]] for split in SPLITS}
+        found = find_sources(self.meshes, self.animals, self.seed, self.orientation, self.crease_angle)
+        return split_sources(found, self.split_file, self.fractions, self.split_seed)
 
     def prepare_data(self) -> None:
         """Render what is not in the cache yet; go on where it was interrupted."""

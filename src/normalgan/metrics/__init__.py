@@ -17,6 +17,7 @@ from normalgan.metrics.functional import (
     unit_vectors,
     without_hints,
 )
+from normalgan.metrics.stage import StageMetrics
 
 __all__ = [
     "MeanAngularError",
@@ -27,6 +28,7 @@ __all__ = [
     "NormalMapMetric",
     "RootMeanSquareAngularError",
     "ShareBelow",
+    "StageMetrics",
     "angular_error",
     "l1_distance",
     "l2_distance",

@@ -1,0 +1,54 @@
+"""Which meshes there are, and which split each belongs to."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from normalgan.data.splits import SPLITS, split_by_file, split_by_fractions
+from normalgan.rendering import MeshSource, find_meshes
+from normalgan.rendering.animals import herd
+
+
+def find_sources(
+    meshes: str | list[str] | None,
+    animals: int,
+    seed: int,
+    orientation: str | None,
+    crease_angle: float | None,
+) -> list[MeshSource]:
+    """Return the user's meshes, or the embedded animals if there are none.
+
+    Args:
+        meshes: a folder, a glob or a list of mesh files; None for the animals.
+        animals: how many animals.
+        seed: of the animals.
+        orientation: file that says how the meshes are turned upright.
+        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
+
+    Raises:
+        InputError: if nothing is found, names clash, or the orientation cannot be used.
+    """
+    if meshes is None:
+        return [*herd(animals, seed)]
+    return [*find_meshes(meshes, orientation, crease_angle)]
+
+
+def split_sources(
+    sources: Sequence[MeshSource], split_file: str | None, fractions: tuple[float, float, float], seed: int
+) -> dict[str, list[MeshSource]]:
+    """Return the meshes of each split, by a file or else by fractions.
+
+    Args:
+        sources: all meshes.
+        split_file: JSON file with the names of the train, val and test meshes.
+        fractions: shares of train, val and test.
+        seed: which meshes go where, if there is no file.
+
+    Raises:
+        InputError: if the file or the fractions cannot be used.
+    """
+    by_name = {source.name: source for source in sources}
+    if split_file is None:
+        names = split_by_fractions(list(by_name), fractions, seed)
+    else:
+        names = split_by_file(Path(split_file), list(by_name))
+    return {split: [by_name[name] for name in names[split]] for split in SPLITS}

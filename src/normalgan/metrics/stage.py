@@ -1,0 +1,42 @@
+"""StageMetrics: all figures of a stage, for each way in which the generator is measured there."""
+
+from collections.abc import Sequence
+from typing import cast
+
+from torch import Tensor, nn
+from torchmetrics import MetricCollection
+
+from normalgan.metrics.collection import normal_map_metrics
+
+
+class StageMetrics(nn.Module):
+    """The collections of one stage, such as validation with hints and without.
+
+    Args:
+        stage: first part of every figure's name.
+        rows: what is measured; the figures are named ``<stage>/<row>/<figure>``.
+    """
+
+    def __init__(self, stage: str, rows: Sequence[str]) -> None:
+        super().__init__()
+        self.rows = nn.ModuleDict({row: normal_map_metrics(f"{stage}/{row}/") for row in rows})
+
+    def update(self, row: str, preds: Tensor, target: Tensor, mask: Tensor) -> None:
+        """Count one batch in one of the rows; see `angular_error` for the shapes.
+
+        Args:
+            row: which one.
+            preds: (N, 3, H, W) painted normals, of any length.
+            target: (N, 3, H, W) true unit normals.
+            mask: (N, 1, H, W), 1 where pixels count.
+        """
+        cast(MetricCollection, self.rows[row]).update(preds, target, mask)
+
+    def pop(self) -> dict[str, Tensor]:
+        """Return all figures, reduced over processes, and begin anew."""
+        figures: dict[str, Tensor] = {}
+        for module in self.rows.values():
+            collection = cast(MetricCollection, module)
+            figures |= collection.compute()
+            collection.reset()
+        return figures
