@@ -86,7 +86,13 @@ def test_n_critic_counts_through_epochs(tmp_path: Path) -> None:
     steps = Steps()
     trainer(tmp_path, max_epochs=3, callbacks=[steps]).fit(make(n_critic=3), loader())
     assert steps.discriminator == [True] * 12
-    assert steps.generator == [False, False, True] * 4
+    assert steps.generator == [True, False, False] * 4
+
+
+def test_a_fast_dev_run_tries_both_networks(tmp_path: Path) -> None:
+    steps = Steps()
+    trainer(tmp_path, fast_dev_run=True, callbacks=[steps]).fit(make(n_critic=5), loader())
+    assert (steps.discriminator, steps.generator) == ([True], [True])
 
 
 def test_hints_are_painted_into_the_sketch_and_marked() -> None:
