@@ -180,8 +180,20 @@ class NormalGAN(LightningModule):
         self.log_dict({f"train/{name}": value.detach() for name, value in losses.items()})
         self.log("l1", losses["l1"].detach(), prog_bar=True, logger=False)
 
+    def on_validation_start(self) -> None:
+        """Average the statistics of batch norm over the processes, so that all measure the same network."""
+        self._average_statistics()
+
+    def _average_statistics(self) -> None:
+        # DistributedDataParallel broadcasts buffers before each step, but never under manual optimisation,
+        # for which Lightning switches require_backward_grad_sync off around the forward pass.
+        for buffer in self.buffers():
+            if buffer.is_floating_point() and self.trainer.world_size > 1:
+                buffer.copy_(cast(Tensor, self.trainer.strategy.reduce(buffer.clone(), reduce_op="mean")))
+
     def on_train_epoch_end(self) -> None:
         """Step the learning rates: Lightning leaves that to manual optimisation."""
+        self._average_statistics()  # for the checkpoint, should there be no validation
         schedulers = self.lr_schedulers()
         for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
             if scheduler is not None:
@@ -209,7 +221,7 @@ class NormalGAN(LightningModule):
 
     def on_validation_epoch_end(self) -> None:
         """Log the metrics of the validation split."""
-        self.log_dict(self.val_metrics.pop())
+        self._log_figures(self.val_metrics.pop())
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, also without the hinted pixels, and with no hints."""
@@ -222,7 +234,11 @@ class NormalGAN(LightningModule):
 
     def on_test_epoch_end(self) -> None:
         """Log the metrics of the test split."""
-        self.log_dict(self.test_metrics.pop())
+        self._log_figures(self.test_metrics.pop())
+
+    def _log_figures(self, figures: dict[str, Tensor]) -> None:
+        # They are over all processes already; sync_dist averages equal numbers, and keeps Lightning quiet.
+        self.log_dict(figures, sync_dist=True)
 
     def predict_step(self, batch: Sketches, batch_idx: int) -> Tensor:
         """Return painted normals (N, 3, H, W), with the user's hints if there are any."""

@@ -1,61 +1,22 @@
 """TestReport: the table, the gallery and the figures that `normalgan test` ends with."""
 
 import json
+from math import isnan
 from pathlib import Path
 
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
-from rich.console import Console
-from rich.table import Table
 from torch import Tensor
-from torchmetrics import MetricCollection
 
 from normalgan.batch import Batch
 from normalgan.callbacks.rows import batch_row, spread
+from normalgan.callbacks.table import results_table
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError
 from normalgan.gallery import Row, write_gallery
 from normalgan.gan import NormalGAN
-from normalgan.metrics import normal_map_metrics
+from normalgan.metrics import StageMetrics
 from normalgan.normals import write_bytes
-
-LABELS = {
-    "constant": "constant normal, facing the viewer",
-    "mean_map": "mean map of the training split",
-    "no_hints": "no hints",
-    "hints": "hints of the sampler",
-    "unhinted": "… hinted pixels left out",
-}
-COLUMNS = {
-    "angular_mean": "mean °",
-    "angular_median": "median °",
-    "angular_rmse": "RMSE °",
-    "below_5": "< 5°",
-    "below_7_5": "< 7.5°",
-    "below_11_25": "< 11.25°",
-    "below_22_5": "< 22.5°",
-    "below_30": "< 30°",
-    "l1": "L1",
-    "l2": "L2",
-    "angular_mean_per_image": "mean ° per image",
-}
-
-
-def results_table(results: dict[str, dict[str, float]], title: str) -> Table:
-    """Return the table of results, a row each, for the terminal."""
-    table = Table(title=title, title_justify="left")
-    table.add_column("on the object")
-    for heading in COLUMNS.values():
-        table.add_column(heading, justify="right")
-    for key, label in LABELS.items():
-        if key in results:
-            shares = [f"{v:.1%}" if k.startswith("below") else f"{v:.3f}" for k, v in ordered(results[key])]
-            table.add_row(label, *shares)
-    return table
-
-
-def ordered(result: dict[str, float]) -> list[tuple[str, float]]:
-    """Return the figures of one row in the order of the columns."""
-    return [(key, result[key]) for key in COLUMNS]
 
 
 class TestReport(Callback):
@@ -70,14 +31,16 @@ class TestReport(Callback):
     """
 
     __test__ = False  # pytest takes a class of this name for a test otherwise
+    _baselines: StageMetrics
+    _mean_map: Tensor
 
     def __init__(self, samples: int = 6) -> None:
+        if samples < 1:
+            raise InputError(f"the report's samples must be 1 or more, not {samples}.")
         self.samples = samples
         self._rows: list[Row] = []
-        self._baselines: dict[str, MetricCollection] = {}
-        self._mean_map: Tensor | None = None
-        self._seen = 0
-        self._wanted: list[int] = []
+        self._shown: set[int] = set()
+        self._seen = self._total = 0
 
     def on_test_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Work out the mean map, and which samples to show."""
@@ -85,12 +48,12 @@ class TestReport(Callback):
         if not isinstance(data, MeshDataModule):
             raise TypeError("TestReport needs the MeshDataModule, whose training split gives the mean map.")
         self._mean_map = data.mean_normal_map().to(pl_module.device)
-        self._baselines = {
-            name: normal_map_metrics(f"test/{name}/").to(pl_module.device)
-            for name in ("constant", "mean_map")
-        }
+        self._baselines = StageMetrics("test", ("constant", "mean_map")).to(pl_module.device)
+        # Fewer than there are, if fewer batches are asked for; with several processes, one process's share.
+        samples, share = len(data.test_dataset), int(trainer.num_test_batches[0]) * data.batch_size
+        self._total = min(samples, share * trainer.world_size)
+        self._shown = set(spread(min(-(-samples // trainer.world_size), share), self.samples))
         self._rows, self._seen = [], 0
-        self._wanted = spread(len(data.test_dataset), self.samples)
 
     def on_test_batch_end(
         self,
@@ -101,24 +64,23 @@ class TestReport(Callback):
         batch_idx: int,
         dataloader_idx: int = 0,
     ) -> None:
-        """Measure the baselines on the batch, and keep the rows that are wanted."""
-        if not isinstance(pl_module, NormalGAN) or self._mean_map is None:
+        """Measure the baselines on the batch, and keep the rows that are to be shown."""
+        if not isinstance(pl_module, NormalGAN):
             raise TypeError(f"TestReport measures a NormalGAN, not a {type(pl_module).__name__}.")
-        target = batch["normal"]
-        facing = torch.tensor([0.0, 0.0, 1.0], device=target.device).view(1, 3, 1, 1).expand_as(target)
-        self._baselines["constant"].update(facing, target, batch["mask"])
-        self._baselines["mean_map"].update(self._mean_map.expand_as(target), target, batch["mask"])
-        here = [i - self._seen for i in self._wanted if self._seen <= i < self._seen + len(target)]
+        target, mask = batch["normal"], batch["mask"]
+        facing = torch.tensor([0.0, 0.0, 1.0], device=target.device).view(1, 3, 1, 1)
+        self._baselines.update("constant", facing.expand_as(target), target, mask)
+        self._baselines.update("mean_map", self._mean_map.expand_as(target), target, mask)
+        here = [i for i in range(len(target)) if self._seen + i in self._shown]
         self._seen += len(target)
         if here:
             hints = pl_module.test_hints(batch, batch_idx)
-            preds = pl_module(batch["sketch"], hints)
+            preds: Tensor = pl_module(batch["sketch"], hints)
             self._rows += [batch_row(batch, i, hints, preds) for i in here]
 
     def on_test_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Log the baselines beside the generator."""
-        for collection in self._baselines.values():
-            pl_module.log_dict(collection.compute())
+        pl_module.log_dict(self._baselines.pop(), sync_dist=True)  # equal on all processes, as in NormalGAN
 
     def on_test_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Print the table; write the figures and the gallery."""
@@ -126,12 +88,21 @@ class TestReport(Callback):
             return
         results: dict[str, dict[str, float]] = {}
         for key, value in trainer.callback_metrics.items():
-            stage, row, figure = key.split("/") if key.count("/") == 2 else ("", "", "")
-            if stage == "test":
+            if key.startswith("test/"):
+                _, row, figure = key.split("/")
                 results.setdefault(row, {})[figure] = float(value)
         folder = Path(trainer.default_root_dir) / "test"
-        write_bytes(folder / "metrics.json", (json.dumps(results, indent=1) + "\n").encode())
+        write_bytes(folder / "metrics.json", _json(results))
         write_gallery(folder / "gallery.png", self._rows)
-        Console().print(results_table(results, f"Test split, {self._seen} samples"))
+        print(f"\n{results_table(results, f'Test split, {self._total} samples')}\n")
         print(f"Metrics: {(folder / 'metrics.json').resolve()}")
         print(f"Picture: {(folder / 'gallery.png').resolve()}")
+
+
+def _json(results: dict[str, dict[str, float]]) -> bytes:
+    """Return the figures as JSON, which has no nan."""
+    figures = {
+        row: {name: None if isnan(value) else value for name, value in sorted(values.items())}
+        for row, values in sorted(results.items())
+    }
+    return (json.dumps(figures, indent=1) + "\n").encode()

@@ -33,9 +33,9 @@ def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor) -> Row:
     def array(tensor: Tensor) -> Tensor:
         return tensor[index].detach().to("cpu", torch.float32)
 
-    names = batch.get("name")
+    mesh, _, view = batch.get("name", [""] * len(preds))[index].rpartition("/")
     return Row(
-        title=names[index] if names else "",
+        title=f"{mesh}, view {view}" if mesh else view,
         sketch=array(batch["sketch"])[0].numpy(),
         hints=array(hints).numpy(),
         preds=array(preds).numpy(),

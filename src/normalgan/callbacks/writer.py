@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import numpy as np
 import torch
@@ -28,6 +29,8 @@ class NormalMapWriter(BasePredictionWriter):
 
     def __init__(self, folder: str = "normals", bits: Bits = 8) -> None:
         super().__init__(write_interval="batch")
+        if bits not in {8, 16}:
+            raise InputError(f"the bits of a normal map are 8 or 16, not {bits}.")
         self.folder = Path(folder)
         self.bits: Bits = bits
 
@@ -41,6 +44,9 @@ class NormalMapWriter(BasePredictionWriter):
             return
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
+            # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
+            with TemporaryFile(dir=self.folder) as probe:
+                probe.write(b"0")
         except OSError as error:
             raise InputError(
                 f"the normal maps cannot be written to {self.folder}: {error.strerror}."

@@ -5,13 +5,14 @@ from functools import cached_property
 import torch
 from lightning.pytorch import LightningDataModule
 from torch import Tensor
-from torch.utils.data import DataLoader
+from torch.utils.data import DataLoader, Dataset
 from torch.utils.data.distributed import DistributedSampler
 
 from normalgan.batch import Batch
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.dataset import Item, SampleDataset, collate
 from normalgan.data.render import open_samples, render_samples
+from normalgan.data.shares import EqualShare
 from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketches
 from normalgan.data.sources import find_sources, split_sources
 from normalgan.errors import InputError
@@ -161,20 +162,19 @@ class MeshDataModule(LightningDataModule):
         dataset = self.train_dataset
         # torch's DistributedSampler also serves a single process. Its order comes from its seed and the
         # epoch, which Lightning sets, and not from global state, which a resumed run does not have.
-        replicas, rank = (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)
         sampler: DistributedSampler[Item] = DistributedSampler(
-            dataset, replicas, rank, shuffle=True, seed=self.seed
+            dataset, *self._replicas_and_rank(), shuffle=True, seed=self.seed
         )
         whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
         return self._loader(dataset, sampler=sampler, drop_last=whole)
 
     def val_dataloader(self) -> DataLoader[Item]:
         """Return the validation samples in order."""
-        return self._loader(self.val_dataset)
+        return self._measured(self.val_dataset)
 
     def test_dataloader(self) -> DataLoader[Item]:
         """Return the test samples in order."""
-        return self._loader(self.test_dataset)
+        return self._measured(self.test_dataset)
 
     def predict_dataloader(self) -> DataLoader[SketchSample]:
         """Return the drawings in order."""
@@ -182,8 +182,18 @@ class MeshDataModule(LightningDataModule):
         # By name: Lightning builds the loader anew from its arguments when predicting.
         return DataLoader(dataset, batch_size=self.batch_size, collate_fn=collate_sketches)
 
+    def _measured(self, dataset: SampleDataset) -> DataLoader[Item]:
+        replicas, rank = self._replicas_and_rank()
+        if replicas == 1:
+            return self._loader(dataset)
+        share = EqualShare(dataset, replicas, rank)
+        return self._loader(share, sampler=share.in_order())
+
+    def _replicas_and_rank(self) -> tuple[int, int]:
+        return (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)
+
     def _loader(
-        self, dataset: SampleDataset, sampler: DistributedSampler[Item] | None = None, drop_last: bool = False
+        self, dataset: Dataset[Item], sampler: DistributedSampler[Item] | None = None, drop_last: bool = False
     ) -> DataLoader[Item]:
         return DataLoader(
             dataset,

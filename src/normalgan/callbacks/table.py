@@ -1,0 +1,67 @@
+"""The table that `normalgan test` prints: a line for each figure, a column for each thing measured."""
+
+from collections.abc import Mapping
+from io import StringIO
+from math import isnan
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+Results = Mapping[str, Mapping[str, float]]
+"""Figures by what was measured and by their own name, such as ``results["hints"]["angular_mean"]``."""
+
+HEADINGS = {
+    "constant": "constant",
+    "mean_map": "mean map",
+    "no_hints": "no hints",
+    "hints": "hints",
+    "unhinted": "unhinted",
+}
+FIGURES = {
+    "angular_mean": "mean angular error",
+    "angular_median": "median",
+    "angular_rmse": "root mean square",
+    "angular_mean_per_image": "mean over images",
+    "below_5": "below 5°",
+    "below_7_5": "below 7.5°",
+    "below_11_25": "below 11.25°",
+    "below_22_5": "below 22.5°",
+    "below_30": "below 30°",
+    "l1": "L1",
+    "l2": "L2",
+}
+NOTE = """\
+Pixels on the object. constant: (0, 0, 1) everywhere; mean map: the mean of the
+training split; neither sees the sketch. unhinted: with the same hints, the
+hinted pixels left out."""
+
+
+def results_table(results: Results, title: str) -> str:
+    """Return the table of results as text of at most 80 columns, in a terminal as in a file.
+
+    Args:
+        results: any of the columns; those missing are left out. All figures of each.
+        title: one line above.
+
+    >>> print(results_table({"hints": dict.fromkeys(FIGURES, 0.25)}, "Two samples").split("L1")[1].split()[0])
+    0.250
+    """
+    table = Table(title=title, title_justify="left", title_style="", box=SIMPLE_HEAD, pad_edge=False)
+    columns = [key for key in HEADINGS if key in results]
+    table.add_column("")
+    for key in columns:
+        table.add_column(HEADINGS[key], justify="right")
+    for figure, label in FIGURES.items():
+        table.add_row(label, *(_written(figure, results[key][figure]) for key in columns))
+    text = StringIO()
+    Console(file=text, width=80, color_system=None).print(table)
+    return "\n".join(line.rstrip() for line in text.getvalue().strip("\n").splitlines()) + f"\n{NOTE}"
+
+
+def _written(figure: str, value: float) -> str:
+    if isnan(value):  # nothing was measured, as when every pixel is hinted
+        return "–"
+    if figure.startswith("below"):
+        return f"{value:.1%}"
+    return f"{value:.2f}°" if figure.startswith("angular") else f"{value:.3f}"

@@ -1,0 +1,81 @@
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lightning.pytorch import LightningModule
+from lightning.pytorch.loggers import CSVLogger, TensorBoardLogger
+from numpy.typing import NDArray
+from PIL import Image
+from tensorboard.backend.event_processing.event_accumulator import EventAccumulator  # type: ignore[import-untyped]
+
+from normalgan.callbacks import PictureLogger
+from normalgan.callbacks.rows import batch_row
+from normalgan.errors import InputError
+from normalgan.gallery import draw_gallery
+from small import QUIET, data, gan, trainer
+
+pytestmark = pytest.mark.filterwarnings(*QUIET)
+
+TAG = "val/gallery"
+
+
+def logged(folder: Path) -> EventAccumulator:
+    events = EventAccumulator(str(folder), size_guidance={"images": 0})
+    events.Reload()
+    return events
+
+
+def pixels(png: bytes) -> NDArray[np.int64]:
+    with Image.open(BytesIO(png)) as image:
+        return np.asarray(image.convert("RGB"), np.int64)
+
+
+def test_a_picture_every_n_epochs(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    model, module = gan(), data(meshes, cache)
+    logger = TensorBoardLogger(tmp_path, name="", version="")
+    pictures = PictureLogger(every_n_epochs=2, samples=4)
+    trainer(tmp_path, max_epochs=4, logger=logger, callbacks=[pictures]).fit(model, module)
+    events = logged(tmp_path).Images(TAG)
+    assert [event.step for event in events] == [
+        1,
+        3,
+    ]  # epochs count from 0; the check before training is none
+    # After the last epoch the weights are those it was drawn with.
+    batch = next(iter(module.val_dataloader()))
+    hints = model.validation_hints(batch, 0)
+    preds = model.eval()(batch["sketch"], hints)
+    expected = draw_gallery([batch_row(batch, i, hints, preds) for i in range(2)])
+    with (
+        Image.open(BytesIO(events[-1].encoded_image_string)) as shown,
+        Image.open(BytesIO(expected)) as drawn,
+    ):
+        assert (shown.width, shown.height) == drawn.size
+        difference = np.abs(np.asarray(shown.convert("RGB"), int) - np.asarray(drawn.convert("RGB"), int))
+    assert (difference > 1).mean() < 1e-3
+
+
+@pytest.mark.parametrize("logger", ["csv", "none"])
+def test_without_tensorboard_nothing_is_drawn(
+    meshes: Path, cache: Path, tmp_path: Path, logger: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("normalgan.callbacks.pictures.draw_gallery", None)
+    csv = CSVLogger(tmp_path) if logger == "csv" else False
+    run = trainer(tmp_path, logger=csv, callbacks=[PictureLogger(every_n_epochs=1)])
+    run.fit(gan(), data(meshes, cache))
+    assert run.current_epoch == 1
+
+
+@pytest.mark.parametrize("settings", [{"every_n_epochs": 0}, {"samples": 0}])
+def test_settings_are_checked(settings: dict[str, int]) -> None:
+    with pytest.raises(InputError, match="must be 1 or more"):
+        PictureLogger(**settings)
+
+
+def test_other_models_are_refused(tmp_path: Path) -> None:
+    class Other(LightningModule):
+        pass
+
+    run = trainer(tmp_path, logger=TensorBoardLogger(tmp_path))
+    with pytest.raises(TypeError, match="not a Other"):
+        PictureLogger(every_n_epochs=1).on_validation_batch_end(run, Other(), None, {}, 0)  # type: ignore[typeddict-item]

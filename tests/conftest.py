@@ -1,0 +1,21 @@
+"""What tests of several folders share; being here, it also lets them import the modules beside it."""
+
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def meshes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of five meshes of different formats."""
+    from small import write_meshes  # here: most tests need no lightning, which takes seconds to import
+
+    folder = tmp_path_factory.mktemp("meshes")
+    write_meshes(folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder where all tests may keep rendered samples, so that each is rendered once."""
+    return tmp_path_factory.mktemp("cache")

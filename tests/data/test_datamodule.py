@@ -1,0 +1,186 @@
+import itertools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from lightning.pytorch import Callback, LightningModule, Trainer
+from torch.utils.data import DataLoader
+
+from normalgan.batch import Batch
+from normalgan.data.augmentation import Augmentation
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.dataset import Item
+from normalgan.data.shares import EqualShare
+from normalgan.rendering import Mesh
+from small import QUIET, data, gan, trainer
+
+pytestmark = [
+    pytest.mark.filterwarnings(*QUIET),
+    pytest.mark.filterwarnings("ignore:.*no `val_dataloader`.*"),
+]
+
+SPLITS = ("train", "val", "test")
+
+
+def ready(module: MeshDataModule) -> MeshDataModule:
+    module.prepare_data()
+    return module
+
+
+def names(loader: DataLoader[Any]) -> list[str]:
+    return [name for batch in loader for name in batch["name"]]
+
+
+def sample_names(module: MeshDataModule) -> list[list[str]]:
+    splits = (module.train_dataset, module.val_dataset, module.test_dataset)
+    return [[split[i]["name"] for i in range(len(split))] for split in splits]
+
+
+def loaded(module: MeshDataModule, name: str) -> Mesh:
+    (source,) = (s for sources in module.sources.values() for s in sources if s.name == name)
+    return source.load()
+
+
+def test_splits_are_by_mesh_and_never_by_view(meshes: Path, cache: Path) -> None:
+    module = ready(data(meshes, cache))
+    listed = sample_names(module)
+    assert [len(split) for split in listed] == [6, 2, 2]
+    shown = [{name.split("/")[0] for name in split} for split in listed]
+    assert set.union(*shown) == {"ball", "box", "can", "hat", "pill"}
+    assert not any(a & b for a, b in itertools.combinations(shown, 2))
+    assert [{source.name for source in module.sources[split]} for split in SPLITS] == shown
+    other = data(meshes, cache, split_seed=1)
+    assert [[s.name for s in other.sources[x]] for x in SPLITS] != [
+        [s.name for s in module.sources[x]] for x in SPLITS
+    ]
+
+
+def test_split_file_is_honoured(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    split = {"train": ["hat"], "val": ["can"], "test": ["ball", "box", "pill"]}
+    (tmp_path / "split.json").write_text(json.dumps(split))
+    module = data(meshes, cache, split_file=str(tmp_path / "split.json"))
+    assert {part: [s.name for s in sources] for part, sources in module.sources.items()} == split
+
+
+def test_orientation_file_is_honoured(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    quarter = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+    (tmp_path / "up.json").write_text(json.dumps({"hat": {"rotation": quarter}}))
+    plain, turned = data(meshes, cache), data(meshes, cache, orientation=str(tmp_path / "up.json"))
+    np.testing.assert_allclose(
+        loaded(turned, "hat").vertices, loaded(plain, "hat").vertices @ np.array(quarter).T, atol=1e-5
+    )
+    np.testing.assert_array_equal(loaded(turned, "can").vertices, loaded(plain, "can").vertices)
+
+
+@pytest.mark.parametrize("epoch", [0, 3])
+def test_order_depends_on_seed_and_epoch_alone(meshes: Path, cache: Path, epoch: int) -> None:
+    def order(seed: int, epoch: int, state: int) -> list[str]:
+        torch.manual_seed(state)
+        loader = ready(data(meshes, cache, seed=seed)).train_dataloader()
+        loader.sampler.set_epoch(epoch)  # type: ignore[attr-defined]
+        return names(loader)
+
+    first = order(0, epoch, state=1)
+    assert sorted(first) == sorted({*first})
+    assert len(first) == 6
+    assert order(0, epoch, state=2) == first
+    assert order(0, epoch + 1, state=1) != first
+
+
+class Seen(Callback):
+    """Keeps the batches that the module is given."""
+
+    def __init__(self) -> None:
+        self.training: list[Batch] = []
+        self.validation: list[Batch] = []
+
+    def on_train_batch_start(
+        self, trainer: Trainer, pl_module: LightningModule, batch: Batch, batch_idx: int
+    ) -> None:
+        self.training.append(batch)
+
+    def on_validation_batch_start(
+        self,
+        trainer: Trainer,
+        pl_module: LightningModule,
+        batch: Batch,
+        batch_idx: int,
+        dataloader_idx: int = 0,
+    ) -> None:
+        self.validation.append(batch)
+
+
+def seen_in(module: MeshDataModule, folder: Path, epochs: int = 1, checkpoint: Path | None = None) -> Seen:
+    seen = Seen()
+    run = trainer(folder, max_epochs=epochs, callbacks=[seen], num_sanity_val_steps=0)
+    run.fit(gan(), module, ckpt_path=checkpoint, weights_only=False)
+    run.save_checkpoint(folder / "last.ckpt")
+    return seen
+
+
+def test_training_order_goes_on_when_resumed(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    unbroken = seen_in(data(meshes, cache), tmp_path / "a", epochs=2)
+    seen_in(data(meshes, cache), tmp_path / "b", epochs=1)
+    torch.manual_seed(99)
+    resumed = seen_in(data(meshes, cache), tmp_path / "b", 2, tmp_path / "b" / "last.ckpt")
+    listed = [[name for batch in seen.training for name in batch["name"]] for seen in (unbroken, resumed)]
+    assert len(listed[0]) == 12
+    assert listed[1] == listed[0][6:] != listed[0][:6]
+
+
+def test_augmentation_is_for_training_alone_and_seeded_by_the_step(
+    meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    plain = ready(data(meshes, cache))
+    stored = {item["name"]: item for item in (plain.train_dataset[i] for i in range(6))}
+    kept = {item["name"]: item for item in (plain.val_dataset[i] for i in range(2))}
+    seen = seen_in(data(meshes, cache, augmentation=Augmentation()), tmp_path, epochs=2)
+    for batch in seen.validation:
+        for i, name in enumerate(batch["name"]):
+            assert torch.equal(batch["normal"][i], kept[name]["normal"])
+            assert torch.equal(batch["sketch"][i], kept[name]["sketch"])
+    first: dict[str, torch.Tensor] = {}
+    for batch in seen.training:
+        for i, name in enumerate(batch["name"]):
+            assert not torch.equal(batch["normal"][i], stored[name]["normal"])
+            if name in first:
+                assert not torch.equal(batch["normal"][i], first[name])  # other steps, other changes
+            first.setdefault(name, batch["normal"][i])
+    torch.manual_seed(7)
+    again = seen_in(data(meshes, cache, augmentation=Augmentation()), tmp_path, epochs=2)
+    for a, b in zip(seen.training, again.training, strict=True):
+        assert torch.equal(a["normal"], b["normal"])
+        assert torch.equal(a["sketch"], b["sketch"])
+
+
+def test_last_batch_of_few_is_left_out_but_a_small_set_is_used(meshes: Path, cache: Path) -> None:
+    assert [len(b["name"]) for b in ready(data(meshes, cache, batch_size=4)).train_dataloader()] == [4]
+    assert [len(b["name"]) for b in data(meshes, cache, batch_size=50).train_dataloader()] == [6]
+    assert [len(b["name"]) for b in data(meshes, cache, batch_size=50).test_dataloader()] == [2]
+
+
+def test_mean_map_by_numpy(meshes: Path, cache: Path) -> None:
+    module = ready(data(meshes, cache))
+    maps = np.stack([module.train_dataset[i]["normal"].numpy() for i in range(6)]).astype(np.float64)
+    mean = maps.mean(0)
+    length = np.linalg.norm(mean, axis=0)
+    expected = np.divide(mean, length, out=np.zeros_like(mean), where=length > 0)
+    np.testing.assert_allclose(module.mean_normal_map().numpy(), expected, atol=1e-5)
+    assert 0 < (length > 0).mean() < 1
+
+
+@pytest.mark.parametrize("replicas", [1, 2, 3, 5])
+def test_shares_are_equally_long_and_count_every_sample_once(
+    meshes: Path, cache: Path, replicas: int
+) -> None:
+    module = ready(data(meshes, cache, test_views=7))
+    shares = [EqualShare(module.test_dataset, replicas, rank) for rank in range(replicas)]
+    assert len({len(share) for share in shares}) == 1
+    np.testing.assert_array_equal(list(shares[0].in_order()), range(len(shares[0])))
+    counted: list[Item] = []
+    for share in shares:
+        counted += [item for item in (share[i] for i in range(len(share))) if item["mask"].any()]
+    assert sorted(item["name"] for item in counted) == sorted(sample_names(module)[2])

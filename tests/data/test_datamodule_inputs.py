@@ -1,0 +1,134 @@
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image, ImageDraw
+
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError
+from normalgan.normals import encode
+from normalgan.rendering.lines.occluding import OccludingContours
+from small import QUIET, data, gan, trainer
+
+pytestmark = [
+    pytest.mark.filterwarnings(*QUIET),
+    pytest.mark.filterwarnings("ignore:.*no `val_dataloader`.*"),
+]
+
+SPLITS = ("train", "val", "test")
+
+
+def drawing(folder: Path, name: str = "ring.png") -> Path:
+    image = Image.new("L", (60, 80), 255)
+    ImageDraw.Draw(image).ellipse((10, 20, 50, 60), outline=0, width=2)
+    image.save(folder / name)
+    return folder / name
+
+
+def test_drawings_and_their_hints_are_served_in_order(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    (tmp_path / "hints").mkdir()
+    for name in ("b.png", "a.png", "c.png"):
+        drawing(tmp_path, name)
+    dots = np.zeros((80, 60, 4), np.uint8)
+    dots[40, 30] = (*encode(np.array([0.6, 0.0, 0.8])), 255)
+    Image.fromarray(dots).save(tmp_path / "hints" / "b_hints.png")
+    module = data(
+        meshes, cache, sketches=str(tmp_path / "*.png"), hints=str(tmp_path / "hints"), batch_size=2
+    )
+    module.setup("predict")
+    batches = list(module.predict_dataloader())
+    assert [batch["name"] for batch in batches] == [["a", "b"], ["c"]]
+    hints = batches[0]["hints"]
+    assert hints.shape == (2, 4, 32, 32)
+    assert hints[0].abs().sum() == batches[1]["hints"].abs().sum() == 0
+    assert hints[1, 3].sum() == 1
+    given = hints[1, :3, hints[1, 3] > 0]
+    np.testing.assert_allclose(given[:, 0], [0.6, 0, 0.8], atol=0.01)
+    assert module.frame("a").shape == (80, 60)
+    assert batches[0]["sketch"].shape == (2, 1, 32, 32)
+    assert 0.9 < batches[0]["sketch"].max() <= 1
+
+
+def test_predicting_renders_nothing(meshes: Path, tmp_path: Path) -> None:
+    module = data(meshes, tmp_path / "cache", sketches=str(drawing(tmp_path)))
+    painted = trainer(tmp_path).predict(gan(), module)
+    assert painted is not None
+    assert isinstance(painted[0], torch.Tensor)
+    assert painted[0].shape == (1, 3, 32, 32)
+    assert not (tmp_path / "cache").exists()
+
+
+def test_bad_settings_are_explained(meshes: Path, cache: Path) -> None:
+    settings = [
+        ({"animals": 0}, "data.animals must be 1 or more, not 0"),
+        ({"batch_size": 0}, "data.batch_size must be 1 or more, not 0"),
+        ({"workers": -1}, "data.workers must be 0 or more, not -1"),
+        ({"render_workers": -2}, "data.render_workers must be 0 or more, not -2"),
+        ({"memory": -1}, "data.memory must be 0 or more"),
+    ]
+    for given, message in settings:
+        with pytest.raises(InputError, match=message):
+            data(meshes, cache, **given)
+
+
+def test_what_cannot_be_used_is_named(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=re.escape(str(tmp_path / "none"))):
+        _ = data(tmp_path / "none", cache).sources
+    with pytest.raises(InputError, match="three shares"):
+        _ = data(meshes, cache, fractions=(0.5, 0.5, 0.5)).sources
+    with pytest.raises(InputError, match="views a mesh are asked for train"):
+        data(meshes, tmp_path, train_views=0).prepare_data()
+    with pytest.raises(InputError, match="render them first"):
+        data(meshes, tmp_path).train_dataloader()
+    with pytest.raises(InputError, match="predict needs drawings"):
+        data(meshes, cache).setup("predict")
+    with pytest.raises(InputError, match="no sketch found"):
+        data(meshes, cache, sketches=str(tmp_path / "none.png")).setup("predict")
+
+
+def test_one_bad_mesh_is_left_out_and_the_rest_is_used(meshes: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "meshes"
+    folder.mkdir()
+    for path in meshes.iterdir():
+        (folder / path.name).write_bytes(path.read_bytes())
+    (folder / "bad.off").write_text("OFF\n0 0 0\n")
+    (tmp_path / "split.json").write_text(
+        json.dumps({"train": ["bad", "ball", "box"], "val": ["can"], "test": ["hat", "pill"]})
+    )
+    module = data(folder, tmp_path / "cache", split_file=str(tmp_path / "split.json"))
+    with pytest.warns(UserWarning, match="the mesh bad is left out"):
+        module.prepare_data()
+    used = {module.train_dataset[i]["name"].split("/")[0] for i in range(len(module.train_dataset))}
+    assert used == {"ball", "box"}
+
+
+def test_animals_are_the_default() -> None:
+    module = MeshDataModule(animals=6)
+    assert [len(module.sources[split]) for split in SPLITS] == [4, 1, 1]
+    other = MeshDataModule(animals=6, seed=1)
+    assert {s.fingerprint() for s in module.sources["train"]}.isdisjoint(
+        s.fingerprint() for s in other.sources["train"]
+    )
+
+
+@pytest.mark.slow
+def test_animals_are_rendered(tmp_path: Path) -> None:
+    module = MeshDataModule(
+        animals=3,
+        fractions=(0.4, 0.3, 0.3),
+        lines=OccludingContours(),
+        size=32,
+        train_views=2,
+        val_views=1,
+        test_views=1,
+        cache=str(tmp_path),
+        render_workers=0,
+    )
+    module.prepare_data()
+    for i in range(2):
+        item = module.train_dataset[i]
+        assert 0.05 < float(item["mask"].mean()) < 0.8
+        assert 0.01 < float(item["sketch"].mean()) < 0.5

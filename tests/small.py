@@ -1,0 +1,79 @@
+"""Data, networks and trainers that take next to no time: five simple meshes at 32 pixels."""
+
+from pathlib import Path
+from typing import Any
+
+import torch
+import trimesh
+from lightning.pytorch import Trainer
+
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.gan import NormalGAN
+from normalgan.hints import UniformHints
+from normalgan.models import UNetDiscriminator, UNetGenerator
+from normalgan.objectives import Wasserstein
+from normalgan.rendering.lines.occluding import OccludingContours
+
+torch.set_num_threads(1)  # networks this small are slower with more
+
+# What Lightning says of settings that are meant: no workers for ten samples, few batches.
+QUIET = (
+    "ignore:.*does not have many workers.*",
+    "ignore:.*smaller than the logging interval.*",
+    "ignore:.*LeafSpec.*is deprecated.*",
+)
+
+
+def write_meshes(folder: Path) -> None:
+    """Write five solids; none of them looks the same from all sides."""
+    solids = {
+        "ball.ply": trimesh.creation.icosphere(2).apply_scale([1, 0.7, 0.5]),
+        "box.obj": trimesh.creation.box((1, 0.6, 0.3)),
+        "can.stl": trimesh.creation.cylinder(0.4, 1.2),
+        "hat.off": trimesh.creation.cone(0.5, 1.0),
+        "pill.glb": trimesh.creation.capsule(1.0, 0.3),
+    }
+    for name, solid in solids.items():
+        solid.export(folder / name)
+
+
+def data(meshes: Path, cache: Path, **settings: Any) -> MeshDataModule:
+    """Three meshes to train on, one to validate and one to test: six, two and two samples."""
+    defaults: dict[str, Any] = {
+        "fractions": (0.6, 0.2, 0.2),
+        "lines": OccludingContours(),
+        "size": 32,
+        "train_views": 2,
+        "val_views": 2,
+        "test_views": 2,
+        "render_workers": 0,
+        "batch_size": 2,
+    }
+    return MeshDataModule(str(meshes), cache=str(cache), **(defaults | settings))
+
+
+def gan(**settings: Any) -> NormalGAN:
+    """The paper's parts, four channels wide; the same weights every time."""
+    torch.manual_seed(0)
+    defaults: dict[str, Any] = {
+        "generator": UNetGenerator(size=32, width=4),
+        "discriminator": UNetDiscriminator(size=32, width=4),
+        "hint_sampler": UniformHints(3, 3),
+        "objective": Wasserstein(),
+        "n_critic": 1,
+    }
+    return NormalGAN(**(defaults | settings))
+
+
+def trainer(folder: Path, **settings: Any) -> Trainer:
+    """A trainer on the CPU that shows nothing and writes nothing of its own."""
+    defaults: dict[str, Any] = {
+        "accelerator": "cpu",
+        "default_root_dir": folder,
+        "logger": False,
+        "enable_checkpointing": False,
+        "enable_progress_bar": False,
+        "enable_model_summary": False,
+        "max_epochs": 1,
+    }
+    return Trainer(**(defaults | settings))
