@@ -1,0 +1,207 @@
+import contextlib
+import importlib
+import inspect
+import io
+import itertools
+import re
+from collections.abc import Iterator, Mapping
+from functools import cache as remember
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+import yaml
+from torch import nn
+
+from normalgan.__main__ import main
+from normalgan.objectives import AdversarialObjective
+
+Settings = dict[str, Any]
+
+ROOT = Path(__file__).parents[1]
+METHODS = ("paper", "sketch2normal", "pix2pix")
+OVERLAYS = ((), ("cpu",), ("gpu",), ("gpu", "ddp"), ("fourleg/meshes",), ("cpu", "fourleg/meshes"))
+DIFFER = {
+    "sketch2normal": {
+        "trainer.default_root_dir",
+        "data.batch_size",
+        "model.generator.init_args.kernel",
+        "model.generator.init_args.norm",
+        "model.generator.init_args.bias",
+        "model.discriminator.class_path",
+        "model.hint_sampler.class_path",
+        "model.generator_optimizer.init_args.lr",
+        "model.discriminator_optimizer.init_args.lr",
+        "model.noise_at_test",
+    },
+    "pix2pix": {
+        "trainer.default_root_dir",
+        "trainer.max_epochs",
+        "data.batch_size",
+        "model.generator.init_args.norm",
+        "model.discriminator.class_path",
+        "model.hint_sampler.class_path",
+        "model.objective.class_path",
+        "model.generator_optimizer.class_path",
+        "model.discriminator_optimizer.class_path",
+        "model.n_critic",
+        "model.l1_weight",
+        "model.hint_weight",
+        "model.noise_at_test",
+    },
+}
+"""Where the methods differ from the paper's; a class that differs brings settings of its own."""
+
+
+@remember
+def parsed(*names: str) -> Settings:
+    """Return all settings that these configurations make together, by the CLI, defaults included."""
+    files = [argument for name in names for argument in ("--config", f"configs/{name}.yaml")]
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.chdir(ROOT), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main(["fit", *files, "--print_config"])
+    assert code == 0, err.getvalue()
+    settings: Settings = yaml.safe_load(out.getvalue())
+    return settings
+
+
+def written(name: str) -> Settings:
+    settings: Settings = yaml.safe_load((ROOT / "configs" / f"{name}.yaml").read_text(encoding="utf-8"))
+    return settings
+
+
+def leaves(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in settings.items():
+        if isinstance(value, Mapping) and value:
+            yield from leaves(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def built(settings: Settings, what: str) -> Any:
+    """Return the object of a ``class_path`` and ``init_args`` of the model; networks with their size."""
+    module, _, name = settings["model"][what]["class_path"].rpartition(".")
+    kind = getattr(importlib.import_module(module), name)
+    size = {"size": settings["data"]["size"]} if "size" in inspect.signature(kind).parameters else {}
+    return kind(**size, **settings["model"][what].get("init_args", {}))
+
+
+def complete() -> set[str]:
+    """Return the configurations that stand alone: overlays leave the seed as it is."""
+    names = (path.stem for path in (ROOT / "configs").glob("*.yaml"))
+    return {name for name in names if "seed_everything" in written(name)}
+
+
+def test_every_file_is_known_here() -> None:
+    files = {str(p.relative_to(ROOT / "configs").with_suffix("")) for p in (ROOT / "configs").rglob("*.yaml")}
+    assert files == {"quickstart", *METHODS, *itertools.chain(*OVERLAYS)}
+    assert complete() == {"quickstart", *METHODS}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("overlays", OVERLAYS, ids="+".join)
+def test_overlays_win_and_change_nothing_else(method: str, overlays: tuple[str, ...]) -> None:
+    together, alone = dict(leaves(parsed(method, *overlays))), dict(leaves(parsed(method)))
+    wanted: Settings = {}
+    for overlay in overlays:
+        wanted |= dict(leaves(written(overlay)))
+    for key, value in wanted.items():
+        assert together[key] == value, key
+    changed = {key for key in together.keys() | alone.keys() if together.get(key) != alone.get(key)}
+    brought = {".".join(key.split(".")[:2]) for key in wanted if key.endswith("class_path")}
+    assert {k for k in changed - wanted.keys() if ".".join(k.split(".")[:2]) not in brought} == set()
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("quickstart",), *itertools.product(METHODS), *itertools.product(METHODS, ("cpu", "gpu"))],
+    ids="+".join,
+)
+def test_networks_and_objective_can_be_built(names: tuple[str, ...]) -> None:
+    settings = parsed(*names)
+    size = settings["data"]["size"]
+    with torch.device("meta"):
+        generator, discriminator = built(settings, "generator"), built(settings, "discriminator")
+        condition, normal = torch.empty(1, 4, size, size), torch.empty(1, 3, size, size)
+        assert generator(condition).shape == (1, 3, size, size)
+        assert all(len(scores) == 1 for scores in discriminator(condition, normal))
+    objective: AdversarialObjective = built(settings, "objective")
+    objective.check(discriminator)
+    built(settings, "hint_sampler")
+    schedule = settings["model"]["lr_scheduler"]
+    if schedule is not None and "T_max" in schedule["init_args"]:
+        assert schedule["init_args"]["T_max"] == settings["trainer"]["max_epochs"]
+
+
+@pytest.mark.parametrize(
+    ("method", "generator", "discriminator"),
+    [
+        ("paper", 54_414_979, 54_412_929),
+        # Su et al.'s, but for the scale and shift of the norm at the innermost layer, which is left out.
+        ("sketch2normal", 85_024_387 - 2 * 512, 4_837_441),
+        ("pix2pix", 54_414_979, 2_768_705),
+    ],
+)
+def test_full_size_networks_have_the_published_parameters(
+    method: str, generator: int, discriminator: int
+) -> None:
+    def parameters(network: nn.Module) -> int:
+        return sum(p.numel() for p in network.parameters())
+
+    with torch.device("meta"):
+        assert parameters(built(parsed(method), "generator")) == generator
+        assert parameters(built(parsed(method), "discriminator")) == discriminator
+
+
+@pytest.mark.parametrize("method", DIFFER)
+def test_methods_differ_only_where_they_do(method: str) -> None:
+    other, paper = dict(leaves(parsed(method))), dict(leaves(parsed("paper")))
+    differing = {key for key in other.keys() | paper.keys() if other.get(key) != paper.get(key)}
+    classes = {key.removesuffix("class_path") for key in differing if key.endswith("class_path")}
+    differing = {k for k in differing if k.endswith("class_path") or not k.startswith(tuple(classes) or "\0")}
+    assert differing == DIFFER[method]
+
+
+@pytest.mark.parametrize("method", DIFFER)
+def test_stars_mark_the_lines_that_differ(method: str) -> None:
+    def lines(name: str) -> list[tuple[str, bool]]:
+        found = []
+        for line in (ROOT / "configs" / f"{name}.yaml").read_text(encoding="utf-8").splitlines():
+            setting, _, comment = line.partition("#")
+            setting = re.sub(r"[&*](?=\w)\w+", "", setting).strip()  # anchors are called as one likes
+            if setting and "default_root_dir" not in setting:
+                found.append((" ".join(setting.split()), comment.strip().startswith("*")))
+        return found
+
+    paper = {setting for setting, _ in lines("paper")}
+    for setting, starred in lines(method):
+        assert (setting not in paper) == starred, setting
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_number_has_its_source(method: str) -> None:
+    text = (ROOT / "configs" / f"{method}.yaml").read_text(encoding="utf-8")
+    _, _, settings = text.partition("\ndata:\n")
+    for line in settings.splitlines():
+        if re.search(r"\d", line.partition("#")[0]) and "augmentation" not in line and "flip" not in line:
+            assert re.search(r"\[(paper|su|pix2pix|ours)\]|no hints", line), line
+
+
+def test_published_settings_are_as_the_design_has_them() -> None:
+    paper, su, pix2pix = (parsed(method)["model"] for method in METHODS)
+    assert paper["hint_sampler"]["init_args"]["thresholds"] == [127, 126]
+    assert paper["hint_sampler"]["init_args"]["dropout"] == 0.95
+    assert paper["objective"] == su["objective"]
+    assert paper["objective"]["init_args"]["weight_clip"] == 0.01
+    assert (su["n_critic"], su["l1_weight"], su["generator_optimizer"]["init_args"]["lr"]) == (5, 500, 5e-5)
+    adam = pix2pix["generator_optimizer"]["init_args"]
+    assert (adam["lr"], adam["betas"], pix2pix["l1_weight"]) == (2e-4, [0.5, 0.999], 100)
+
+
+def test_files_that_configurations_name_are_there() -> None:
+    for name in (*complete(), "fourleg/meshes"):
+        data = written(name)["data"]
+        for key in ("split_file", "orientation", "sketches"):
+            if key in data:
+                assert (ROOT / data[key]).exists(), f"{name}: {data[key]}"
