@@ -37,4 +37,5 @@ if ! "$venv/bin/python" -c 'import importlib.metadata as m; m.version("torch")' 
     fi
 fi
 say "Installing normalgan …"
-"$venv/bin/pip" install --quiet --editable ".$extras"
+# pyrender asks for a PyOpenGL that has no wheel; without the flag older pips complain at length.
+"$venv/bin/pip" install --quiet --use-pep517 --editable ".$extras"
