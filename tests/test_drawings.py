@@ -105,6 +105,11 @@ def test_drawings_are_found_in_folders_globs_and_lists(tmp_path: Path) -> None:
     ]
 
 
+def test_a_drawing_matched_twice_is_taken_once(tmp_path: Path) -> None:
+    Image.fromarray(cross()).save(tmp_path / "a.png")
+    assert find_drawings([str(tmp_path / "*.png"), str(tmp_path)]) == [tmp_path / "a.png"]
+
+
 def test_finding_nothing_or_one_name_twice_is_said(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no sketch found"):
         find_drawings(str(tmp_path))

@@ -36,7 +36,7 @@ def find_drawings(source: str | Sequence[str]) -> list[Path]:
             raise InputError(
                 f"no sketch found at {entry!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
             )
-        paths += sorted(found)
+        paths += sorted(path for path in found if path not in paths)  # patterns may overlap
     by_name: dict[str, Path] = {}
     for path in paths:
         other = by_name.setdefault(path.stem, path)
