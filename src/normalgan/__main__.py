@@ -3,12 +3,13 @@
 0: done. 2: something that was given cannot be used. 1: it failed while running. 130: stopped by Ctrl-C.
 """
 
+import difflib
 import errno
 import os
 import sys
 
 from normalgan import __version__
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, RunError, brief
 
 USAGE = """\
 normalgan: from a line sketch to a surface normal map
@@ -41,22 +42,22 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"normalgan {__version__}")
         return 0
     if arguments[0] not in COMMANDS:
-        return _fail(f"no command named {arguments[0]!r}; the commands are {', '.join(COMMANDS)}.", 2)
+        return _fail(_unknown(arguments[0]), 2)
     try:
         from normalgan.cli import run  # late: lightning takes seconds to import
 
         return run(arguments)
     except InputError as error:
-        return _fail(str(error), 2)
+        return _fail(str(error), 1 if isinstance(error, RunError) else 2)
     except KeyboardInterrupt:
         return _fail("stopped.", 130)
     except OSError as error:
         return _fail(_explain(error), 1)
-    except MemoryError:
-        return _fail("out of memory; make data.batch_size, data.size or the networks' width smaller.", 1)
     except Exception as error:
         if os.environ.get("NORMALGAN_TRACEBACK"):
             raise
+        if _wants_memory(error):
+            return _fail("out of memory; make data.batch_size, data.size or the networks' width smaller.", 1)
         return _fail(
             f"failed while running: {type(error).__name__}: {brief(error)} "
             "(set NORMALGAN_TRACEBACK=1 to see where).",
@@ -64,10 +65,21 @@ def main(arguments: list[str] | None = None) -> int:
         )
 
 
+def _unknown(command: str) -> str:
+    near = difflib.get_close_matches(command, COMMANDS, n=1)
+    hint = f" Did you mean {near[0]}?" if near else ""
+    return f"no command named {command!r}.{hint} The commands are {', '.join(COMMANDS)}."
+
+
+def _wants_memory(error: Exception) -> bool:
+    # torch: OutOfMemoryError on a GPU, a plain RuntimeError on the CPU.
+    return isinstance(error, MemoryError) or "out of memory" in str(error) or "can't allocate" in str(error)
+
+
 def _explain(error: OSError) -> str:
     where = f" {error.filename}" if error.filename else ""
     match error.errno:
-        case errno.ENOSPC:
+        case errno.ENOSPC | errno.EDQUOT:
             return f"the disk is full{where and f' at{where}'}; free some space and run the command again."
         case errno.EROFS | errno.EACCES | errno.EPERM:
             return f"no permission to write{where}; choose another folder."
@@ -76,7 +88,7 @@ def _explain(error: OSError) -> str:
 
 
 def _fail(sentence: str, code: int) -> int:
-    print(f"normalgan: {sentence}", file=sys.stderr)
+    print(f"normalgan: {' '.join(sentence.split())}", file=sys.stderr)
     return code
 
 

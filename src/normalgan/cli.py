@@ -1,74 +1,52 @@
 """The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
 
-import logging
 import re
 import sys
 import warnings
 from pathlib import Path
-from typing import Any
+from textwrap import shorten
 
-import torch
-from jsonargparse import Namespace
-from lightning.pytorch import Trainer
-from lightning.pytorch.callbacks import ModelCheckpoint
-from lightning.pytorch.cli import LightningArgumentParser, LightningCLI
 from lightning.fabric.utilities.exceptions import MisconfigurationException
+from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch.callbacks import ModelCheckpoint
+from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
 
 from normalgan.callbacks import NormalMapWriter, PictureLogger, TestReport
+from normalgan.checkpoints import (
+    LastCheckpoint,
+    check_size,
+    check_writable,
+    checkpoint_folder,
+    overruled,
+    read_settings,
+)
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
-from normalgan.hints import HINT_SAMPLERS
-from normalgan.models import DISCRIMINATORS, GENERATORS
-from normalgan.objectives import ADVERSARIAL_OBJECTIVES
-from normalgan.registry import Registry
-from normalgan.rendering.lines import LINE_DRAWINGS
-from normalgan.rendering.renderers import RENDERERS
+from normalgan.mistakes import check_config
+from normalgan.parser import Parser
+from normalgan.plugins import REGISTRIES
+from normalgan.quiet import be_quiet
 
-REGISTRIES: dict[str, Registry[Any]] = {
-    "renderer": RENDERERS,
-    "lines": LINE_DRAWINGS,
-    "hint_sampler": HINT_SAMPLERS,
-    "generator": GENERATORS,
-    "discriminator": DISCRIMINATORS,
-    "objective": ADVERSARIAL_OBJECTIVES,
-}
-"""The registry behind each setting that names a plug-in."""
+SECTIONS = ("trainer", "model", "data", "checkpoint", "pictures", "report", "output")
+"""The groups of settings."""
 
 
 class RenderingTrainer(Trainer):
-    """Lightning's Trainer with one more command."""
+    """How and where to train: Lightning's Trainer."""
 
     def render(self, model: NormalGAN, datamodule: MeshDataModule) -> None:
         """Render the samples of every split to disk, and stop there."""
         datamodule.prepare_data()
 
 
-class Parser(LightningArgumentParser):
-    """Says a mistake in one sentence, and names the plug-in that a typo may have meant."""
+class SaveConfig(SaveConfigCallback):
+    """Keeps the settings of training beside the run; those of a later test do not take their place."""
 
-    def error(self, message: str, ex: Exception | None = None) -> None:  # type: ignore[override]
-        """Raise `InputError` in place of a usage page."""
-        raise InputError(explain(message))
-
-
-def explain(message: str) -> str:
-    """Return jsonargparse's message as one sentence; for an unknown plug-in, with the near miss.
-
-    Args:
-        message: several lines, each deeper into the types that were tried.
-    """
-    # The wrong name may be quoted anywhere in a nested message, so the known settings are looked for.
-    for setting, registry in REGISTRIES.items():
-        unknown = re.search(rf"\b(?:model|data)\.{setting}\b", message)
-        if unknown:
-            for given in re.findall(
-                r"(?:given value was|Given value:|value) ['\"]?([A-Za-z_][\w.]*)['\"]?", message
-            ):
-                if given not in registry.names() and "." not in given:
-                    return f'argument "{unknown.group()}": {registry.explain_unknown(given)}'
-    lines = [line.strip(" -\t") for line in message.strip().splitlines() if line.strip(" -\t")]
-    return " ".join(lines) if len(lines) < 3 else f"{lines[0]} {lines[-1]}"
+    def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
+        """Write them when training starts."""
+        if stage == "fit":
+            super().setup(trainer, pl_module, stage)
 
 
 class NormalGANCLI(LightningCLI):
@@ -81,6 +59,7 @@ class NormalGANCLI(LightningCLI):
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Set the defaults, and the links that keep settings in step."""
+        parser.usage = "%(prog)s [--config FILE]... [--SETTING VALUE]..."  # else 120 lines before any help
         parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
         parser.add_lightning_class_args(PictureLogger, "pictures")
         parser.add_lightning_class_args(TestReport, "report")
@@ -93,12 +72,12 @@ class NormalGANCLI(LightningCLI):
                 "model.objective": {"class_path": "normalgan.objectives.Wasserstein"},
                 "trainer.logger": {
                     "class_path": "lightning.pytorch.loggers.TensorBoardLogger",
-                    "init_args": {"save_dir": "runs", "name": "", "version": ""},
+                    "init_args": {"save_dir": "runs", "name": "", "version": "", "default_hp_metric": False},
                 },
+                "trainer.plugins": {"class_path": "normalgan.checkpoints.AtomicCheckpointIO"},
                 "checkpoint.monitor": "val/hints/angular_mean",
                 "checkpoint.filename": "{epoch:03d}-{val/hints/angular_mean:.2f}",
                 "checkpoint.auto_insert_metric_name": False,
-                "checkpoint.save_last": True,
                 "checkpoint.enable_version_counter": False,
             }
         )
@@ -109,54 +88,53 @@ class NormalGANCLI(LightningCLI):
 
     def _parse_ckpt_path(self) -> None:
         """Read the checkpoint's settings over the configuration's, after a look at whether it can be used."""
-        config = self.config[self.config["subcommand"]]
-        path = config.get("ckpt_path")
-        if path is None or path in {"best", "last", "hpc", "registry"}:
-            return
-        check_checkpoint(Path(path), config)
-        super()._parse_ckpt_path()
-
-    def before_instantiate_classes(self) -> None:
-        """Refuse to train over a finished run."""
         command = self.config["subcommand"]
         config = self.config[command]
-        last = Path(checkpoint_folder(config["trainer"].get("default_root_dir"))) / "last.ckpt"
-        if command == "fit" and config.get("ckpt_path") is None and last.is_file():
+        if command == "render":
+            return
+        if config["ckpt_path"] == "last":
+            folder = checkpoint_folder(config["trainer"]["default_root_dir"])
+            config["ckpt_path"] = str(Path(folder) / "last.ckpt")
+        if config["ckpt_path"] is None:
+            if command != "fit":
+                raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
+            return
+        path = Path(config["ckpt_path"])
+        saved = read_settings(path)
+        check_size(path, saved, config["data"]["size"])
+        defaults = self._parser(command).get_defaults()["model"].as_dict()
+        lost = overruled(config["model"].as_dict(), defaults, saved)
+        if lost:
+            names = ", ".join(f"model.{name}" for name in lost)
+            warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
+        try:
+            super()._parse_ckpt_path()
+        except InputError as error:
+            raise InputError(f"the model in {path} cannot be built here: {error}") from error
+
+    def before_instantiate_classes(self) -> None:
+        """Refuse to train over a finished run, or where nothing can be written."""
+        command = self.config["subcommand"]
+        config = self.config[command]
+        last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
+        if command in {"predict", "render"}:
+            config["trainer"]["logger"] = False  # it has nothing to log, but would leave its files
+        if command in {"fit", "test"}:
+            check_writable(last.parent.parent)
+        if command == "fit" and config["ckpt_path"] is None and last.is_file():
             raise InputError(
                 f"{last.parent} holds a run already: resume it with --ckpt_path {last}, "
                 "or give another --trainer.default_root_dir."
             )
 
-
-def checkpoint_folder(root: str | None) -> str:
-    """Return where the checkpoints of a run go, by the run's folder."""
-    return str(Path(root or ".") / "checkpoints")
-
-
-def check_checkpoint(path: Path, config: Namespace) -> None:
-    """Look at a checkpoint before anything is built for it.
-
-    Args:
-        path: the file.
-        config: the settings of the command.
-
-    Raises:
-        InputError: if it is missing, damaged, not one of ours, or of another configuration.
-    """
-    if not path.is_file():
-        raise InputError(f"there is no checkpoint {path}.")
-    try:
-        checkpoint = torch.load(path, map_location="cpu", weights_only=True, mmap=True)
-    except Exception as error:
-        raise InputError(f"{path} is damaged or no checkpoint: {brief(error)}.") from None
-    if not isinstance(checkpoint, dict) or not {"state_dict", "hyper_parameters"} <= checkpoint.keys():
-        raise InputError(f"{path} holds no checkpoint of normalgan; give one that `normalgan fit` saved.")
-    settings = checkpoint["hyper_parameters"]
-    for network in ("generator", "discriminator"):
-        size = ((settings.get(network) or {}).get("init_args") or {}).get("size")
-        if size not in {None, config["data"]["size"]}:
-            given = config["data"]["size"]
-            raise InputError(f"{path} was trained at {size} pixels, not {given}; give --data.size {size}.")
+    def instantiate_classes(self) -> None:
+        """Build model, data and trainer; what they refuse is a setting."""
+        try:
+            super().instantiate_classes()
+        except InputError:
+            raise
+        except (MisconfigurationException, ValueError, TypeError) as error:
+            raise InputError(f"a setting cannot be used: {brief(error)}") from error
 
 
 def run(arguments: list[str]) -> int:
@@ -164,30 +142,52 @@ def run(arguments: list[str]) -> int:
 
     Raises:
         InputError: if something that was given cannot be used.
+        KeyboardInterrupt: if it was stopped.
     """
-    # Advertisements and what hardware there is not: of no use to anyone who waits for a result.
-    logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)
-    for registry in REGISTRIES.values():
-        registry.load_entry_points()
-    # Lightning asks for more data workers than this machine has cores, and for settings we chose on purpose.
-    warnings.filterwarnings("ignore", message=r".*does not have many workers.*")
-    warnings.filterwarnings("ignore", message=r".*is smaller than the logging interval.*")
-    warnings.filterwarnings("ignore", message=r".*LeafSpec.*is deprecated.*")
-    warnings.filterwarnings("ignore", message=r"LightningCLI.s args parameter is intended.*")
-    try:
-        NormalGANCLI(
-            NormalGAN,
-            MeshDataModule,
-            trainer_class=RenderingTrainer,
-            save_config_kwargs={"overwrite": True},
-            seed_everything_default=0,
-            parser_class=Parser,
-            auto_configure_optimizers=False,
-            args=arguments,
-        )
-    except MisconfigurationException as error:
-        raise InputError(brief(error)) from error
-    except SystemExit as stop:  # --help and --print_config end like this
-        return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+    for given in _configs(arguments):
+        check_config(given, SECTIONS)
+    # One command's parser alone: each takes a fifth of a second to build.
+    only = {command: skip for command, skip in NormalGANCLI.subcommands().items() if command == arguments[0]}
+    cli = type("Command", (NormalGANCLI,), {"subcommands": staticmethod(lambda: only)})
+    with warnings.catch_warnings():
+        be_quiet()
+        for registry in REGISTRIES.values():
+            registry.load_entry_points()
+        try:
+            cli(
+                NormalGAN,
+                MeshDataModule,
+                save_config_callback=SaveConfig,
+                save_config_kwargs={"overwrite": True},
+                trainer_class=RenderingTrainer,
+                trainer_defaults={"callbacks": [LastCheckpoint()]},
+                seed_everything_default=0,
+                parser_class=Parser,
+                parser_kwargs={"prog": "normalgan"},
+                auto_configure_optimizers=False,
+                args=arguments,
+            )
+        except MisconfigurationException as error:
+            raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
+        except SystemExit as stop:
+            if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes exit(1) of it
+                raise stop.__context__ from None
+            # --help and --print_config end like this too.
+            return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
     sys.stdout.flush()
     return 0
+
+
+def _configs(arguments: list[str]) -> list[str]:
+    """Return the configuration files among the arguments, however they are spelled.
+
+    >>> _configs(["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"])
+    ['a.yaml', 'b.yaml', 'c.yaml']
+    """
+    apart = {i + 1 for i, argument in enumerate(arguments) if argument in {"-c", "--config"}}
+    found = []
+    for i, argument in enumerate(arguments):
+        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", argument)
+        if i in apart or joined:
+            found.append(joined[1] if joined and i not in apart else argument)
+    return found

@@ -1,12 +1,26 @@
-"""The one exception that means: the user gave something that cannot be used."""
+"""The exceptions that are told in one sentence: the user gave something that cannot be used."""
+
+import errno
 
 
 class InputError(ValueError):
     """Bad input from outside: a file, a folder, a setting.
 
     The message is one sentence that says what was given and what would be right; the command line
-    prints it without a traceback and exits with code 2 (1 if it comes up while running).
+    prints it without a traceback and exits with code 2.
     """
+
+
+class RunError(InputError):
+    """What was given could have been used, but the machine had no room for it: a full disk, no memory.
+
+    Told in one sentence like any `InputError`, with exit code 1.
+    """
+
+
+def unwritable(sentence: str, error: OSError) -> InputError:
+    """Return what to raise where something could not be written: a full disk is no fault of the input."""
+    return (RunError if error.errno in {errno.ENOSPC, errno.EDQUOT} else InputError)(sentence)
 
 
 def brief(error: BaseException) -> str:

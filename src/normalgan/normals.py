@@ -78,14 +78,23 @@ def write_png(path: str | Path, normals: NDArray[np.floating], bits: Bits = 8) -
     write_bytes(path, buffer.tobytes())
 
 
-def write_bytes(path: str | Path, content: bytes) -> None:
-    """Write a file whole or not at all, making its folder where missing."""
+def write_bytes(path: str | Path, content: bytes | memoryview) -> None:
+    """Write a file whole or not at all, making its folder where missing.
+
+    Raises:
+        OSError: if it cannot be written; it names the file.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        temporary.write_bytes(content)
+        with temporary.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())  # else the name may outlive a power cut, and the content not
         temporary.replace(path)
+    except OSError as error:  # a full disk does not say which file
+        raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
 

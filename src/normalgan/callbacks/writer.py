@@ -12,7 +12,7 @@ from torch import Tensor
 
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError
+from normalgan.errors import InputError, unwritable
 from normalgan.normals import Bits, normalize, paint_flat, write_png
 
 
@@ -48,8 +48,8 @@ class NormalMapWriter(BasePredictionWriter):
             with TemporaryFile(dir=self.folder) as probe:
                 probe.write(b"0")
         except OSError as error:
-            raise InputError(
-                f"the normal maps cannot be written to {self.folder}: {error.strerror}."
+            raise unwritable(
+                f"the normal maps cannot be written to {self.folder}: {error.strerror}.", error
             ) from None
 
     def write_on_batch_end(

@@ -11,7 +11,7 @@ from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 from zarr.abc.store import Store
 from zarr.storage import FsspecStore, LocalStore
 
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, brief, unwritable
 
 _PARTIAL = ".partial"
 _ABANDONED = 3600.0  # seconds; no object takes an hour to write
@@ -79,8 +79,9 @@ class Storage:
                 files.pipe_file(f"{root}/{path}", content)
         except OSError as error:
             reason = error.strerror or brief(error)
-            raise InputError(
-                f"cannot write the samples to {self.url}: {reason}; make room there or name another folder."
+            raise unwritable(
+                f"cannot write the samples to {self.url}: {reason}; make room there or name another folder.",
+                error,
             ) from error
 
     def delete(self, path: str) -> None:

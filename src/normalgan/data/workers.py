@@ -11,7 +11,7 @@ from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Self, TypeVar
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -64,7 +64,7 @@ class Workers:
             tasks: what it is called with.
 
         Raises:
-            InputError: if a worker dies; what is finished by then has been yielded or written.
+            RunError: if a worker dies; what is finished by then has been yielded or written.
         """
         tasks = list(tasks)
         if not self.count:
@@ -87,7 +87,7 @@ class Workers:
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BrokenProcessPool as error:
-            raise InputError(
+            raise RunError(
                 f"one of the {self.count} worker processes was killed, most likely for want of memory; "
                 "what is finished is kept: run again, with fewer workers."
             ) from error

@@ -1,0 +1,152 @@
+"""Checkpoints: written whole or not at all, and looked at before they are used."""
+
+import importlib
+import inspect
+import os
+from collections.abc import Mapping
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import torch
+from lightning.fabric.plugins import TorchCheckpointIO
+from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch.callbacks import ModelCheckpoint
+
+from normalgan.errors import InputError
+from normalgan.normals import write_bytes
+
+
+class LastCheckpoint(ModelCheckpoint):
+    """Keeps ``last.ckpt`` in step with training, so that a run that was killed loses part of an epoch only.
+
+    Lightning's own ``save_last`` saves only together with a new best (since 2.6), and before the epoch has
+    ended where not every epoch is validated, so that resuming goes wrong.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(filename="last", save_on_train_epoch_end=True, enable_version_counter=False)
+
+    def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
+        """Take the folder of the run."""
+        self.dirpath = checkpoint_folder(trainer.default_root_dir)
+        super().setup(trainer, pl_module, stage)
+
+
+class AtomicCheckpointIO(TorchCheckpointIO):
+    """Writes a checkpoint beside its place and renames it, so that a kill never leaves a part of one.
+
+    Lightning writes to the system's folder of temporary files, and from another disk a file is not renamed
+    but copied over the last checkpoint.
+    """
+
+    def save_checkpoint(
+        self, checkpoint: dict[str, Any], path: str | Path, storage_options: Any | None = None
+    ) -> None:
+        """Save a checkpoint as a file or under a URL."""
+        if "://" in str(path):  # object stores show an object once it is complete
+            super().save_checkpoint(checkpoint, path, storage_options)
+            return
+        # What a killed run left half written; one process writes to a run's folder.
+        for left in Path(path).parent.glob(".*.ckpt.*.tmp"):
+            left.unlink(missing_ok=True)
+        # In memory first: torch tells a full disk from a bug in it only by chance.
+        buffer = BytesIO()
+        torch.save(checkpoint, buffer)
+        write_bytes(path, buffer.getbuffer())
+
+
+def checkpoint_folder(root: str | None) -> str:
+    """Return where the checkpoints of a run go, by the run's folder."""
+    return str(Path(root or ".") / "checkpoints")
+
+
+def read_settings(path: Path) -> dict[str, Any]:
+    """Return the settings of the model in a checkpoint.
+
+    Raises:
+        InputError: if it is missing, damaged or not one of ours.
+    """
+    if not path.is_file():
+        raise InputError(f"there is no checkpoint {path}.")
+    try:
+        checkpoint = torch.load(path, map_location="cpu", weights_only=True, mmap=True)
+    except PermissionError:
+        raise InputError(f"the checkpoint {path} may not be read; change its permissions.") from None
+    except Exception:  # whatever torch raises on other bytes; what it says is advice for programmers
+        raise InputError(
+            f"{path} is damaged or no checkpoint; give one that `normalgan fit` saved."
+        ) from None
+    settings = checkpoint.get("hyper_parameters") if isinstance(checkpoint, dict) else None
+    if not isinstance(settings, dict) or not {"generator", "hint_sampler", "objective"} <= settings.keys():
+        raise InputError(f"{path} holds no normalgan model; give one that `normalgan fit` saved.")
+    return settings
+
+
+def check_size(path: Path, settings: Mapping[str, Any], size: int) -> None:
+    """Compare the size of the networks' pictures with that of the data.
+
+    Raises:
+        InputError: if they differ.
+    """
+    for network in ("generator", "discriminator"):
+        trained = ((settings.get(network) or {}).get("init_args") or {}).get("size")
+        if trained not in {None, size}:
+            raise InputError(
+                f"{path} was trained at {trained} pixels, not {size}; give --data.size {trained}."
+            )
+
+
+def check_writable(folder: Path) -> None:
+    """Make sure that a folder can be made and written to, and make none.
+
+    Raises:
+        InputError: if it cannot.
+    """
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise InputError(f"the run cannot be kept in {folder}: {there} is no folder.")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(f"the run cannot be kept in {folder}: {there} may not be written to.")
+
+
+def overruled(given: Mapping[str, Any], defaults: Mapping[str, Any], saved: Mapping[str, Any]) -> list[str]:
+    """Return the settings that were set to something else than their default and than a checkpoint says.
+
+    Args:
+        given: the settings of the model as parsed, nested.
+        defaults: its settings if none are given; those of classes are looked up in their signatures.
+        saved: the settings in the checkpoint.
+
+    >>> overruled({"n_critic": 3, "seed": 0}, {"n_critic": 5, "seed": 0}, {"n_critic": 5, "seed": 1})
+    ['n_critic']
+    """
+    names: list[str] = []
+    for name, value in given.items():
+        default, before = defaults.get(name), saved.get(name)
+        if _plain(value) == _plain(before):
+            continue
+        if not isinstance(value, Mapping) or "class_path" not in value:
+            names += [name] if _plain(value) != _plain(default) else []
+        elif not isinstance(before, Mapping) or not _same_class(value, before):
+            names += [name] if not isinstance(default, Mapping) or not _same_class(value, default) else []
+        else:
+            arguments = value.get("init_args") or {}
+            inner = overruled(arguments, _signature(value["class_path"]), before.get("init_args") or {})
+            names += [f"{name}.{argument}" for argument in inner]
+    return names
+
+
+def _same_class(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
+    return a.get("class_path") == b.get("class_path")
+
+
+def _plain(value: Any) -> Any:
+    """Return tuples as the lists that YAML makes of them."""
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _signature(class_path: str) -> dict[str, Any]:
+    module, _, name = class_path.rpartition(".")
+    parameters = inspect.signature(getattr(importlib.import_module(module), name)).parameters.values()
+    return {p.name: p.default for p in parameters}

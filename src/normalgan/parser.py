@@ -1,0 +1,32 @@
+"""Parser: Lightning's, with an answer to mistakes that people can use."""
+
+import re
+from argparse import HelpFormatter
+from typing import NoReturn
+
+from lightning.pytorch.cli import LightningArgumentParser
+
+from normalgan.errors import InputError
+from normalgan.mistakes import did_you_mean, explain
+from normalgan.plugins import namable
+
+
+class Parser(LightningArgumentParser):
+    """Says a mistake in one sentence, and names what a typo may have meant."""
+
+    def error(self, message: str, ex: Exception | None = None) -> NoReturn:
+        """Raise `InputError` in place of a usage page."""
+        if self.exit_on_error:
+            raise InputError(explain(message, namable(), self._settings())) from ex
+        # The parser of a class that a setting names; what it says comes back as part of a longer message.
+        unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
+        super().error(message + (did_you_mean(unknown[1], self._settings()) if unknown else ""), ex)
+
+    def format_help(self, formatter: HelpFormatter | None = None) -> str:
+        """Return the help, opened by a usage in which nothing stands between program and command."""
+        self.prog = self.prog.replace(" [options]", "")
+        return super().format_help(formatter)
+
+    def _settings(self) -> list[str]:
+        commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]
+        return [action.dest for parser in (self, *commands) for action in parser._actions]

@@ -1,0 +1,105 @@
+import pickle
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from command import Bench, left_in
+from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
+
+
+def change(source: Path, target: Path, edit: Callable[[dict[str, Any]], object]) -> None:
+    checkpoint = torch.load(source, weights_only=True)
+    edit(checkpoint)
+    torch.save(checkpoint, target)
+
+
+def other_module(checkpoint: dict[str, Any]) -> None:
+    checkpoint["hyper_parameters"] = {"learning_rate": 0.1}
+
+
+def plugin_gone(checkpoint: dict[str, Any]) -> None:
+    checkpoint["hyper_parameters"]["hint_sampler"]["class_path"] = "gone.Dots"
+
+
+BAD: dict[str, tuple[Callable[[Path, Path], object], str]] = {
+    "text": (lambda good, bad: bad.write_text("no checkpoint at all\n"), "damaged or no checkpoint"),
+    "empty": (lambda good, bad: bad.touch(), "damaged or no checkpoint"),
+    "truncated": (lambda good, bad: bad.write_bytes(good.read_bytes()[:-9000]), "damaged or no checkpoint"),
+    "pickle": (lambda good, bad: bad.write_bytes(pickle.dumps(Path("x"))), "damaged or no checkpoint"),
+    "tensor": (lambda good, bad: torch.save(torch.zeros(3), bad), "holds no normalgan model"),
+    "other module": (lambda good, bad: change(good, bad, other_module), "holds no normalgan model"),
+    "plug-in gone": (lambda good, bad: change(good, bad, plugin_gone), "cannot be built here"),
+}
+
+
+@pytest.mark.parametrize("kind", BAD)
+@pytest.mark.parametrize("command", ["fit", "test"])
+def test_a_bad_checkpoint_is_refused(
+    bench: Bench, trained: Path, tmp_path: Path, command: str, kind: str
+) -> None:
+    make, sentence = BAD[kind]
+    bad = tmp_path / "bad.ckpt"
+    make(trained / "checkpoints" / "last.ckpt", bad)
+    outcome = bench.run(command, tmp_path / "run", "--ckpt_path", bad)
+    outcome.refused(str(bad), sentence)
+    assert left_in(tmp_path) == ["bad.ckpt"]
+
+
+def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
+    bench.run("test", tmp_path, "--ckpt_path", "gone.ckpt").refused("there is no checkpoint gone.ckpt.")
+    bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no checkpoint", "last.ckpt")
+    for command in ("validate", "test", "predict"):
+        bench.run(command, tmp_path).refused(f"{command} needs a trained model: --ckpt_path")
+
+
+def test_a_checkpoint_of_another_size_is_refused(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    outcome = bench.run(
+        "test", tmp_path, "--ckpt_path", trained / "checkpoints" / "last.ckpt", "--data.size", 64
+    )
+    outcome.refused("was trained at 32 pixels, not 64; give --data.size 32.")
+
+
+@pytest.mark.filterwarnings("default")
+def test_the_checkpoint_wins_and_says_over_what(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(trained, run)
+    outcome = bench.run(
+        "fit",
+        run,
+        *("--ckpt_path", "last", "--trainer.max_epochs", 9, "--trainer.enable_model_summary", "false"),
+        *("--model.generator.width", 8, "--model.objective", "CrossEntropy", "--model.l1_weight", 7),
+        *("--model.hint_sampler.dropout", 0.5),
+    )
+    assert outcome.code == 0, outcome.err
+    assert outcome.err == (
+        f"normalgan: warning: {run}/checkpoints/last.ckpt was trained with other settings, and they stay: "
+        "model.generator.width, model.hint_sampler.dropout, model.objective, model.l1_weight.\n"
+    )
+    first, second = (
+        torch.load(folder / "checkpoints" / "last.ckpt", weights_only=True) for folder in (trained, run)
+    )
+    assert second["hyper_parameters"] == first["hyper_parameters"]
+    assert second["epoch"] == first["epoch"] + 1
+
+
+def test_settings_left_at_their_defaults_are_not_warned_of(
+    bench: Bench, trained: Path, tmp_path: Path
+) -> None:
+    # Neither the width of 64 nor anything else is asked for here: no one is to be told that it is not so.
+    outcome = bench.run(
+        "validate",
+        tmp_path,
+        *("--ckpt_path", trained / "checkpoints" / "last.ckpt"),
+        *("--model.generator", "UNetGenerator", "--model.discriminator", "UNetDiscriminator"),
+    )
+    assert outcome.code == 0, outcome.err
+    assert outcome.err == ""
+
+
+def test_a_run_is_not_trained_over(bench: Bench, trained: Path) -> None:
+    before = left_in(trained)
+    bench.run("fit", trained).refused("holds a run already: resume it with --ckpt_path")
+    assert left_in(trained) == before

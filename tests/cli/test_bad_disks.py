@@ -1,0 +1,86 @@
+import errno
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import Bench, left_in
+from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
+from PIL import Image
+
+
+def failing(number: int) -> Callable[..., None]:
+    """Stands in for a call to the system; how a disk that is full, or read-only, answers it."""
+
+    def fail(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    return fail
+
+
+@pytest.mark.parametrize(
+    ("number", "code", "words"),
+    [(errno.ENOSPC, 1, "No space left on device"), (errno.EROFS, 2, "Read-only file system")],
+)
+def test_a_cache_that_takes_nothing(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, code: int, words: str
+) -> None:
+    monkeypatch.setattr(Path, "write_bytes", failing(number))
+    outcome = bench.run("fit", tmp_path / "run", "--data.cache", tmp_path / "cache")
+    outcome.refused("cannot write the samples to", str(tmp_path / "cache"), words, code=code)
+    assert left_in(tmp_path) == []
+
+
+def test_a_cache_below_a_file(bench: Bench, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    outcome = bench.run("render", tmp_path / "run", "--data.cache", tmp_path / "file" / "cache")
+    outcome.refused("cannot write the samples to", "Not a directory")
+
+
+def test_a_finished_cache_may_be_read_only(
+    bench: Bench, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Path, "write_bytes", failing(errno.EROFS))
+    outcome = bench.run("fit", tmp_path / "run")
+    assert outcome.code == 0, outcome.err
+
+
+def test_a_full_disk_leaves_the_last_checkpoint_whole(
+    bench: Bench, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(trained, run)
+    last = run / "checkpoints" / "last.ckpt"
+    before, names = last.read_bytes(), left_in(run / "checkpoints")
+    monkeypatch.setattr("normalgan.normals.os.fsync", failing(errno.ENOSPC))
+    outcome = bench.run("fit", run, "--ckpt_path", last, "--trainer.max_epochs", 9)
+    outcome.refused("the disk is full at", ".ckpt; free some space", code=1)
+    assert left_in(run / "checkpoints") == names
+    assert last.read_bytes() == before
+
+
+def test_a_full_disk_leaves_no_part_of_a_map(
+    bench: Bench, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Image.fromarray((255 * (1 - np.eye(40))).astype(np.uint8)).save(tmp_path / "line.png")
+    monkeypatch.setattr("normalgan.normals.os.fsync", failing(errno.ENOSPC))
+    outcome = bench.run(
+        "predict",
+        tmp_path / "run",
+        *("--ckpt_path", trained / "checkpoints" / "last.ckpt", "--data.sketches", tmp_path / "line.png"),
+        *("--output.folder", tmp_path / "maps"),
+    )
+    outcome.refused(f"the disk is full at {tmp_path}/maps/line_normal.png;", code=1)
+    assert left_in(tmp_path) == ["line.png"]
+
+
+def test_what_a_kill_left_half_written_is_swept(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(trained, run)
+    left = run / "checkpoints" / ".last.ckpt.12345.tmp"
+    left.write_bytes(b"half")
+    outcome = bench.run("fit", run, "--ckpt_path", "last", "--trainer.max_epochs", 9)
+    assert outcome.code == 0, outcome.err
+    assert not left.exists()

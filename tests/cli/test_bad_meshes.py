@@ -1,0 +1,89 @@
+import json
+from pathlib import Path
+
+import pytest
+import trimesh
+from command import Bench, left_in
+from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
+
+OFF = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+BAD = {
+    "bad.ply": (b"this is no mesh", "cannot be read as a mesh"),
+    "empty.stl": (b"", "no faces"),
+    "truncated.glb": (trimesh.creation.box().export(file_type="glb")[:300], "cannot be read as a mesh"),
+    "nan.off": (OFF.replace("1 0 0", "nan 0 0").encode(), "not a finite number"),
+    "flat.off": (OFF.replace("0 1 0\n3", "2 0 0\n3").encode(), "only faces without area"),
+    "array.npy": (b"\x93NUMPY", "is no mesh file"),
+    "points.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces"),
+}
+
+
+def split(path: Path, **parts: list[str]) -> Path:
+    path.write_text(json.dumps(parts))
+    return path
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_mesh_is_named_and_left_out(bench: Bench, tmp_path: Path, name: str) -> None:
+    content, reason = BAD[name]
+    bad = tmp_path / name
+    bad.write_bytes(content)
+    few = split(tmp_path / "few.json", train=["ball", bad.stem], val=["box"], test=["can"])
+    outcome = bench.run(
+        "render",
+        tmp_path / "run",
+        *(
+            "--data.meshes",
+            f"[{bench.meshes}/ball.ply,{bench.meshes}/box.obj,{bench.meshes}/can.stl,{bad}]",
+        ),
+        *("--data.split_file", few, "--data.cache", tmp_path / "cache"),
+        *("--data.train_views", 1, "--data.val_views", 1, "--data.test_views", 1),
+    )
+    assert outcome.code == 0, outcome.err
+    said = [line for line in outcome.err.splitlines() if line.startswith("normalgan: ")]
+    assert len(said) == 1
+    assert said[0].startswith(f"normalgan: warning: the mesh {bad.stem} is left out: ")
+    assert reason in said[0]
+    manifest = json.loads(next((tmp_path / "cache").glob("*/dataset.json")).read_text())
+    assert manifest["samples"] == {"train": 1, "val": 1, "test": 1}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_split_of_bad_meshes_alone_fails(bench: Bench, tmp_path: Path, name: str) -> None:
+    content, reason = BAD[name]
+    bad = tmp_path / name
+    bad.write_bytes(content)
+    few = split(tmp_path / "few.json", train=["ball"], val=[bad.stem], test=["can"])
+    outcome = bench.run(
+        "fit",
+        tmp_path / "run",
+        *("--data.meshes", f"[{bench.meshes}/ball.ply,{bench.meshes}/can.stl,{bad}]"),
+        *("--data.split_file", few, "--data.cache", tmp_path / "cache"),
+    )
+    outcome.refused("none of the 1 meshes for val can be used", str(bad), reason)
+    assert left_in(tmp_path) == sorted([name, "few.json"])
+
+
+def test_meshes_that_are_not_there(bench: Bench, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    for meshes, words in {
+        str(tmp_path / "gone"): "is no file, no folder and no pattern",
+        str(tmp_path / "empty"): "holds no mesh",
+        f"{tmp_path}/*.ply": "is no file, no folder and no pattern",
+        f"[{tmp_path}/gone.ply]": "gone.ply is no file",
+        "[]": "the list of meshes is empty",
+    }.items():
+        bench.run("fit", tmp_path / "run", "--data.meshes", meshes).refused(words)
+    assert left_in(tmp_path) == []
+
+
+def test_split_and_orientation_files_that_cannot_be_used(bench: Bench, tmp_path: Path) -> None:
+    wrong = split(tmp_path / "wrong.json", train=["ball"], val=["box"], test=["ball-9"])
+    bench.run("fit", tmp_path / "run", "--data.split_file", wrong).refused("names ball-9", "no such mesh")
+    bench.run("fit", tmp_path / "run", "--data.split_file", tmp_path / "gone.json").refused("cannot be read")
+    (tmp_path / "text.json").write_text("no json")
+    for setting in ("--data.split_file", "--data.orientation"):
+        bench.run("fit", tmp_path / "run", setting, tmp_path / "text.json").refused("text.json", "JSON")
+    few = ("--data.meshes", f"[{bench.meshes}/ball.ply,{bench.meshes}/box.obj]")
+    bench.run("fit", tmp_path / "run", *few).refused("2 mesh(es) cannot be split in 3 parts")

@@ -1,0 +1,100 @@
+from pathlib import Path
+
+import pytest
+from command import Bench, left_in, run
+from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
+
+PLUGINS = {
+    "model.generator": ("UnetGenerator", "Generator", "UNetGenerator"),
+    "model.discriminator": ("PatchDiscriminators", "Discriminator", "PatchDiscriminator"),
+    "model.hint_sampler": ("UniformHint", "HintSampler", "UniformHints"),
+    "model.objective": ("Waserstein", "AdversarialObjective", "Wasserstein"),
+    "data.renderer": ("Embree", "Renderer", "EmbreeRenderer"),
+    "data.lines": ("SugestiveContours", "LineDrawing", "SuggestiveContours"),
+}
+
+
+@pytest.mark.parametrize("setting", PLUGINS)
+def test_a_plugin_that_is_not_known_is_answered_by_its_near_miss(setting: str, tmp_path: Path) -> None:
+    given, base, meant = PLUGINS[setting]
+    answer = f'argument "{setting}": no {base} named {given!r}. Did you mean {meant}? Known: '
+    run("fit", f"--{setting}", given).refused(answer)
+    section, name = setting.split(".")
+    short, nested = tmp_path / "short.yaml", tmp_path / "nested.yaml"
+    short.write_text(f"{section}:\n  {name}: {given}\n")
+    nested.write_text(f"{section}:\n  {name}:\n    class_path: {given}\n    init_args: {{width: 4}}\n")
+    for config in (short, nested):
+        run("fit", "--config", config).refused(answer)
+
+
+@pytest.mark.parametrize(
+    ("yaml", "words"),
+    [
+        ("model: {generator: {class_path: PatchDiscriminator}}", ["no Generator named 'PatchDiscriminator'"]),
+        ("model: {hint_sampler: {class_path: gone.Dots}}", ["gone.Dots cannot be imported", "UniformHints"]),
+        ("model: {hint_sampler: 3}", ["3 is no HintSampler", "CurvatureHints"]),
+        ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
+        ("model: {lr_scheduler: {class_path: StepLr}}", ["no LRScheduler", "Did you mean StepLR?"]),
+        ("model: {lr_scheduler: {class_path: StepLR}}", ["model.lr_scheduler", "missing: step_size"]),
+        ("data: {augmentation: Augment}", ["no Augmentation named 'Augment'. Did you mean Augmentation?"]),
+        ("trainer: {callbacks: [{class_path: EarlyStoping}]}", ["Did you mean EarlyStopping?"]),
+        (
+            "model: {generator: {class_path: UNetGenerator, init_args: {widht: 4}}}",
+            ["'widht'", "mean width?"],
+        ),
+        (
+            "model: {generator: {class_path: UNetGenerator, init_args: {width: wide}}}",
+            ["a whole number, not wide"],
+        ),
+        ("model: {discriminator: {class_path: UNetDiscriminator, init_args: {wdth: 1}}}", ["mean width?"]),
+        ("data: {views: {margin: wide}}", ['"data.views.margin": expected a number, not wide.']),
+        ("data: {size: large}", ['argument "data.size": expected a whole number, not large.']),
+        ("data: {size: 48}", ["a power of two", "not 48"]),
+        ("data: {size: -3}", ["-3"]),
+        ("data: {sizes: 32}", ["there is no setting data.sizes. Did you mean data.size?"]),
+        ("data: {views: {margn: 0.1}}", ["no setting data.views.margn. Did you mean data.views.margin?"]),
+        ("data: {meshes: {a: 1}}", ["expected text or a list or null, not {'a': 1}"]),
+        ("data: {fractions: [0.5, 0.5]}", ["expected a tuple with 3 elements, not [0.5, 0.5]."]),
+        ("data: {fractions: [0.9, 0.9, 0.9]}", ["sum to 1"]),
+        ("data: {batch_size: 0}", ["data.batch_size must be 1 or more, not 0."]),
+        ("data:", ['"data" in the configuration', "is empty"]),
+        ("trainer: 3", ['"trainer" in the configuration', "is 3"]),
+        ("trainer: {max_epoch: 3}", ["Did you mean trainer.max_epochs?"]),
+        ("trainer: {max_epochs: many}", ["expected a whole number or null, not many."]),
+        ("trainer: {accelerator: quantum}", ["a setting cannot be used", "accelerator='quantum'"]),
+        ("trainer: {gradient_clip_val: 1.0}", ["gradient"]),
+        ("output: {bits: 12}", ["expected one of 8, 16, not 12."]),
+        ("model: {n_critic: 0}", ["n_critic must be 1 or more, not 0."]),
+        ("model: {objective: WassersteinGradientPenalty}", ["without batch norm"]),
+        ("checkpoint: {monitor: val/eror}", ["val/eror"]),
+        ("data: [1", ["bad.yaml is not YAML: line 1: "]),
+        ("data:\n\tsize: 3", ["bad.yaml is not YAML: line 2: "]),
+        ("just words", ["bad.yaml holds no settings"]),
+        ("", ["bad.yaml holds no settings"]),
+        ("\x00\x01", ["bad.yaml is not a text in YAML"]),
+    ],
+)
+def test_a_bad_setting_is_one_sentence(bench: Bench, tmp_path: Path, yaml: str, words: list[str]) -> None:
+    config = tmp_path / "bad.yaml"
+    config.write_text(yaml)
+    bench.run("fit", tmp_path / "run", "--config", config).refused(*words)
+    assert not [name for name in left_in(tmp_path) if name.endswith(".ckpt")]
+
+
+def test_options_are_checked_like_settings(bench: Bench, tmp_path: Path) -> None:
+    run("fit", "--modle.n_critic", 3).refused("no setting modle.n_critic. Did you mean model.n_critic?")
+    run("fit", "--model.n_critic").refused("--model.n_critic: expected one argument")
+    run("fit", "extra").refused("there is no setting extra.")
+    run("fit", "--config").refused("--config: expected one argument")
+    run("fit", "--config", tmp_path / "gone.yaml").refused("there is no configuration file", "gone.yaml")
+    run("fit", "--config", tmp_path).refused("cannot be read: Is a directory")
+
+
+@pytest.mark.parametrize("spelling", ["--config={}", "-c{}"])
+def test_a_configuration_is_looked_at_however_it_is_given(tmp_path: Path, spelling: str) -> None:
+    run("fit", spelling.format(tmp_path / "gone.yaml")).refused("gone.yaml")
+
+
+def test_the_folder_of_the_run_can_be_none(bench: Bench, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    bench.run("fit", tmp_path / "file" / "run").refused("file/run", "folder")

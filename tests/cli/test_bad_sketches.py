@@ -1,0 +1,121 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import Bench, Outcome, left_in
+from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
+from numpy.typing import NDArray
+from PIL import Image
+
+from normalgan.normals import read_png
+
+
+@pytest.fixture
+def predict(bench: Bench, trained: Path, tmp_path: Path) -> Callable[..., Outcome]:
+    """The command, on the sketches in a folder, or on others."""
+    (tmp_path / "sketches").mkdir()
+    checkpoint = trained / "checkpoints" / "last.ckpt"
+
+    def run(*arguments: object) -> Outcome:
+        return bench.run(
+            "predict",
+            tmp_path,
+            *("--ckpt_path", checkpoint, "--output.folder", tmp_path / "maps"),
+            *("--data.sketches", tmp_path / "sketches", *arguments),
+        )
+
+    return run
+
+
+def drawing(size: int = 40) -> NDArray[np.uint8]:
+    """A ring on white paper."""
+    y, x = np.mgrid[:size, :size] - size / 2 + 0.5
+    return np.where(np.abs(np.hypot(x, y) - size / 3) < 1.5, 0, 255).astype(np.uint8)
+
+
+def save_text(path: Path) -> None:
+    path.write_text("no image")
+
+
+def save_truncated(path: Path) -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (64, 64), np.uint8)
+    Image.fromarray(noise).save(path)
+    path.write_bytes(path.read_bytes()[:1000])
+
+
+BAD: dict[str, tuple[Callable[[Path], object], str]] = {
+    "text": (save_text, "is not an image that can be read"),
+    "empty": (Path.touch, "is not an image that can be read"),
+    "truncated": (save_truncated, "cannot be read as an image"),
+    "white": (Image.new("L", (40, 40), 255).save, "is all white"),
+    "clear": (Image.new("RGBA", (40, 40), (0, 0, 0, 0)).save, "is all white"),
+    "dot": (Image.new("L", (1, 1)).save, "is 1 × 1 pixels; a drawing has 8 to 8192 a side"),
+    "endless": (Image.new("1", (9000, 9)).save, "is 9000 × 9 pixels"),
+}
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_a_bad_sketch_stops_all_before_anything_is_written(
+    predict: Callable[..., Outcome], tmp_path: Path, kind: str
+) -> None:
+    save, reason = BAD[kind]
+    Image.fromarray(drawing()).save(tmp_path / "sketches" / "good.png")
+    save(tmp_path / "sketches" / "bad.png")
+    predict().refused(str(tmp_path / "sketches" / "bad.png"), reason)
+    assert not (tmp_path / "maps").exists()
+
+
+def test_a_sketch_of_any_mode_is_read_rightly(predict: Callable[..., Outcome], tmp_path: Path) -> None:
+    grey = drawing()
+    plain, black = Image.fromarray(grey), Image.new("L", grey.shape)
+    folder = tmp_path / "sketches"
+    plain.save(folder / "grey.png")
+    plain.convert("1").save(folder / "bit.png")
+    plain.convert("RGB").save(folder / "rgb.bmp")
+    plain.convert("RGB").quantize(4).save(folder / "palette.png")
+    plain.convert("CMYK").save(folder / "cmyk.tif")
+    plain.convert("P").save(folder / "gif.gif")
+    plain.save(folder / "webp.webp", lossless=True)
+    Image.fromarray(grey.astype(np.uint16) * 257).save(folder / "deep.png")
+    ink = Image.fromarray(255 - grey)  # opaque where there is a line; what colour the paper has, no one sees
+    Image.merge("LA", (black, ink)).save(folder / "grey_alpha.png")
+    Image.merge("RGBA", (black, black, black, ink)).save(folder / "alpha.png")
+    outcome = predict()
+    assert outcome.code == 0, outcome.err
+    names = left_in(tmp_path / "maps")
+    assert len(names) == 10
+    truth, _ = read_png(tmp_path / "maps" / "grey_normal.png")
+    assert np.ptp(truth, axis=(0, 1)).max() > 0.1
+    for name in names:
+        painted, _ = read_png(tmp_path / "maps" / name)
+        np.testing.assert_array_equal(painted, truth, err_msg=name)
+
+
+def test_sketches_that_are_not_there(predict: Callable[..., Outcome], tmp_path: Path) -> None:
+    predict().refused("no sketch found at", "sketches")
+    predict("--data.sketches", tmp_path / "gone.png").refused("no sketch found at", "gone.png")
+    predict("--data.sketches", "null").refused("predict needs drawings: --data.sketches")
+    assert not (tmp_path / "maps").exists()
+
+
+def test_hints_that_cannot_be_used(predict: Callable[..., Outcome], tmp_path: Path) -> None:
+    Image.fromarray(drawing()).save(tmp_path / "sketches" / "ring.png")
+    hints = tmp_path / "hints"
+    predict("--data.hints", hints).refused("there is no folder of hints")
+    hints.mkdir()
+    predict("--data.hints", hints).refused("holds no hints for any sketch")
+    for picture, words in (
+        (Image.new("RGBA", (20, 40)), "are 20 × 40 pixels, but their sketch 40 × 40"),
+        (Image.new("RGB", (40, 40)), "have no transparency"),
+        (Image.new("RGBA", (40, 40), (128, 128, 128, 255)), "is no normal"),
+    ):
+        picture.save(hints / "ring_hints.png")
+        predict("--data.hints", hints).refused("ring_hints.png", words)
+    assert not (tmp_path / "maps").exists()
+
+
+def test_maps_that_cannot_be_written(predict: Callable[..., Outcome], tmp_path: Path) -> None:
+    Image.fromarray(drawing()).save(tmp_path / "sketches" / "ring.png")
+    (tmp_path / "file").touch()
+    predict("--output.folder", tmp_path / "file" / "maps").refused("the normal maps cannot be written to")

@@ -1,0 +1,172 @@
+import json
+import re
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from command import CONF, Bench, left_in, run
+from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
+from PIL import Image
+
+from normalgan.normals import encode, read_png
+
+
+def last(folder: Path) -> Path:
+    return folder / "checkpoints" / "last.ckpt"
+
+
+def disc(path: Path, width: int, height: int) -> None:
+    y, x = np.mgrid[:height, :width]
+    distance = np.hypot(x - width / 2, y - height / 2) - 0.35 * min(width, height)
+    Image.fromarray(np.where(np.abs(distance) < 1.5, 0, 255).astype(np.uint8)).save(path)
+
+
+def test_fit_leaves_checkpoints_curves_and_its_settings(trained: Path) -> None:
+    names = left_in(trained)
+    assert "checkpoints/last.ckpt" in names
+    assert any(re.fullmatch(r"checkpoints/0\d\d-\d+\.\d\d\.ckpt", name) for name in names)
+    assert any("tfevents" in name for name in names)
+    assert yaml.safe_load((trained / "config.yaml").read_text())["data"]["size"] == 32
+    assert not any(name.endswith((".tmp", ".part")) for name in names)
+
+
+def test_fit_says_nothing_that_the_user_can_do_nothing_about(bench: Bench, tmp_path: Path) -> None:
+    outcome = bench.run("fit", tmp_path / "run", "--trainer.enable_model_summary", "false")
+    assert (outcome.code, outcome.out, outcome.err) == (0, "", "")
+
+
+def test_what_fit_saved_is_a_configuration(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    outcome = run(
+        "fit", "--config", trained / "config.yaml", "--trainer.default_root_dir", tmp_path / "again"
+    )
+    assert outcome.code == 0, outcome.err
+    assert last(tmp_path / "again").is_file()
+
+
+def test_validate_prints_the_metrics(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    outcome = bench.run("validate", tmp_path, "--ckpt_path", last(trained))
+    assert outcome.code == 0, outcome.err
+    assert "val/no_hints/angular_mean" in outcome.out
+
+
+def test_test_leaves_table_and_gallery_and_the_settings_of_fit(bench: Bench, trained: Path) -> None:
+    settings = (trained / "config.yaml").read_text()
+    outcome = bench.run("test", trained, "--ckpt_path", "last")
+    assert outcome.code == 0, outcome.err
+    results = json.loads((trained / "test" / "metrics.json").read_text())
+    assert {"hints", "no_hints", "constant", "mean_map"} <= results.keys()
+    assert str(trained / "test" / "gallery.png") in outcome.out.replace("\n", "")
+    with Image.open(trained / "test" / "gallery.png") as gallery:
+        assert gallery.width > gallery.height > 200
+    assert (trained / "config.yaml").read_text() == settings
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_predict_paints_each_sketch_at_its_own_size(
+    bench: Bench, trained: Path, tmp_path: Path, bits: int
+) -> None:
+    (tmp_path / "sketches").mkdir()
+    disc(tmp_path / "sketches" / "wide.png", 90, 50)
+    disc(tmp_path / "sketches" / "tall.jpg", 40, 70)
+    outcome = bench.run(
+        "predict",
+        tmp_path,
+        *("--ckpt_path", last(trained), "--data.sketches", tmp_path / "sketches"),
+        *("--output.folder", tmp_path / "maps", "--output.bits", bits),
+    )
+    assert outcome.code == 0, outcome.err
+    assert str(tmp_path / "maps") in outcome.out
+    assert left_in(tmp_path / "maps") == ["tall_normal.png", "wide_normal.png"]
+    normals, _ = read_png(tmp_path / "maps" / "wide_normal.png")
+    assert normals.shape == (50, 90, 3)
+    assert np.ptp(normals[20:30, 40:50], axis=(0, 1)).max() > 0.1  # and something was, here
+    assert normals[0, 0].round(1).tolist() == [0, 0, 1]  # nothing was drawn there
+    header = (tmp_path / "maps" / "tall_normal.png").read_bytes()[:26]
+    assert (header[24], header[25]) == (bits, 2)  # PNG 11.2.2: bit depth, and colour type RGB
+
+
+def test_hints_change_what_is_painted(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    for folder in ("sketches", "hints"):
+        (tmp_path / folder).mkdir()
+    disc(tmp_path / "sketches" / "ball.png", 64, 64)
+    colours = np.zeros((64, 64, 4), np.uint8)
+    colours[28:36, 28:36] = [*encode(np.array([0.8, 0.0, 0.6])), 255]
+    Image.fromarray(colours).save(tmp_path / "hints" / "ball_hints.png")
+    maps = []
+    for name, hints in (("with", ["--data.hints", tmp_path / "hints"]), ("without", [])):
+        outcome = bench.run(
+            "predict",
+            tmp_path,
+            *("--ckpt_path", last(trained), "--data.sketches", tmp_path / "sketches"),
+            *("--output.folder", tmp_path / name, *hints),
+        )
+        assert outcome.code == 0, outcome.err
+        maps.append((tmp_path / name / "ball_normal.png").read_bytes())
+    assert maps[0] != maps[1]
+
+
+def test_render_fills_the_cache_and_stops_there(bench: Bench, tmp_path: Path) -> None:
+    again = ("--data.cache", tmp_path / "cache", "--data.train_views", 1)
+    outcome = bench.run("render", tmp_path / "run", *again)
+    assert outcome.code == 0, outcome.err
+    assert "7/7 samples" in outcome.err  # three meshes once, one and one twice
+    manifest = json.loads(next((tmp_path / "cache").glob("*/dataset.json")).read_text())
+    assert manifest["samples"] == {"train": 3, "val": 2, "test": 2}
+    assert not (tmp_path / "run").exists()
+    assert "rendering" not in bench.run("render", tmp_path / "run", *again).err
+
+
+@pytest.mark.parametrize("command", ["fit", "validate", "test", "predict", "render"])
+def test_help_opens_with_one_line_and_lists_the_plugins(command: str) -> None:
+    outcome = run(command, "--help")
+    assert outcome.code == 0
+    assert outcome.out.startswith(f"usage: normalgan {command} ")
+    assert outcome.out.index("\n\n") < 200
+    for name in ("UNetGenerator", "GlobalDiscriminator", "CurvatureHints", "Wasserstein", "PyrenderRenderer"):
+        assert name in outcome.out
+    assert "rendered samples are kept" in " ".join(outcome.out.split())  # docstrings are the help
+
+
+def test_help_of_a_plugin_lists_its_settings() -> None:
+    outcome = run("fit", "--model.hint_sampler.help", "UniformHints")
+    assert outcome.code == 0
+    assert "--model.hint_sampler.init_args." in outcome.out or "--model.hint_sampler." in outcome.out
+
+
+def test_configurations_compose_and_options_have_the_last_word(tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text("data: {batch_size: 7, train_views: 9}\nmodel: {n_critic: 2}\n")
+    (tmp_path / "b.yaml").write_text("data: {batch_size: 8}\n")
+    outcome = run(
+        "fit",
+        *("--config", CONF / "tiny.yaml", "--config", tmp_path / "a.yaml", "--config", tmp_path / "b.yaml"),
+        *("--model.n_critic", 3, "--print_config"),
+    )
+    assert outcome.code == 0, outcome.err
+    settings = yaml.safe_load(outcome.out)
+    assert (settings["data"]["batch_size"], settings["data"]["train_views"]) == (8, 9)
+    assert (settings["data"]["size"], settings["model"]["n_critic"]) == (32, 3)
+    assert settings["model"]["generator"]["init_args"]["width"] == 4
+
+
+def test_a_short_name_keeps_the_settings_given_beside_it(bench: Bench, tmp_path: Path) -> None:
+    outcome = run(
+        "fit", "--model.hint_sampler", "UniformHints", "--model.generator.width", 8, "--print_config"
+    )
+    settings = yaml.safe_load(outcome.out)["model"]
+    assert settings["hint_sampler"]["class_path"] == "normalgan.hints.UniformHints"
+    assert settings["generator"]["init_args"]["width"] == 8
+
+
+def test_ctrl_c_ends_with_its_own_code(bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("normalgan.gan.NormalGAN.training_step", interrupt)
+    handler = signal.getsignal(signal.SIGINT)
+    try:
+        outcome = bench.run("fit", tmp_path)
+    finally:
+        signal.signal(signal.SIGINT, handler)  # Lightning leaves it switched off
+    outcome.refused("stopped.", code=130)

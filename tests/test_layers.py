@@ -1,0 +1,90 @@
+"""The picture of the package in docs: an arrow only points down, and neighbours do not know one another."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
+LAYERS = (
+    {"errors", "batch"},
+    {"normals", "registry", "seeds"},
+    {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
+    | {"checkpoints", "mistakes", "quiet"},
+    {"data", "gan"},
+    {"callbacks", "plugins"},
+    {"parser"},
+    {"cli"},
+    {"__main__"},
+)
+"""The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
+LIGHT = ("errors", "normals", "registry", "rendering", "drawings", "framing", "gallery", "mistakes")
+"""Rooms that never import torch."""
+
+
+def room(path: Path) -> str:
+    return path.relative_to(SOURCE).parts[0].removesuffix(".py")
+
+
+def imported(path: Path) -> set[str]:
+    """Return the modules that a file imports, wherever in it."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} imports relatively"
+            found.add(node.module or "")
+            if node.module == "normalgan":
+                found |= {f"normalgan.{alias.name}" for alias in node.names if alias.name.islower()}
+    return found
+
+
+FILES = [path for path in sorted(SOURCE.rglob("*.py")) if path != SOURCE / "__init__.py"]
+
+
+def test_every_room_has_its_layer() -> None:
+    assert {room(path) for path in FILES} == set().union(*LAYERS)
+    assert sum(map(len, LAYERS)) == len(set().union(*LAYERS))
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_imports_point_down(path: Path) -> None:
+    here = room(path)
+    below = set().union(*(LAYERS[i] for i in range(len(LAYERS)) if here not in set().union(*LAYERS[: i + 1])))
+    ours = {name.split(".")[1] for name in imported(path) if name.startswith("normalgan.")}
+    assert ours - {here, "__version__"} <= below
+
+
+@pytest.mark.parametrize(
+    "path", [p for p in FILES if room(p) in LIGHT], ids=lambda p: str(p.relative_to(SOURCE))
+)
+def test_light_rooms_do_not_name_torch(path: Path) -> None:
+    heavy = {"torch", "lightning", "torchmetrics", "kornia"}
+    assert not {name.split(".")[0] for name in imported(path)} & heavy
+
+
+def loaded(code: str) -> set[str]:
+    """Return the top-level packages that a fresh interpreter has loaded after some code."""
+    listing = "import sys; print(*{name.partition('.')[0] for name in sys.modules}, file=sys.stderr)"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, check=True
+    )
+    return set(done.stderr.split())
+
+
+def test_light_rooms_do_not_load_torch() -> None:
+    modules = [*LIGHT, "rendering.animals", "rendering.lines", "rendering.renderers", "rendering.samples"]
+    seen = loaded("; ".join(f"import normalgan.{name}" for name in modules))
+    assert "numpy" in seen
+    assert not seen & {"torch", "lightning", "torchmetrics", "kornia"}
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--help"], [], ["--version"], ["ftt"]], ids=["help", "nothing", "version", "typo"]
+)
+def test_the_front_door_opens_at_once(arguments: list[str]) -> None:
+    seen = loaded(f"from normalgan.__main__ import main; main({arguments})")
+    assert not seen & {"numpy", "torch", "lightning", "trimesh"}

@@ -1,0 +1,90 @@
+import errno
+import subprocess
+import sys
+
+import pytest
+
+import normalgan
+from normalgan.__main__ import COMMANDS, main
+from normalgan.errors import InputError, unwritable
+
+
+def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    usage = capsys.readouterr().out
+    assert all(f"\n  {command} " in usage for command in COMMANDS)
+    assert main([]) == 2  # what to do was not said
+    assert capsys.readouterr().out == usage
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"normalgan {normalgan.__version__}\n"
+
+
+@pytest.mark.parametrize(("given", "meant"), [("ftt", "fit"), ("predit", "predict"), ("tests", "test")])
+def test_an_unknown_command_is_answered_by_its_near_miss(
+    capsys: pytest.CaptureFixture[str], given: str, meant: str
+) -> None:
+    assert main([given]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err == (
+        f"normalgan: no command named '{given}'. Did you mean {meant}? "
+        "The commands are fit, validate, test, predict, render.\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "sentence"),
+    [
+        (InputError("no such\n  mesh."), 2, "no such mesh."),
+        (unwritable("cannot write.", OSError(errno.ENOSPC, "full")), 1, "cannot write."),
+        (unwritable("cannot write.", OSError(errno.EROFS, "read-only")), 2, "cannot write."),
+        (OSError(errno.ENOSPC, "No space", "a.ckpt"), 1, "the disk is full at a.ckpt; free some space and"),
+        (OSError(errno.EROFS, "Read-only", "a.ckpt"), 1, "no permission to write a.ckpt; choose another"),
+        (OSError(errno.EIO, "Input/output error", "a"), 1, "failed while reading or writing a: Input/output"),
+        (MemoryError(), 1, "out of memory; make data.batch_size"),
+        (RuntimeError("DefaultCPUAllocator: can't allocate memory: you tried"), 1, "out of memory; make"),
+        (RuntimeError("CUDA out of memory. Tried to allocate 2 GiB\nmore"), 1, "out of memory; make"),
+        (
+            RuntimeError("odd\nlong story"),
+            1,
+            "failed while running: RuntimeError: odd (set NORMALGAN_TRACEBACK",
+        ),
+        (KeyboardInterrupt(), 130, "stopped."),
+    ],
+)
+def test_what_goes_wrong_is_a_sentence_and_a_code(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    error: BaseException,
+    code: int,
+    sentence: str,
+) -> None:
+    def run(_: list[str]) -> int:
+        raise error
+
+    monkeypatch.setattr("normalgan.cli.run", run)
+    assert main(["fit"]) == code
+    said = capsys.readouterr().err
+    assert said.startswith(f"normalgan: {sentence}")
+    assert said.count("\n") == 1
+
+
+def test_a_traceback_can_be_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(_: list[str]) -> int:
+        raise RuntimeError("odd")
+
+    monkeypatch.setattr("normalgan.cli.run", run)
+    monkeypatch.setenv("NORMALGAN_TRACEBACK", "1")
+    with pytest.raises(RuntimeError, match="odd"):
+        main(["fit"])
+
+
+def test_it_runs_as_a_module_and_its_code_is_the_exit_code() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "normalgan", "ftt"], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("normalgan: no command named")
