@@ -1,0 +1,140 @@
+"""The documentation: its Python runs, its links lead somewhere, and it knows every sentence we say."""
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "examples").rglob("*.md")),
+]
+TOLD = {"InputError", "RunError", "unwritable", "_fail", "warn"}
+"""The calls whose first argument is a sentence for the user."""
+
+
+def page_id(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """Return the fenced blocks of a page in one language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S)
+
+
+def prose(page: Path) -> str:
+    """Return a page without its fenced blocks."""
+    return re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+
+
+def links(page: Path) -> list[str]:
+    """Return where a page's links and pictures lead."""
+    return re.findall(r"\]\(([^)\s]+)\)", prose(page))
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the names under which a page's headings can be linked to."""
+    headings = re.findall(r"^#+ (.+)$", prose(page), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def run_python(page: Path, folder: Path) -> None:
+    """Run the blocks of a page one after the other in a fresh interpreter, as a reader would."""
+    code = "\n".join(blocks(page, "python"))
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
+@pytest.mark.parametrize("name", ["conventions", "data", "plugins", "prediction"])
+def test_python_runs(name: str, tmp_path: Path) -> None:
+    run_python(ROOT / "docs" / f"{name}.md", tmp_path)
+
+
+@pytest.mark.slow  # imports lightning, renders and trains
+def test_python_of_training_runs(tmp_path: Path) -> None:
+    run_python(ROOT / "docs" / "training.md", tmp_path)
+
+
+def test_no_page_with_python_is_forgotten() -> None:
+    with_python = {page.stem for page in PAGES if blocks(page, "python")}
+    assert with_python == {"conventions", "data", "plugins", "prediction", "training"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_links_and_pictures_are_there(page: Path) -> None:
+    for target in links(page):
+        if target.startswith(("https://", "http://")):
+            continue
+        path, _, anchor = target.partition("#")
+        there = (page.parent / path).resolve() if path else page
+        assert there.exists(), f"{page_id(page)} links to {target}"
+        assert there.is_relative_to(ROOT)
+        if anchor:
+            assert anchor in anchors(there), f"{page_id(page)} links to {target}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_yaml_is_yaml(page: Path) -> None:
+    for block in [*blocks(page, "yaml"), *blocks(page, "json")]:
+        assert isinstance(yaml.safe_load(block), dict)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_files_that_commands_name_are_there(page: Path) -> None:
+    commands = "\n".join(blocks(page, "sh"))
+    for path in re.findall(r"(?<!\S)(?:configs|tools|examples|\.ci)/[\w./-]+", commands):
+        assert (ROOT / path).exists(), f"{page_id(page)} names {path}"
+
+
+def test_every_page_of_the_docs_can_be_reached() -> None:
+    linked = {(page.parent / link.partition("#")[0]).resolve() for page in PAGES for link in links(page)}
+    assert set(PAGES) - {ROOT / "README.md", *(ROOT / "examples").rglob("*.md")} <= linked
+
+
+def test_pictures_are_small_and_used() -> None:
+    used = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    pictures = list((ROOT / "docs" / "pictures").iterdir())
+    assert pictures
+    for picture in pictures:
+        assert picture.stat().st_size < 300_000
+        assert f"pictures/{picture.name}" in used
+
+
+def sentences() -> Iterator[tuple[str, str]]:
+    """Yield where a sentence for the user is made, and the longest part of it that never changes."""
+    for path in sorted((ROOT / "src").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Call) or not node.args:
+                continue
+            name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if name not in TOLD:
+                continue
+            first = node.args[0]
+            parts = first.values if isinstance(first, ast.JoinedStr) else [first]
+            fixed = [p.value for p in parts if isinstance(p, ast.Constant) and isinstance(p.value, str)]
+            if fixed:
+                yield f"{page_id(path)}:{node.lineno}", max(fixed, key=len)
+
+
+def plain(text: str) -> str:
+    return " ".join(text.replace("`", "").split())
+
+
+def test_troubleshooting_knows_every_sentence() -> None:
+    told = plain((ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8"))
+    found = list(sentences())
+    assert len(found) > 80
+    missing = [f"{where}: {part!r}" for where, part in found if plain(part).strip(" .…") not in told]
+    assert not missing, "add to docs/troubleshooting.md:\n" + "\n".join(missing)
