@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 RUN := runs/quickstart
 
-.PHONY: help install dev demo test test-fast lint types clean
+.PHONY: help install dev demo test lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 

@@ -119,6 +119,8 @@ class NormalGANCLI(LightningCLI):
         last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
         if command in {"predict", "render"}:
             config["trainer"]["logger"] = False  # it has nothing to log, but would leave its files
+        if command == "test":
+            config["verbose"] = False  # Lightning's own list of the figures would push our table off the screen
         if command in {"fit", "test"}:
             check_writable(last.parent.parent)
         if command == "fit" and config["ckpt_path"] is None and last.is_file():
