@@ -120,7 +120,7 @@ class NormalGANCLI(LightningCLI):
         if command in {"predict", "render"}:
             config["trainer"]["logger"] = False  # it has nothing to log, but would leave its files
         if command == "test":
-            config["verbose"] = False  # Lightning's own list of the figures would push our table off the screen
+            config["verbose"] = False  # Lightning's own list of figures would bury our table
         if command in {"fit", "test"}:
             check_writable(last.parent.parent)
         if command == "fit" and config["ckpt_path"] is None and last.is_file():
