@@ -15,6 +15,8 @@ from normalgan.hints import NoHints, UniformHints
 from normalgan.models import PatchDiscriminator, UNetDiscriminator, UNetGenerator
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.objectives import CrossEntropy, Wasserstein, WassersteinGradientPenalty
+from small import gan as make
+from small import trainer
 from spheres import batch, loader
 
 # What Lightning says of settings that are meant: no workers for eight spheres, few batches.
@@ -25,31 +27,6 @@ pytestmark = pytest.mark.filterwarnings(
     "ignore:.*removed from hparams because it cannot be pickled.*",  # tests hand in local classes and lambdas
     "ignore:.*LeafSpec.*is deprecated.*",
 )
-
-
-def make(**settings: Any) -> NormalGAN:
-    torch.manual_seed(0)
-    defaults: dict[str, Any] = {
-        "generator": UNetGenerator(size=32, width=4),
-        "discriminator": UNetDiscriminator(size=32, width=4),
-        "hint_sampler": UniformHints(3, 3),
-        "objective": Wasserstein(),
-        "n_critic": 1,
-    }
-    return NormalGAN(**(defaults | settings))
-
-
-def trainer(folder: Path, **settings: Any) -> Trainer:
-    quiet: dict[str, Any] = {
-        "accelerator": "cpu",
-        "default_root_dir": folder,
-        "logger": False,
-        "enable_checkpointing": False,
-        "enable_progress_bar": False,
-        "enable_model_summary": False,
-        "max_epochs": 1,
-    }
-    return Trainer(**(quiet | settings))
 
 
 class Steps(Callback):
