@@ -1,0 +1,3 @@
+from normalgan.rendering.strokes.stroke import Stroke
+
+__all__ = ["Stroke"]

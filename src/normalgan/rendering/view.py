@@ -1,0 +1,30 @@
+"""View: an object, where it is seen from, and its maps at whatever size a line style asks for."""
+
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.renderers.base import Renderer
+from normalgan.rendering.views import Camera
+
+
+class View:
+    """An object seen from one place.
+
+    Args:
+        mesh: the object.
+        camera: where it is seen from.
+        renderer: what makes its maps.
+        size: side of the sketch and of the normal map in pixels.
+    """
+
+    def __init__(self, mesh: Mesh, camera: Camera, renderer: Renderer, size: int) -> None:
+        self.mesh = mesh
+        self.camera = camera
+        self.renderer = renderer
+        self.size = size
+        self._maps: dict[int, Maps] = {}
+
+    def maps(self, scale: int = 1) -> Maps:
+        """Return the maps with ``scale`` times as many pixels a side as the sketch; each is rendered once."""
+        if scale not in self._maps:
+            self._maps[scale] = self.renderer.render(self.mesh, self.camera, scale * self.size)
+        return self._maps[scale]
