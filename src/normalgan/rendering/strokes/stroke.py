@@ -14,8 +14,9 @@ class Stroke:
     """A line as a pen draws it, from its first point to its last.
 
     Args:
-        points: (P, 2) x to the right and y downwards in pixels of the sketch, P at least 2; the pixel in row r and
-            column c covers x from c to c + 1 and y from r to r + 1. A closed stroke ends on its first point.
+        points: (P, 2) x to the right and y downwards in pixels of the sketch, P at least 2; the pixel in row
+            r and column c covers x from c to c + 1 and y from r to r + 1. A closed stroke ends on its first
+            point.
         width: (P,) of the line at each point, in pixels of the sketch.
         darkness: (P,) of the ink at each point, from 0 (paper) to 1.
 
