@@ -1,0 +1,3 @@
+from normalgan.rendering.media.medium import Medium
+
+__all__ = ["Medium"]

@@ -1,0 +1,69 @@
+"""Medium: what pen, paper and scanner make of the lines."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.maps import Floats
+from normalgan.rendering.media.paper import on_paper, scanned
+from normalgan.rendering.media.tools import bleed, pencil
+
+
+@dataclass(frozen=True)
+class Medium:
+    """Pen, paper and scanner: effects on the pixels of a drawing, after its strokes are drawn.
+
+    Every drawing takes a part of each effect, drawn at random from none to all of it.
+
+    Args:
+        strength: range of the factor that a drawing's effects share; at 0 the drawing stays as it is.
+        pencil: share of drawings in pencil; the others are in ink.
+        grain: how much of a pencil line the tooth of the paper leaves white, at most.
+        lightness: how much lighter than ink a pencil line is, at most.
+        bleed: how far ink runs at most, as a fraction of the frame's side.
+        tint: how dark the paper is at most, 1 being black.
+        shadow: how much darker the paper is on one side than on the other, at most.
+        noise: standard deviation of the scanner's noise, at most.
+
+    Raises:
+        InputError: if a setting is not from 0 to 1, or the range of strengths is upside down.
+    """
+
+    strength: tuple[float, float] = (0.0, 1.0)
+    pencil: float = 0.4
+    grain: float = 0.8
+    lightness: float = 0.5
+    bleed: float = 0.002
+    tint: float = 0.12
+    shadow: float = 0.15
+    noise: float = 0.03
+
+    def __post_init__(self) -> None:
+        low, high = self.strength
+        if not 0 <= low <= high <= 1:
+            raise InputError(
+                f"strength of Medium is {self.strength}; it must be two numbers, 0 ≤ low ≤ high ≤ 1."
+            )
+        for field in fields(self)[1:]:
+            value = getattr(self, field.name)
+            if not 0 <= value <= 1:
+                raise InputError(f"{field.name} of Medium is {value}; it must lie from 0 to 1.")
+
+    def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
+        """Return the darkness of the finished picture, (H, W) in [0, 1], from its ink.
+
+        Args:
+            ink: (H, W) in [0, 1], square.
+            rng: which tool and paper, and their grain.
+        """
+        strength = rng.uniform(*self.strength)
+        if strength == 0:
+            return ink
+        in_pencil = rng.random() < self.pencil
+        grain, lightness, run, tint, shadow, noise = strength * rng.random(6)
+        if in_pencil:
+            ink = pencil(ink, grain * self.grain, rng) * np.float32(1 - lightness * self.lightness)
+        else:
+            ink = bleed(ink, run * self.bleed * len(ink))
+        return scanned(on_paper(ink, tint * self.tint, shadow * self.shadow, rng), noise * self.noise, rng)
