@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from normalgan.hints import CurvatureHints
 from normalgan.normals import encode, flip_green, paint_flat, write_bytes
 from normalgan.rendering import EmbreeRenderer, Maps
-from normalgan.rendering.animals import SPECIES, Animal
+from normalgan.rendering.animals import GROUPS, Animal
 from normalgan.rendering.lines import LineDrawing, OccludingContours, SuggestiveContours
 from normalgan.rendering.views import framed, look_at_origin
 
@@ -72,8 +72,8 @@ def png(figure: Figure) -> bytes:
 
 
 def herd() -> bytes:
-    """Return one animal of each species, and a second horse: normal maps above sketches."""
-    animals = [Animal(species, 1) for species in SPECIES] + [Animal("horse", 2)]
+    """Return one quadruped of each species, and a second horse: normal maps above sketches."""
+    animals = [Animal(species, 1) for species in GROUPS["quadrupeds"]] + [Animal("horse", 2)]
     size, rows, names = 128, [], []
     for some in (animals[:8], animals[8:]):
         rows += [

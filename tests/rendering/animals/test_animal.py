@@ -3,7 +3,7 @@ import pytest
 import trimesh
 
 from normalgan.errors import InputError
-from normalgan.rendering.animals import SPECIES, Animal, herd
+from normalgan.rendering.animals import GROUPS, SPECIES, Animal, herd
 from normalgan.rendering.mesh import Mesh
 
 
@@ -22,7 +22,7 @@ def area_normals(mesh: Mesh) -> np.ndarray:
     return unit
 
 
-@pytest.mark.parametrize("species", SPECIES)
+@pytest.mark.parametrize("species", GROUPS["quadrupeds"])
 def test_every_species_is_one_closed_body_of_unit_radius(species: str) -> None:
     mesh = Animal(species, 1).load()
     body = solid(mesh)
@@ -104,16 +104,37 @@ def test_a_herd_rotates_through_the_species_and_never_repeats() -> None:
     assert animals == herd(40, seed=3)
     assert animals[:17] == herd(17, seed=3)
     assert len(set(animals)) == 40
-    assert {animal.species for animal in animals[: len(SPECIES)]} == set(SPECIES)
+    assert [animal.species for animal in animals[:15]] == list(GROUPS["quadrupeds"])
     assert not set(animals) & set(herd(40, seed=4))
+
+
+def test_a_herd_takes_species_and_groups_in_rotation_and_each_once() -> None:
+    animals = herd(5, seed=2, species=["stag", "cat"])
+    assert [animal.species for animal in animals] == ["stag", "cat", "stag", "cat", "stag"]
+    assert [animal.seed for animal in animals] == [20_000, 20_000, 20_001, 20_001, 20_002]
+    mixed = herd(15, species=["horse", "quadrupeds"])
+    assert mixed[0].species == "horse"
+    assert len({animal.species for animal in mixed}) == 15
+    assert herd(15) == herd(15, species=["quadrupeds"])
+
+
+def test_names_of_groups_and_species_are_told_apart() -> None:
+    assert sum(len(members) for members in GROUPS.values()) == len(SPECIES)
+    assert not set(GROUPS) & set(SPECIES)
 
 
 def test_what_is_not_known_is_said_with_the_nearest_that_is() -> None:
     with pytest.raises(InputError, match=r"no species named 'hose'\. Did you mean horse\? Known: bear, "):
         Animal("hose", 0)
-    with pytest.raises(InputError, match=r"no pose named 'walking'\. Did you mean walk\?"):
+    with pytest.raises(InputError, match=r"no pose of horse named 'walking'\. Did you mean walk\?"):
         Animal("horse", 0, "walking")
     with pytest.raises(InputError, match="from 0 on, not -1"):
         Animal("horse", -1)
     with pytest.raises(InputError, match="at least one animal, not 0"):
         herd(0)
+    with pytest.raises(
+        InputError, match=r"no species or group named 'quadruped'\. Did you mean quadrupeds\?"
+    ):
+        herd(1, species=["quadruped"])
+    with pytest.raises(InputError, match="at least one species; known groups: quadrupeds"):
+        herd(1, species=[])

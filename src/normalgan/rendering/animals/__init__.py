@@ -1,6 +1,6 @@
-"""Procedural quadrupeds, the default meshes: smooth-blended implicit surfaces, seeded, no two alike."""
+"""Procedural animals, the default meshes: smooth-blended implicit surfaces, seeded, no two alike."""
 
 from normalgan.rendering.animals.animal import Animal, herd
-from normalgan.rendering.animals.kinds import SPECIES
+from normalgan.rendering.animals.kinds import GROUPS, SPECIES
 
-__all__ = ["SPECIES", "Animal", "herd"]
+__all__ = ["GROUPS", "SPECIES", "Animal", "herd"]

@@ -3,30 +3,27 @@
 import difflib
 import hashlib
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.rendering.animals.kinds import SPECIES
+from normalgan.rendering.animals.kinds import GROUPS, SPECIES
 from normalgan.rendering.animals.meshing import to_mesh
-from normalgan.rendering.animals.pose import POSES
-from normalgan.rendering.animals.quadruped import assemble
-from normalgan.rendering.animals.species import draw_build
 from normalgan.rendering.mesh import Mesh
 
 VERSION = 1  # to be raised whenever the same species and seed give another shape
-YOUNG_SHARE = 0.12
 
 
 @dataclass(frozen=True)
 class Animal:
-    """A procedural quadruped; no two seeds give the same one.
+    """A procedural animal; no two seeds give the same one.
 
     Args:
-        species: such as horse, stag, cat.
+        species: such as horse, owl, shark; see `SPECIES`.
         seed: draws proportions, age and carriage, and the pose if none is given; not negative.
-        pose: stand, walk, trot, gallop, graze or sit; drawn from those of the species if None.
+        pose: one that the species knows, such as stand, walk, sit; drawn if None.
 
     Raises:
         InputError: if species, seed or pose is not such.
@@ -44,7 +41,7 @@ class Animal:
         """Check what the user wrote, at once and not in a worker process."""
         _known("species", self.species, list(SPECIES))
         if self.pose is not None:
-            _known("pose", self.pose, list(POSES))
+            _known(f"pose of {self.species}", self.pose, list(SPECIES[self.species].poses))
         if self.seed < 0:
             raise InputError(f"an animal's seed is a whole number from 0 on, not {self.seed}.")
 
@@ -60,26 +57,47 @@ class Animal:
 
     def load(self) -> Mesh:
         """Return the mesh, always the same for the same animal; takes about a second."""
-        kind = SPECIES[self.species]
         rng = np.random.default_rng([zlib.crc32(self.species.encode()), self.seed])
-        build = draw_build(kind.ranges, bool(rng.uniform() < YOUNG_SHARE), rng)
-        drawn = str(rng.choice(kind.poses))
-        pose = POSES[self.pose or drawn](rng)
-        return to_mesh(self.name, assemble(kind, build, pose, rng))
+        return to_mesh(self.name, SPECIES[self.species].grow(self.pose, rng))
 
 
-def herd(count: int, seed: int = 0) -> list[Animal]:
-    """Return ``count`` animals, the species in rotation; the same for the same seed.
+def herd(count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",)) -> list[Animal]:
+    """Return ``count`` animals, the species in rotation; the same for the same seed and species.
 
     Animals of different herd seeds differ, and a longer herd begins with the shorter one.
 
-    >>> [animal.species for animal in herd(3, seed=0)] == list(SPECIES)[:3]
-    True
+    Args:
+        count: how many.
+        seed: of the herd.
+        species: names of species, and of groups, which stand for all their species.
+
+    Raises:
+        InputError: if there is no animal, no species, or a name is not known.
+
+    Example:
+        >>> [animal.species for animal in herd(3, seed=0)]
+        ['bear', 'camel', 'cat']
+        >>> [animal.species for animal in herd(3, species=["horse", "cat"])]
+        ['horse', 'cat', 'horse']
     """
     if count < 1:
         raise InputError(f"a herd has at least one animal, not {count}.")
-    names = list(SPECIES)
+    names = members(species)
     return [Animal(names[i % len(names)], seed * 10_000 + i // len(names)) for i in range(count)]
+
+
+def members(names: Sequence[str]) -> list[str]:
+    """Return the species that names of species and groups stand for, each once, in order.
+
+    Raises:
+        InputError: if there is none, or a name is not known.
+    """
+    if not names:
+        raise InputError(f"a herd has at least one species; known groups: {', '.join(GROUPS)}.")
+    for name in names:
+        _known("species or group", name, [*GROUPS, *SPECIES])
+    # What is named twice would otherwise come with the same seed twice.
+    return list(dict.fromkeys(one for name in names for one in GROUPS.get(name, (name,))))
 
 
 def _known(what: str, name: str, names: list[str]) -> None:

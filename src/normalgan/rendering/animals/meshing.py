@@ -15,15 +15,20 @@ FACES = 32_000  # about the number aimed at
 THINNEST = 1.35  # grid cells: a thinner radius would break up into beads
 
 
-def to_mesh(name: str, parts: Sequence[Part]) -> Mesh:
+def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
     """Return the surface of the blended parts, centred and scaled to a bounding sphere of radius 1.
+
+    Args:
+        name: of the mesh.
+        parts: in the order in which they blend.
+        count: about how many faces it is to have.
 
     The spacing of the grid follows from the surface of the parts, so that an animal has the same number
     of faces whether lean or fat. Normals are the gradient of the field, smoother than those of the faces.
     """
     tubes = [sweep for part in parts if not part.carve for sweep in part.sweeps]
     skin = sum(area(smoothed(tube)) for tube in tubes)
-    spacing = float(np.sqrt(2.35 * skin / FACES))
+    spacing = float(np.sqrt(2.35 * skin / count))
     fine = [_fine(part, THINNEST * spacing) for part in parts]
     corners = [reach(sweep) for part in fine if not part.carve for sweep in part.sweeps]
     # Blends swell the union by at most a sixth of their width: two cells more than the margin hold that.

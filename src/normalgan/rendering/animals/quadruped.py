@@ -1,6 +1,6 @@
-"""From species, build and pose to the parts of one animal."""
+"""From species, build and pose to the parts of one quadruped."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,11 +9,34 @@ from normalgan.rendering.animals.face import eyes, mouth
 from normalgan.rendering.animals.field import Part
 from normalgan.rendering.animals.head import loft, ornament, skull, stretch
 from normalgan.rendering.animals.legs import ground, hang, leg, shoulder_blade
-from normalgan.rendering.animals.pose import Pose
-from normalgan.rendering.animals.species import Build, Ornament, Species
+from normalgan.rendering.animals.pose import POSES, Pose
+from normalgan.rendering.animals.species import Build, Ornament, Species, draw_build
 from normalgan.rendering.animals.sweep import Floats, Sweep
 
 SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
+YOUNG_SHARE = 0.12
+
+
+@dataclass(frozen=True)
+class Quadruped:
+    """The body plan of those that go on four legs.
+
+    Args:
+        species: its measures.
+    """
+
+    species: Species
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Stand, walk, trot, gallop, graze and sit, whatever the species is mostly seen in."""
+        return tuple(POSES)
+
+    def grow(self, pose: str | None, rng: np.random.Generator) -> list[Part]:
+        """Return one individual's parts."""
+        build = draw_build(self.species.ranges, bool(rng.uniform() < YOUNG_SHARE), rng)
+        drawn = str(rng.choice(self.species.poses))
+        return assemble(self.species, build, POSES[pose or drawn](rng), rng)
 
 
 def assemble(species: Species, build: Build, pose: Pose, rng: np.random.Generator) -> list[Part]:

@@ -1,35 +1,21 @@
-"""The species, each a set of numbers; a new one is a new constant here and its name in the table."""
+"""The species by group; a new group is a table of its own module and a line here."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from normalgan.rendering.animals.kinds.bear import BEAR
-from normalgan.rendering.animals.kinds.canines import DOG, FOX
-from normalgan.rendering.animals.kinds.farm import COW, HORSE, PIG
-from normalgan.rendering.animals.kinds.felines import CAT, LION
-from normalgan.rendering.animals.kinds.flock import GOAT, SHEEP
-from normalgan.rendering.animals.kinds.giants import ELEPHANT, RHINO
-from normalgan.rendering.animals.kinds.wild import CAMEL, GIRAFFE, STAG
-from normalgan.rendering.animals.species import Species
+from normalgan.rendering.animals.kinds.quadrupeds import QUADRUPEDS
+from normalgan.rendering.animals.plan import BodyPlan
 
-SPECIES: Mapping[str, Species] = MappingProxyType(
-    {
-        "bear": BEAR,
-        "camel": CAMEL,
-        "cat": CAT,
-        "cow": COW,
-        "dog": DOG,
-        "elephant": ELEPHANT,
-        "fox": FOX,
-        "giraffe": GIRAFFE,
-        "goat": GOAT,
-        "horse": HORSE,
-        "lion": LION,
-        "pig": PIG,
-        "rhino": RHINO,
-        "sheep": SHEEP,
-        "stag": STAG,
-    }
+_TABLES: Mapping[str, Mapping[str, BodyPlan]] = {
+    "quadrupeds": QUADRUPEDS,
+}
+
+GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType({name: tuple(t) for name, t in _TABLES.items()})
+"""The names of the species of each group."""
+
+SPECIES: Mapping[str, BodyPlan] = MappingProxyType(
+    {name: plan for table in _TABLES.values() for name, plan in table.items()}
 )
+"""All species by name; no two groups share one."""
 
-__all__ = ["SPECIES"]
+__all__ = ["GROUPS", "SPECIES"]
