@@ -1,0 +1,65 @@
+"""Strokes as SVG: one path a stroke, to be edited in any vector program; numpy only."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from normalgan.rendering.strokes.outline import outline
+from normalgan.rendering.strokes.stroke import Doubles, Stroke
+
+_EVEN = 0.01  # pixels; a pen pressed so evenly draws a line of one width
+
+
+def to_svg(strokes: Sequence[Stroke], size: int) -> str:
+    """Return the drawing as an SVG document of ``size`` × ``size`` pixels on transparent paper.
+
+    A stroke of one width is a line with that ``stroke-width``; one of varying width is the shape it covers.
+    SVG knows one opacity a path: the mean darkness along the stroke.
+
+    Args:
+        strokes: in the order in which they are drawn.
+        size: side of the drawing in pixels.
+
+    Example:
+        >>> line = Stroke.even(np.array([[1.0, 1.0], [3.0, 1.5]]), width=1.25)
+        >>> print(to_svg([line], 4))
+        <svg xmlns="http://www.w3.org/2000/svg" width="4" height="4" viewBox="0 0 4 4">
+        <g fill="none" stroke="#000" stroke-linecap="round" stroke-linejoin="round">
+        <path stroke-width="1.25" d="M1 1L3 1.5"/>
+        </g>
+        </svg>
+    """
+    sides = f'width="{size}" height="{size}" viewBox="0 0 {size} {size}"'
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" {sides}>',
+            '<g fill="none" stroke="#000" stroke-linecap="round" stroke-linejoin="round">',
+            *(_path(stroke) for stroke in strokes),
+            "</g>",
+            "</svg>",
+        ]
+    )
+
+
+def _path(stroke: Stroke) -> str:
+    darkness = float(stroke.darkness.mean())
+    opacity = "" if darkness > 0.999 else f' opacity="{darkness:.3g}"'
+    if np.ptp(stroke.width) < _EVEN:
+        end = "Z" if stroke.closed else ""
+        points = stroke.points[:-1] if stroke.closed else stroke.points
+        return f'<path stroke-width="{_number(stroke.width[0])}"{opacity} d="{_data(points)}{end}"/>'
+    shape = "".join(_data(ring) + "Z" for ring in outline(stroke))
+    return f'<path fill="#000" stroke="none"{opacity} d="{shape}"/>'
+
+
+def _data(points: Doubles) -> str:
+    return "M" + "L".join(f"{_number(x)} {_number(y)}" for x, y in points)
+
+
+def _number(value: float) -> str:
+    """Return a hundredth of a pixel, without the zeros that say nothing.
+
+    >>> [_number(1.5), _number(2.0), _number(-0.001)]
+    ['1.5', '2', '0']
+    """
+    return f"{round(value, 2) + 0.0:.2f}".rstrip("0").rstrip(".")
