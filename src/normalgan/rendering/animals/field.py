@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from normalgan.rendering.animals.solids import Solid
 from normalgan.rendering.animals.sweep import Floats, Sweep, Volume, reach, segment_distance
 
 FAR = np.float32(10.0)  # value of the field where no part is near
@@ -14,19 +15,26 @@ MARGIN = 4  # grid cells round a part in which its field is right
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Sweeps united sharply, which then flow into what was there before.
+    """Sweeps and solids united sharply, which then flow into what was there before.
 
     Args:
         sweeps: the tubes.
         blend: width of the zone in which the part and the rest flow together; 0 for a sharp seam.
         carve: take the part away instead of adding it.
         ripple: height and wavelength of bumps on the surface (fleece, mane); None for none.
+        solids: ellipsoids, boxes, rings.
     """
 
     sweeps: tuple[Sweep, ...]
     blend: float
     carve: bool = False
     ripple: tuple[float, float] | None = None
+    solids: tuple[Solid, ...] = ()
+
+    def reach(self) -> tuple[Floats, Floats]:
+        """Return the lowest and highest corner, (3,) each, of a box that holds it."""
+        boxes = [reach(sweep) for sweep in self.sweeps] + [solid.reach() for solid in self.solids]
+        return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +90,8 @@ def sample(parts: Sequence[Part], grid: Grid) -> Volume:
     field = np.full(grid.shape, FAR, np.float32)
     for part in parts:
         margin = part.blend + MARGIN * grid.spacing + (part.ripple[0] if part.ripple else 0.0)
-        boxes = [reach(sweep) for sweep in part.sweeps]
-        low = np.min([box[0] for box in boxes], axis=0) - margin
-        high = np.max([box[1] for box in boxes], axis=0) + margin
-        window = grid.window(low, high)
+        low, high = part.reach()
+        window = grid.window(low - margin, high + margin)
         own = _part_field(part, grid, window, margin)
         before = field[window]
         if part.carve:
@@ -110,10 +116,13 @@ def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume
                 point, normal = sweep.cut
                 plane = (x - point[0]) * normal[0] + (y - point[1]) * normal[1] + (z - point[2]) * normal[2]
                 distance = -smooth_minimum(-distance, -plane.astype(np.float32), 1.5 * grid.spacing)
-            inner = tuple(
-                slice(a.start - b.start, a.stop - b.start) for a, b in zip(box, window, strict=True)
-            )
+            inner = _within(box, window)
             np.minimum(own[inner], distance, out=own[inner])
+    for solid in part.solids:
+        low, high = solid.reach()
+        box = _overlap(grid.window(low - margin, high + margin), window)
+        inner = _within(box, window)
+        np.minimum(own[inner], solid.distance(*grid.axes(box)), out=own[inner])
     if part.ripple is not None:
         own += _ripple(grid.axes(window), *part.ripple)
     return own
@@ -121,6 +130,11 @@ def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume
 
 def _overlap(a: Window, b: Window) -> Window:
     x, y, z = (slice(max(i.start, j.start), min(i.stop, j.stop)) for i, j in zip(a, b, strict=True))
+    return x, y, z
+
+
+def _within(box: Window, window: Window) -> Window:
+    x, y, z = (slice(a.start - b.start, a.stop - b.start) for a, b in zip(box, window, strict=True))
     return x, y, z
 
 

@@ -1,6 +1,7 @@
 """From parts to a closed, centred mesh by marching cubes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,7 @@ from scipy import ndimage
 from skimage.measure import marching_cubes
 
 from normalgan.rendering.animals.field import MARGIN, Grid, Part, sample
-from normalgan.rendering.animals.sweep import Floats, Volume, area, reach, smoothed
+from normalgan.rendering.animals.sweep import Floats, Volume, area, smoothed
 from normalgan.rendering.mesh import Mesh
 
 FACES = 32_000  # about the number aimed at
@@ -28,9 +29,10 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
     """
     tubes = [sweep for part in parts if not part.carve for sweep in part.sweeps]
     skin = sum(area(smoothed(tube)) for tube in tubes)
+    skin += sum(solid.area() for part in parts if not part.carve for solid in part.solids)
     spacing = float(np.sqrt(2.35 * skin / count))
     fine = [_fine(part, THINNEST * spacing) for part in parts]
-    corners = [reach(sweep) for part in fine if not part.carve for sweep in part.sweeps]
+    corners = [part.reach() for part in fine if not part.carve]
     # Blends swell the union by at most a sixth of their width: two cells more than the margin hold that.
     pad = (MARGIN + 2) * spacing
     low = np.min([corner[0] for corner in corners], axis=0) - pad
@@ -75,7 +77,7 @@ def _fine(part: Part, thinnest: float) -> Part:
         smoothed(each, 10 if max(each.radii.max(), each.widths.max()) > 8 * thinnest else 4, thinnest)
         for each in part.sweeps
     ]
-    return Part(tuple(sweeps), part.blend, part.carve, part.ripple)
+    return replace(part, sweeps=tuple(sweeps))
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
