@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.rendering.animals.solids import Solid
+from normalgan.rendering.animals.solid import Solid
 from normalgan.rendering.animals.sweep import Floats, Sweep, Volume, reach, segment_distance
 
 FAR = np.float32(10.0)  # value of the field where no part is near
@@ -22,7 +22,7 @@ class Part:
         blend: width of the zone in which the part and the rest flow together; 0 for a sharp seam.
         carve: take the part away instead of adding it.
         ripple: height and wavelength of bumps on the surface (fleece, mane); None for none.
-        solids: ellipsoids, boxes, rings.
+        solids: ellipsoids, boxes, rings, plates.
     """
 
     sweeps: tuple[Sweep, ...]

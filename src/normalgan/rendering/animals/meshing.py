@@ -77,7 +77,8 @@ def _fine(part: Part, thinnest: float) -> Part:
         smoothed(each, 10 if max(each.radii.max(), each.widths.max()) > 8 * thinnest else 4, thinnest)
         for each in part.sweeps
     ]
-    return replace(part, sweeps=tuple(sweeps))
+    solids = tuple(solid.thickened(thinnest) for solid in part.solids)
+    return replace(part, sweeps=tuple(sweeps), solids=solids)
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,7 +1,6 @@
 """Solids: ellipsoids, rounded boxes and rings, what sweeps are clumsy at."""
 
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -9,34 +8,6 @@ from normalgan.rendering.animals.chain import Frame
 from normalgan.rendering.animals.sweep import Floats, Volume
 
 TINY = np.float32(1e-9)
-
-
-class Solid(Protocol):
-    """A closed body that knows about how far any point is from it."""
-
-    def reach(self) -> tuple[Floats, Floats]:
-        """Return the lowest and highest corner, (3,) each, of a box that holds it."""
-
-    def area(self) -> float:
-        """Return about how much surface it has."""
-
-    def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
-        """Return the approximate signed distance on an open grid, negative inside, true near the surface.
-
-        Args:
-            x: (nx, 1, 1) grid coordinates.
-            y: (1, ny, 1) grid coordinates.
-            z: (1, 1, nz) grid coordinates.
-
-        Returns:
-            (nx, ny, nz)
-        """
-
-    def mirrored(self) -> "Solid":
-        """Return its image on the other side of the plane z = 0."""
-
-    def placed(self, frame: Frame, size: float) -> "Solid":
-        """Return it scaled by ``size`` and carried along with a frame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +43,10 @@ class Ellipsoid:
         u, v, w = u * a, v * b, w * c
         distance: Volume = level * (level - 1) / np.sqrt(u * u + v * v + w * w + TINY)
         return distance
+
+    def thickened(self, thinnest: float) -> "Ellipsoid":
+        """See `Solid`."""
+        return replace(self, radii=np.maximum(self.radii, thinnest))
 
     def mirrored(self) -> "Ellipsoid":
         """See `Solid`."""
@@ -119,6 +94,10 @@ class Box:
         distance: Volume = np.sqrt(u * u + v * v + w * w) + inside - np.float32(self.rounding)
         return distance
 
+    def thickened(self, thinnest: float) -> "Box":
+        """See `Solid`."""
+        return replace(self, half=np.maximum(self.half, thinnest))
+
     def mirrored(self) -> "Box":
         """See `Solid`."""
         return replace(self, centre=self.centre * MIRROR, rotation=_reflect(self.rotation))
@@ -160,6 +139,10 @@ class Ring:
         out = np.sqrt(u * u + w * w) - np.float32(self.major)
         distance: Volume = np.sqrt(out * out + v * v) - np.float32(self.minor)
         return distance
+
+    def thickened(self, thinnest: float) -> "Ring":
+        """See `Solid`."""
+        return replace(self, minor=max(self.minor, thinnest))
 
     def mirrored(self) -> "Ring":
         """See `Solid`."""
