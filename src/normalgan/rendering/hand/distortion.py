@@ -1,0 +1,137 @@
+"""Distortion: a whole drawing out of shape, smoothly, its outline and its parts alike."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.stroke import Doubles
+
+CELLS = 4
+"""Cells of the spline on a side of the frame: displacements vary over about half of it."""
+_AROUND = 1  # cells around the frame: beyond them the displacement stays as it is at their border
+KNOTS = CELLS + 2 * _AROUND + 3
+"""Coefficients of the spline along each axis."""
+_SPREAD = 0.479  # of a product of two cubic B-splines with unit normal coefficients, averaged over a cell
+_STEEPEST = 0.45  # of the displacement, times the least stretch of the matrix: below 1, nothing folds over
+_ROUNDS = 12  # of Newton's method: four are enough by far where nothing folds over
+_CLOSE = 1e-4  # of the side: from so near, a round of Newton's method leaves less than 1e-7
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """Where every point of a drawing comes from, in fractions of the frame's side, x right and y down.
+
+    The point q of the distorted drawing shows what was at ``c + matrix (r - c) + u(r)`` with c the
+    frame's centre, u a uniform cubic B-spline, and ``r = (q - shift) / zoom``.
+
+    Args:
+        matrix: (2, 2) of the affine part.
+        bends: (2, `KNOTS`, `KNOTS`) coefficients of u's x and y, by row and column.
+        zoom: enlargement of the drawing thereafter; the object counts as larger in all three directions.
+        shift: (2,) its move thereafter.
+    """
+
+    matrix: Doubles
+    bends: Doubles
+    zoom: float
+    shift: Doubles
+
+    def sources(self, points: Doubles) -> tuple[Doubles, Doubles]:
+        """Return where points (N, 2) of the distorted drawing come from, and the Jacobian there (N, 2, 2)."""
+        r = (points - self.shift) / self.zoom
+        (bx, sx), (by, sy) = _spline(r[:, 0]), _spline(r[:, 1])
+        source = 0.5 + (r - 0.5) @ self.matrix.T
+        jacobian = np.empty((len(points), 2, 2))
+        for k, part in enumerate(self.bends):
+            across = by @ part
+            source[:, k] += (across * bx).sum(axis=1)
+            jacobian[:, k, 0] = (across * sx).sum(axis=1)
+            jacobian[:, k, 1] = ((sy @ part) * bx).sum(axis=1)
+        return source, (jacobian + self.matrix) / self.zoom
+
+    def move(self, points: Doubles) -> Doubles:
+        """Return where points (N, 2) of the drawing go: the inverse of `sources`, by Newton's method."""
+        moved = (0.5 + (points - 0.5) @ np.linalg.inv(self.matrix).T) * self.zoom + self.shift
+        for _ in range(_ROUNDS):
+            source, jacobian = self.sources(moved)
+            missing = points - source
+            (a, b), (c, d) = jacobian.transpose(1, 2, 0)
+            x, y = missing.T / (a * d - b * c)
+            moved = moved + np.stack([d * x - b * y, a * y - c * x], axis=1)
+            if np.abs(missing).max(initial=0) < _CLOSE:
+                break
+        return moved
+
+    def grid(self, height: int, width: int) -> tuple[Doubles, Doubles]:
+        """Return `sources` of all pixel centres, x and y (2, H, W), and the Jacobian (2, 2, H, W).
+
+        The zoom is left out of the Jacobian: it is of the object, not of its picture alone. The frame's
+        side is the longer one.
+        """
+        side = max(height, width)
+        x = ((np.arange(width) + 0.5) / side - self.shift[0]) / self.zoom
+        y = ((np.arange(height) + 0.5) / side - self.shift[1]) / self.zoom
+        (bx, sx), (by, sy) = _spline(x), _spline(y)
+        matrix, half = self.matrix, np.float64(0.5)
+        place = np.empty((2, height, width))
+        jacobian = np.empty((2, 2, height, width))
+        for k, part in enumerate(self.bends):  # a product of splines: rows and columns one after the other
+            place[k] = (
+                half + matrix[k, 0] * (x - half) + matrix[k, 1] * (y[:, None] - half) + by @ part @ bx.T
+            )
+            jacobian[k, 0] = matrix[k, 0] + by @ part @ sx.T
+            jacobian[k, 1] = matrix[k, 1] + sy @ part @ bx.T
+        return place, jacobian
+
+
+def _spline(at: Doubles) -> tuple[Doubles, Doubles]:
+    """Return the matrices (N, `KNOTS`) that take coefficients to values and to derivatives at (N,) places."""
+    knot = at * CELLS + _AROUND
+    held = knot.clip(0, CELLS + 2 * _AROUND)
+    off = held[:, None] + 1 - np.arange(KNOTS)  # in cells from the middle of each cubic B-spline
+    two, one = np.maximum(2 - np.abs(off), 0), np.maximum(1 - np.abs(off), 0)
+    inside = CELLS * (held == knot)[:, None]
+    return two * two * two / 6 - one * one * one / 1.5, (2 * one * one - two * two / 2) * np.sign(
+        off
+    ) * inside
+
+
+def random_distortion(bend: float, proportion: float, maps: Maps, rng: np.random.Generator) -> Distortion:
+    """Return a distortion after which the object is centred and as large in the frame as it was.
+
+    Args:
+        bend: how far points stray along each axis, as a fraction of the side (standard deviation).
+        proportion: deviation of the logarithm of the ratio of height to width; of the shear; and, halved,
+            of the turn in radians.
+        maps: of the object.
+        rng: source of randomness.
+    """
+    ratio, shear, turn = np.clip(rng.standard_normal(3), -2.5, 2.5) * proportion
+    cos, sin, stretch = np.cos(turn / 2), np.sin(turn / 2), np.exp(ratio / 2)
+    matrix = np.array([[cos, -sin], [sin, cos]]) @ np.array([[stretch, shear], [0, 1 / stretch]])
+    bends = bend / _SPREAD * rng.standard_normal((2, KNOTS, KNOTS))
+    plain = Distortion(matrix, bends, 1.0, np.zeros(2))
+    slope = plain.grid(48, 48)[1] - matrix[:, :, None, None]
+    steepest = float(np.sqrt((slope * slope).sum(axis=(0, 1)).max()))
+    least = float(np.linalg.svd(matrix, compute_uv=False)[-1])
+    bends = bends * min(1.0, _STEEPEST * least / max(steepest, 1e-12))
+    return _framed(Distortion(matrix, bends, 1.0, np.zeros(2)), maps)
+
+
+def _framed(distortion: Distortion, maps: Maps) -> Distortion:
+    """Return the distortion with the zoom and shift that keep the middle and larger side of the object."""
+    rim = maps.mask.copy()
+    inner = maps.mask[1:-1, 1:-1]
+    for across, down in ((0, 1), (2, 1), (1, 0), (1, 2)):
+        height, width = inner.shape
+        inner = inner & maps.mask[down : down + height, across : across + width]
+    rim[1:-1, 1:-1] &= ~inner
+    rows, columns = np.nonzero(rim)
+    if not len(rows):
+        return distortion
+    before = (np.stack([columns, rows], axis=1) + 0.5) / max(maps.mask.shape)
+    after = distortion.move(before[:: 1 + len(before) // 250])
+    (low, high), (left, right) = ((p.min(axis=0), p.max(axis=0)) for p in (before, after))
+    zoom = float((high - low).max() / max(float((right - left).max()), 1e-9))
+    return Distortion(distortion.matrix, distortion.bends, zoom, (low + high - zoom * (left + right)) / 2)

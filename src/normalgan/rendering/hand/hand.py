@@ -1,0 +1,168 @@
+"""Hand: draws the strokes of a style as a person would."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Self
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.hand.curves import resample
+from normalgan.rendering.hand.distortion import random_distortion
+from normalgan.rendering.hand.ends import miss_ends
+from normalgan.rendering.hand.following import follow
+from normalgan.rendering.hand.omissions import forget, skip_parts
+from normalgan.rendering.hand.pieces import cut, in_order, inside
+from normalgan.rendering.hand.pressure import press
+from normalgan.rendering.hand.repeats import second_pass
+from normalgan.rendering.hand.wobble import round_off, stray
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.stroke import Stroke
+
+_STEP = 1 / 320  # of the side: between points; four to a wave of the tremor, and finer than a line is wide
+_HABITS = (0.3, 1.7)  # by what factor a drawing has more or less of each effect than the mean
+_LIMITS = {"missed": 1.0, "repeats": 1.0, "taper": 0.95, "proportion": 0.3, "pressure": 1.0, "fade": 2.0}
+_LIMITS |= {"cuts": 20.0, "missed_parts": 20.0, "slowness": 2.0}
+_LONGEST = 0.1  # what the other settings, lengths as fractions of the side, may be
+
+
+@dataclass(frozen=True)
+class Hand:
+    """How a person draws: what of a line goes astray, how far, and how often.
+
+    Lengths are fractions of the frame's side, so that a drawing looks alike at every size; 0 of a setting
+    leaves out its effect. Each drawing has a strength by which all settings are scaled, and habits:
+    between a third and five thirds of each. Where the drawing as a whole is distorted, the normals, the
+    depth and the mask follow; all else is the hand's error, and the object stays.
+
+    Args:
+        strength: range from which the strength of a drawing is drawn; 0 is the exact drawing, 1 the
+            settings below.
+        distortion: how far the drawing as a whole is bent out of shape (standard deviation).
+        proportion: how wrong the ratio of height to width is, and the shear (standard deviation).
+        cuts: how often the pen is lifted on the length of a side, at corners mostly.
+        simplification: standard deviation of the rounding off of detail.
+        missed: chance that a short stroke inside is left out; of the outline a quarter of it.
+        missed_parts: how many parts are not drawn on the length of a side.
+        repeats: share of strokes that are drawn over a second time, beside the first.
+        drift: how far a stroke as a whole is off its place (standard deviation).
+        wobble: how far it waves, by the arm (standard deviation).
+        tremor: how far it trembles, by the fingers (standard deviation).
+        overshoot: mean length by which an end is too long; it happens to one of two.
+        gaps: mean length by which the other one is too short.
+        pressure: deviation of the logarithm of the width, along and among strokes.
+        fade: deviation of the logarithm of the darkness; above the style's it never is.
+        taper: share by which the width falls to where the pen is lifted.
+        slowness: share by which lines are wider in tight turns.
+        pen: range from which the factor of all widths is drawn: thin pens to thick markers.
+
+    Raises:
+        InputError: if a setting is out of range.
+    """
+
+    strength: tuple[float, float] = (0.0, 1.0)
+    distortion: float = 0.02
+    proportion: float = 0.08
+    cuts: float = 1.5
+    simplification: float = 0.012
+    missed: float = 0.3
+    missed_parts: float = 0.15
+    repeats: float = 0.12
+    drift: float = 0.006
+    wobble: float = 0.0025
+    tremor: float = 0.0006
+    overshoot: float = 0.012
+    gaps: float = 0.012
+    pressure: float = 0.2
+    fade: float = 0.25
+    taper: float = 0.4
+    slowness: float = 0.2
+    pen: tuple[float, float] = (0.8, 2.2)
+
+    def __post_init__(self) -> None:
+        """Refuse what no hand can do."""
+        if len(self.strength) != 2 or not 0 <= self.strength[0] <= self.strength[1] <= 1:
+            raise InputError(
+                f"the hand's strength is {self.strength}; it is two numbers, low then high, from 0 to 1."
+            )
+        if len(self.pen) != 2 or not 0.1 <= self.pen[0] <= self.pen[1] <= 10:
+            raise InputError(
+                f"the hand's pen is {self.pen}; it is two factors of width, low then high, from 0.1 to 10."
+            )
+        for field in fields(self)[1:-1]:
+            value, most = getattr(self, field.name), _LIMITS.get(field.name, _LONGEST)
+            if not 0 <= value <= most:
+                raise InputError(f"the hand's {field.name} is {value}; it must lie from 0 to {most:g}.")
+
+    def draw(
+        self, strokes: Sequence[Stroke], maps: Maps, rng: np.random.Generator
+    ) -> tuple[list[Stroke], Maps]:
+        """Return the strokes as a person draws them, and the maps of the object so drawn.
+
+        Args:
+            strokes: the exact drawing, in pixels of a frame as large as the maps.
+            maps: (H, W) of the object; not changed.
+            rng: source of randomness; each effect has a stream of its own, so that a change in one
+                does not shift the others.
+        """
+        own, bending, *streams = rng.spawn(9)
+        strength = own.uniform(*self.strength)
+        if strength == 0:
+            return list(strokes), maps
+        mine = self._of_one_drawing(strength, own)
+        width = float(np.exp(strength * own.uniform(*np.log(self.pen))))
+        drawing, side = mine._draw_strokes(strokes, maps, streams), max(maps.mask.shape)
+        if width != 1:
+            drawing = [replace(stroke, width=width * stroke.width) for stroke in drawing]
+        if mine.distortion or mine.proportion:
+            distortion = random_distortion(mine.distortion, mine.proportion, maps, bending)
+            counts = np.cumsum([len(stroke.points) for stroke in drawing])
+            points = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in drawing)])
+            moved = np.split(side * distortion.move(points / side), counts[:-1])
+            drawing = [replace(stroke, points=at) for stroke, at in zip(drawing, moved, strict=False)]
+            maps = follow(maps, distortion)
+        return drawing, maps
+
+    def _of_one_drawing(self, strength: float, rng: np.random.Generator) -> Self:
+        """Return the settings scaled by the strength and the habits of one drawing."""
+        names = [field.name for field in fields(self)[1:-1]]
+        habits = rng.uniform(*_HABITS, len(names))
+        return replace(
+            self,
+            **{
+                name: min(strength * habit * getattr(self, name), _LIMITS.get(name, _LONGEST))
+                for name, habit in zip(names, habits, strict=True)
+            },
+        )
+
+    def _draw_strokes(
+        self, strokes: Sequence[Stroke], maps: Maps, streams: Sequence[np.random.Generator]
+    ) -> list[Stroke]:
+        """Return the strokes with all that goes wrong with each by itself; ``streams`` are seven."""
+        if not strokes or not any(getattr(self, field.name) for field in fields(self)[3:-1]):
+            return list(strokes)
+        cutting, missing, skipping, repeating, ending, straying, pressing = streams
+        side = max(maps.mask.shape)
+        step = _STEP * side
+        drawing = [resample(stroke, step) for stroke in strokes]
+        if self.cuts:
+            drawing = [part for stroke in drawing for part in cut(stroke, self.cuts, step, side, cutting)]
+        interior = inside(drawing, maps)
+        drawing, interior = in_order(drawing, interior)
+        if self.simplification:
+            deviation = self.simplification / _STEP
+            drawing = [round_off(stroke, deviation) for stroke in drawing]
+        drawing = forget(drawing, interior, self.missed, side, missing)
+        if self.missed_parts:
+            kept = (skip_parts(stroke, self.missed_parts, step, side, skipping) for stroke in drawing)
+            drawing = [part for parts in kept for part in parts]
+        if self.repeats:
+            again = repeating.random(len(drawing)) < self.repeats
+            drawing += [second_pass(drawing[index], side, repeating) for index in np.flatnonzero(again)]
+        if self.overshoot or self.gaps:
+            lengths = self.overshoot * side, self.gaps * side
+            drawing = [miss_ends(stroke, *lengths, step, ending) for stroke in drawing]
+        amplitudes = [side * share for share in (self.drift, self.wobble, self.tremor)]
+        drawing = stray(drawing, amplitudes, step, side, straying)
+        how = self.pressure, self.fade, self.taper, self.slowness
+        return press(drawing, *how, step, side, pressing) if any(how) else drawing

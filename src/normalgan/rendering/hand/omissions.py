@@ -1,0 +1,63 @@
+"""Omissions: strokes that are not drawn, and parts of strokes where the pen leaves no ink."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from normalgan.rendering.hand.curves import piece
+from normalgan.rendering.strokes.stroke import Doubles, Stroke
+
+_OUTLINE = 0.25  # how likely a stroke of the outline is forgotten, compared with one inside
+_LONG = 0.5  # of the side: a stroke so long is forgotten e times less often than a short one
+_GAP = 0.05  # of the side: mean length of a part that is not drawn
+_SHORTEST = 0.012  # of the side: what is left of a stroke and shorter is not drawn either
+
+
+def forget(
+    strokes: Sequence[Stroke], interior: Doubles, chance: float, side: float, rng: np.random.Generator
+) -> list[Stroke]:
+    """Return the strokes without some: those inside, and short ones, are missed more often.
+
+    The longest always stays, so that no drawing comes out empty.
+
+    Args:
+        strokes: the drawing.
+        interior: of each stroke, the share that lies away from the silhouette.
+        chance: that a short stroke inside is missed.
+        side: of the frame in pixels.
+        rng: source of randomness.
+    """
+    if not strokes:
+        return []
+    length = np.array([stroke.length for stroke in strokes])
+    missed = chance * (_OUTLINE + (1 - _OUTLINE) * interior) * np.exp(-length / (_LONG * side))
+    kept = rng.random(len(strokes)) >= missed
+    kept[length.argmax()] = True
+    return [stroke for stroke, keep in zip(strokes, kept, strict=True) if keep]
+
+
+def skip_parts(
+    stroke: Stroke, parts: float, step: float, side: float, rng: np.random.Generator
+) -> list[Stroke]:
+    """Return what is left of a stroke when parts of it are not drawn.
+
+    Args:
+        stroke: with points ``step`` pixels apart.
+        parts: how many are expected on the length of a side.
+        step: pixels.
+        side: of the frame in pixels.
+        rng: source of randomness.
+    """
+    count = len(stroke.points)
+    missing = rng.poisson(parts * (count - 1) * step / side)
+    drawn = np.ones(count, bool)
+    for middle, share in zip(rng.random(missing), rng.exponential(_GAP, missing), strict=True):
+        half = min(share * side / step, 0.3 * count) / 2
+        drawn[max(0, round(middle * count - half)) : round(middle * count + half)] = False
+    if drawn.all():
+        return [stroke]
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], drawn, [False]]).astype(int))).reshape(-1, 2)
+    longest = edges[np.argmax(edges[:, 1] - edges[:, 0])]
+    enough = max(3, round(_SHORTEST * side / step))
+    left = [(start, stop) for start, stop in edges if stop - start >= enough]
+    return [piece(stroke, start, stop) for start, stop in left or [longest] if stop - start > 1] or [stroke]

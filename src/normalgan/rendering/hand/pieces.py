@@ -1,0 +1,64 @@
+"""Pieces: a person draws a long outline in several strokes, the big ones first."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import cv2
+import numpy as np
+
+from normalgan.rendering.hand.curves import begin_at, piece, turning
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.stroke import Doubles, Stroke
+
+_CORNER = 0.012  # of the side: how far apart one looks to see that a line turns
+_SHORTEST = 0.04  # of the side: nobody lifts the pen so soon again
+_ANYWHERE = 0.02  # radians²: the weight of a straight piece, so that the pen is lifted there too, seldom
+_RIM = 0.012  # of the side: so near the silhouette a stroke belongs to the outline
+
+
+def cut(stroke: Stroke, cuts: float, step: float, side: float, rng: np.random.Generator) -> list[Stroke]:
+    """Return the stroke in the pieces in which it is drawn, cut where it turns rather than elsewhere.
+
+    Args:
+        stroke: with points ``step`` pixels apart.
+        cuts: how many are expected on the length of a side.
+        step: pixels.
+        side: of the frame in pixels.
+        rng: source of randomness.
+    """
+    count = len(stroke.points)
+    reach = max(1, round(_CORNER * side / step))
+    weights = turning(stroke.points, reach, stroke.closed) ** 2 + _ANYWHERE
+    chance = weights / weights.sum()
+    if stroke.closed:  # it has no end of its own, so it begins at a corner as well
+        stroke = begin_at(stroke, int(rng.choice(count, p=chance)) % (count - 1))
+        chance = turning(stroke.points, reach) ** 2 + _ANYWHERE
+        chance /= chance.sum()
+    wanted = rng.poisson(cuts * (count - 1) * step / side)
+    chosen = np.sort(rng.choice(count, size=wanted, p=chance))
+    shortest = round(_SHORTEST * side / step)
+    edges = [0]
+    for place in chosen:
+        if edges[-1] + shortest <= place <= count - 1 - shortest:
+            edges.append(int(place))
+    edges.append(count - 1)
+    return [piece(stroke, start, stop + 1) for start, stop in pairwise(edges)]
+
+
+def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
+    """Return of each stroke the share that lies within the object, away from its silhouette."""
+    height, width = maps.mask.shape
+    deep = cv2.distanceTransform(maps.mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    deep = deep > _RIM * max(height, width)
+    shares = []
+    for stroke in strokes:
+        x, y = stroke.points.astype(int).T
+        shares.append(deep[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)].mean())
+    return np.array(shares)
+
+
+def in_order(strokes: Sequence[Stroke], interior: Doubles) -> tuple[list[Stroke], Doubles]:
+    """Return strokes and shares in the order of drawing: the outline first, and the longest first."""
+    lengths = np.array([stroke.length for stroke in strokes])
+    order = np.argsort(-lengths * (1 - 0.8 * interior), kind="stable")
+    return [strokes[index] for index in order], interior[order]
