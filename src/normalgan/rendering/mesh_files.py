@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from normalgan.errors import InputError
 from normalgan.rendering.loading import SUFFIXES, read_triangles
@@ -65,20 +66,31 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read or holds no surface; the message says why.
         """
-        vertices, faces = weld(*read_triangles(Path(self.path)))
-        if not len(faces):
-            raise InputError(
-                f"{self.path} has only faces without area; a mesh needs triangles that have one."
-            )
-        if self.rotation is not None:
-            vertices = vertices @ np.array(self.rotation).T
-        vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-        vertices /= np.linalg.norm(vertices, axis=1).max()
-        faces = wind(vertices, faces, self.inside_out)
-        vertices, faces, normals = shade(vertices, faces, self.crease_angle)
-        return Mesh(
-            self.name, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32)
-        )
+        return finish(self.name, self, *read_triangles(Path(self.path)))
+
+
+def finish(name: str, file: MeshFile, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Mesh:
+    """Return a mesh of the triangles found in a file, made ready as the file's settings say.
+
+    Args:
+        name: of the mesh.
+        file: where the triangles are from, and how it stands.
+        vertices: (V, 3) positions, in the file's world axes.
+        faces: (F, 3) vertex indices.
+
+    Raises:
+        InputError: if no face has an area.
+    """
+    vertices, faces = weld(vertices, faces)
+    if not len(faces):
+        raise InputError(f"{file.path} has only faces without area; a mesh needs triangles that have one.")
+    if file.rotation is not None:
+        vertices = vertices @ np.array(file.rotation).T
+    vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    vertices /= np.linalg.norm(vertices, axis=1).max()
+    faces = wind(vertices, faces, file.inside_out)
+    vertices, faces, normals = shade(vertices, faces, file.crease_angle)
+    return Mesh(name, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
 
 
 def find_meshes(

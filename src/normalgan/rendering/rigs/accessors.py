@@ -1,0 +1,88 @@
+"""Accessors of glTF: arrays of numbers out of the buffers, of every component type, strided and sparse."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.rendering.rigs.container import Container, bad_rig
+
+COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+MOST = 2**26
+"""More elements than this are refused: an accessor may claim any number of zeros."""
+
+Array = NDArray[Any]
+
+
+def read_accessor(container: Container, index: Any, kind: str) -> Array:
+    """Return the (count, width) numbers of an accessor (glTF 2.0, section 3.6.2).
+
+    Integers that are marked as normalised come as float64 in [0, 1] or [-1, 1], others as they are stored;
+    matrices come column by column, as they are stored.
+
+    Args:
+        container: the file.
+        index: number of the accessor.
+        kind: what it must hold: SCALAR, VEC3, VEC4 or MAT4.
+
+    Raises:
+        InputError: if it holds something else, or goes beyond its buffer.
+    """
+    entry = container.item("accessors", index)
+    code, held, count = entry["componentType"], entry["type"], entry["count"]
+    if held != kind or code not in COMPONENTS:
+        raise bad_rig(container.path, f"accessor {index} holds {held} of {code} where {kind} is needed")
+    if type(count) is not int or not 1 <= count <= MOST:
+        raise bad_rig(container.path, f"accessor {index} has {count} elements")
+    dtype = np.dtype(COMPONENTS[code])
+    if "bufferView" in entry:
+        values = _view(
+            container, entry["bufferView"], entry.get("byteOffset", 0), dtype, (count, WIDTHS[kind])
+        )
+    else:
+        values = np.zeros((count, WIDTHS[kind]), dtype)
+    if "sparse" in entry:
+        values = _replaced(container, entry["sparse"], values)
+    return _normalised(values) if entry.get("normalized", False) else values
+
+
+def _view(
+    container: Container, index: Any, offset: int, dtype: np.dtype[Any], shape: tuple[int, int]
+) -> Array:
+    """Return the (count, width) elements that begin ``offset`` bytes into a buffer view."""
+    view = container.item("bufferViews", index)
+    container.item("buffers", view["buffer"])
+    buffer, start = container.buffers[view["buffer"]], view.get("byteOffset", 0)
+    count, width = shape
+    stride = view.get("byteStride", width * dtype.itemsize)
+    last = offset + (count - 1) * stride + width * dtype.itemsize
+    if min(start, offset, stride) < 0 or last > view["byteLength"] or start + last > len(buffer):
+        raise bad_rig(container.path, f"buffer view {index} ends before the numbers that are to lie in it")
+    return np.ndarray(shape, dtype, buffer, start + offset, (stride, dtype.itemsize))
+
+
+def _replaced(container: Container, sparse: dict[str, Any], values: Array) -> Array:
+    """Return the values with those replaced that a sparse accessor lists (section 3.6.2.3)."""
+    count, places, given = sparse["count"], sparse["indices"], sparse["values"]
+    where = _view(
+        container,
+        places["bufferView"],
+        places.get("byteOffset", 0),
+        np.dtype(COMPONENTS[places["componentType"]]),
+        (count, 1),
+    )
+    if where.max() >= len(values):
+        raise bad_rig(container.path, "a sparse accessor replaces an element that is not there")
+    replaced = values.copy()
+    replaced[where[:, 0]] = _view(
+        container, given["bufferView"], given.get("byteOffset", 0), values.dtype, (count, values.shape[1])
+    )
+    return replaced
+
+
+def _normalised(values: Array) -> Array:
+    """Return integers as the fractions that they stand for (section 3.11)."""
+    if values.dtype.kind == "f":
+        return values
+    return np.maximum(values.astype(np.float64) / np.iinfo(values.dtype).max, -1.0)

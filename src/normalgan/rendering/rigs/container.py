@@ -1,0 +1,145 @@
+"""The glTF container: its JSON and its buffers, out of a .glb or out of a .gltf with files beside it."""
+
+import base64
+import binascii
+import json
+import os
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from normalgan.errors import InputError, brief
+
+RIG_SUFFIXES = (".glb", ".gltf")
+"""The file formats that can hold a skin."""
+
+GLB_MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
+"""Extensions that keep the numbers where only their own decoders find them."""
+
+
+@dataclass(frozen=True)
+class Container:
+    """What a glTF 2.0 file holds, not yet interpreted (Khronos Group, glTF 2.0 Specification, 2021).
+
+    Args:
+        path: the file.
+        tree: its JSON.
+        buffers: the bytes of its buffers, each as long as it says or longer.
+    """
+
+    path: Path
+    tree: dict[str, Any]
+    buffers: tuple[bytes, ...]
+
+    def item(self, kind: str, index: Any) -> dict[str, Any]:
+        """Return entry number ``index`` of a list of the JSON, such as ``accessors``.
+
+        Raises:
+            InputError: if there is none of that number.
+        """
+        items = self.tree.get(kind, [])
+        # Not items[index]: Python would take -1 for the last.
+        if type(index) is not int or not 0 <= index < len(items):
+            raise bad_rig(self.path, f"it refers to entry {index} of its {len(items)} {kind}")
+        entry = items[index]
+        if not isinstance(entry, dict):
+            raise bad_rig(self.path, f"entry {index} of its {kind} is no object")
+        return entry
+
+
+def bad_rig(path: Path, reason: str) -> InputError:
+    """Return what to raise for a rig that cannot be used."""
+    return InputError(f"the rig in {path} cannot be used: {reason}.")
+
+
+def has_skin(path: Path) -> bool:
+    """Return whether a file is glTF and holds a skin; a broken one is said to hold none."""
+    if path.suffix.lower() not in RIG_SUFFIXES:
+        return False
+    try:
+        return bool(_tree(path)[0].get("skins"))
+    except InputError:
+        return False  # whoever loads it as a mesh says how it is broken
+
+
+def read_container(path: Path) -> Container:
+    """Return the JSON and the buffers of a glTF file.
+
+    Raises:
+        InputError: if it cannot be read, is no glTF 2.0, is compressed, or lacks a buffer.
+    """
+    tree, binary = _tree(path)
+    required = tree.get("extensionsRequired", [])
+    if packed := [name for name in PACKED if name in required]:
+        raise bad_rig(path, f"it is compressed by {packed[0]}; export it without")
+    buffers = []
+    for index, entry in enumerate(tree.get("buffers", [])):
+        uri = entry.get("uri")
+        content = _linked(path, uri) if uri is not None else binary if index == 0 else None
+        if content is None:
+            raise bad_rig(path, f"its buffer {index} is missing")
+        if len(content) < entry["byteLength"]:
+            raise bad_rig(
+                path,
+                f"its buffer {index} has {len(content)} bytes of {entry['byteLength']}; is it truncated?",
+            )
+        buffers.append(content)
+    return Container(path, tree, tuple(buffers))
+
+
+def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
+    """Return the JSON of a file and the binary chunk of a .glb."""
+    data = _bytes(path)
+    binary = None
+    try:
+        text = data
+        if path.suffix.lower() == ".glb":
+            chunks = _chunks(data)
+            text, binary = chunks[JSON_CHUNK], chunks.get(BINARY_CHUNK)
+        tree = json.loads(text)
+        version = str(tree["asset"]["version"])
+    except (ValueError, LookupError, TypeError, struct.error, RecursionError) as error:
+        raise bad_rig(path, f"it is no glTF file: {brief(error)}") from error
+    if not version.startswith("2"):
+        raise bad_rig(path, f"it is glTF {version}; export it as 2.0")
+    return tree, binary
+
+
+def _chunks(data: bytes) -> dict[int, bytes]:
+    """Return the chunks of a .glb by their type (specification, section 4)."""
+    magic, _, length = struct.unpack_from("<III", data)
+    if magic != GLB_MAGIC or length > len(data):
+        raise ValueError("wrong header, or cut short")
+    chunks: dict[int, bytes] = {}
+    start = 12
+    while start + 8 <= length:
+        size, kind = struct.unpack_from("<II", data, start)
+        chunks.setdefault(kind, data[start + 8 : start + 8 + size])
+        start += 8 + size
+    return chunks
+
+
+def _linked(path: Path, uri: str) -> bytes:
+    """Return the bytes that a URI stands for: in itself, or in a file beside or below the glTF file."""
+    if uri.startswith("data:"):
+        try:
+            return base64.b64decode(uri.partition(",")[2], validate=True)
+        except binascii.Error as error:
+            raise bad_rig(path, f"a buffer written into it is no base64: {brief(error)}") from error
+    parts = urlsplit(uri)
+    name = os.path.normpath(unquote(parts.path))
+    if parts.scheme or parts.netloc or Path(name).is_absolute() or name.startswith(".."):
+        raise bad_rig(path, f"its buffer {uri!r} does not lie in its folder")
+    if not (path.parent / name).is_file():
+        raise bad_rig(path, f"its buffer {uri!r} is missing")
+    return _bytes(path.parent / name)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from error

@@ -1,0 +1,90 @@
+"""RiggedFile: a pose of a rigged glTF file as a mesh; and how rigs among mesh files become their poses."""
+
+import hashlib
+import json
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.families import pose_name
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh_files import MeshFile, finish
+from normalgan.rendering.rigs.container import bad_rig, has_skin
+
+RIG_VERSION = 1
+"""Part of every fingerprint; raise it when the same pose comes to be another."""
+
+
+@dataclass(frozen=True)
+class RiggedFile:
+    """A pose of a rigged glTF file, drawn by its number; a `MeshSource`.
+
+    Args:
+        file: the file, and how it stands; its crease angle holds for the pose.
+        pose: number of the pose, from 0: it alone draws the pose, with the file's name.
+
+    Raises:
+        InputError: if the number is negative.
+    """
+
+    file: MeshFile
+    pose: int
+
+    def __post_init__(self) -> None:
+        """Refuse a number that cannot seed."""
+        if self.pose < 0:
+            raise InputError(f"a pose's number is a whole number from 0 on, not {self.pose}.")
+
+    @property
+    def name(self) -> str:
+        """The file's name without its suffix, and the number."""
+        return pose_name(self.file.name, self.pose)
+
+    def fingerprint(self) -> str:
+        """Return a hash of the file's bytes, of those it refers to, and of the settings.
+
+        Raises:
+            InputError: if the file cannot be read.
+        """
+        settings = json.dumps([RIG_VERSION, self.pose, self.file.fingerprint()])
+        return hashlib.sha256(settings.encode()).hexdigest()
+
+    def load(self) -> Mesh:
+        """Return the pose as a mesh, made ready as `MeshFile.load` does.
+
+        Raises:
+            InputError: if the file cannot be read, or its rig does not hold together.
+        """
+        # scipy takes half a second: only when a rig is posed
+        from normalgan.rendering.rigs.posing import draw_pose
+        from normalgan.rendering.rigs.reading import read_rig
+        from normalgan.rendering.rigs.skinning import posed_surface
+
+        rig = read_rig(Path(self.file.path))
+        rng = np.random.default_rng([zlib.crc32(self.file.name.encode()), self.pose])
+        with np.errstate(over="ignore", invalid="ignore"):
+            vertices, faces = posed_surface(rig, draw_pose(rig, rng))
+        if not np.isfinite(vertices).all():
+            raise bad_rig(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
+        return finish(self.name, self.file, vertices, faces)
+
+
+def find_poses(files: Sequence[MeshFile], poses: int) -> list[MeshFile | RiggedFile]:
+    """Return mesh files with ``poses`` poses in place of each rigged one; 0 leaves all at rest.
+
+    Raises:
+        InputError: if the number is negative.
+    """
+    if poses < 0:
+        raise InputError(f"poses is {poses}; it is the number of poses of each rigged file, 0 or more.")
+    found: list[MeshFile | RiggedFile] = []
+    for file in files:
+        if poses and has_skin(Path(file.path)):
+            found += [RiggedFile(file, pose) for pose in range(poses)]
+        else:
+            found.append(file)
+    return found

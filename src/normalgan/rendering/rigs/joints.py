@@ -1,0 +1,128 @@
+"""How the joints of a rig may turn: what hangs on what, and how far animations turn each."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from normalgan.rendering.rigs.animations import track_at
+from normalgan.rendering.rigs.rig import Doubles, Indices, Rig
+from normalgan.rendering.rigs.skinning import posed_vertices, world_matrices
+from normalgan.rendering.topology import components
+
+Flags = NDArray[np.bool_]
+
+SMALL = np.deg2rad(12.0)
+"""How far a joint may turn about each axis if no animation tells."""
+FRAMES = 24
+"""How many moments of each animation are looked at."""
+OUTLIERS = 5.0
+"""Percent of the moments at either end that do not widen a joint's range: a clip may show a fall."""
+
+
+@dataclass(frozen=True)
+class Joints:
+    """The joints that move surface.
+
+    Args:
+        nodes: (J,) indices of their nodes, each after the one that it hangs on.
+        parents: (J,) position in ``nodes`` of the joint that each hangs on, -1 for none.
+        low: (J, 3) least rotation vectors from rest, in the joint's own axes, in radians; 0 for joints
+            that hang on none, or hang on another than in the file.
+        high: (J, 3) greatest rotation vectors.
+    """
+
+    nodes: Indices
+    parents: Indices
+    low: Doubles
+    high: Doubles
+
+
+def find_joints(rig: Rig) -> Joints:
+    """Return the joints that move surface, with the ranges that they may turn in.
+
+    Rigs made for inverse kinematics often keep feet on bones of their own, which animations hold to the
+    legs; a leg turned by itself would leave its foot behind. So where joints that move surface fall into
+    several trees, each smaller tree is hung on the joint of a larger one that moves the surface next to it.
+    """
+    points, owners = _owned(rig)
+    nodes = rig.nodes
+    moving = np.zeros(len(nodes.parents), dtype=bool)
+    moving[owners] = True
+    parents = np.full(len(nodes.parents), -1)
+    for index in nodes.order:
+        above = nodes.parents[index]
+        if above >= 0:
+            parents[index] = above if moving[above] else parents[above]
+    hung = _hang_together(points, owners, parents, moving)
+    members = _ordered(hung, moving)
+    position = {int(node): place for place, node in enumerate(members)}
+    low, high = _ranges(rig, members)
+    fixed = (hung[members] < 0) | (hung[members] != parents[members])
+    low[fixed], high[fixed] = 0.0, 0.0
+    return Joints(members, np.array([position.get(int(hung[node]), -1) for node in members]), low, high)
+
+
+def _owned(rig: Rig) -> tuple[Doubles, Indices]:
+    """Return every vertex (V, 3) at rest, and the node (V,) that moves it most."""
+    world = world_matrices(rig.nodes)
+    points, owners = [], []
+    for piece in rig.pieces:
+        points.append(posed_vertices(piece, world))
+        if piece.skin is None:
+            owners.append(np.full(len(piece.vertices), piece.node))
+        else:
+            strongest = np.take_along_axis(piece.joints, piece.weights.argmax(axis=1)[:, None], axis=1)
+            owners.append(piece.skin.joints[strongest[:, 0]])
+    return np.concatenate(points), np.concatenate(owners)
+
+
+def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: Flags) -> Indices:
+    """Return the parents with smaller trees hung on the joints of larger ones that they touch."""
+    parents = np.where(moving, parents, -1)
+    while True:
+        child = np.flatnonzero(parents >= 0)
+        tree = components(len(parents), child, parents[child])[owners]
+        names, sizes = np.unique(tree, return_counts=True)
+        if len(names) == 1:
+            return parents
+        loose = names[sizes.argmin()]
+        mine, others = tree == loose, tree != loose
+        found = cKDTree(points[others]).query(points[mine])
+        distance, nearest = np.asarray(found[0]), np.asarray(found[1], dtype=np.int64)
+        # A joint is where surfaces meet: the nearest tenth of the vertices decides.
+        close = distance <= np.quantile(distance, 0.1)
+        keepers, votes = np.unique(owners[others][nearest[close]], return_counts=True)
+        roots = [node for node in np.unique(owners[mine]) if parents[node] < 0]
+        parents[roots] = keepers[votes.argmax()]
+
+
+def _ordered(parents: Indices, moving: Flags) -> Indices:
+    """Return the moving nodes, each after the one that it hangs on."""
+
+    def depth(node: int) -> int:
+        count = 0
+        while (node := int(parents[node])) >= 0:
+            count += 1
+        return count
+
+    members = np.flatnonzero(moving)
+    return members[np.argsort([depth(int(node)) for node in members], kind="stable")]
+
+
+def _ranges(rig: Rig, members: Indices) -> tuple[Doubles, Doubles]:
+    """Return how far (J, 3) the animations turn each joint from rest."""
+    if not rig.clips:
+        reach = np.full((len(members), 3), SMALL)
+        return -reach, reach
+    turns = np.zeros((len(rig.clips), FRAMES, len(rig.nodes.parents), 3))
+    for clip, seen in zip(rig.clips, turns, strict=True):
+        moments = np.linspace(*clip.span, FRAMES)
+        for track in clip.tracks:
+            if track.path == "rotation":
+                rest = Rotation.from_quat(rig.nodes.rotations[track.node]).inv()
+                seen[:, track.node] = (rest * Rotation.from_quat(track_at(track, moments))).as_rotvec()
+    limits = np.percentile(turns[:, :, members], [OUTLIERS, 100 - OUTLIERS], axis=(0, 1))
+    return np.minimum(limits[0], 0.0), np.maximum(limits[1], 0.0)

@@ -1,0 +1,44 @@
+"""Poses drawn at random: a moment of an animation, or joints turned within their ranges."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from normalgan.rendering.rigs.animations import pose_at
+from normalgan.rendering.rigs.joints import Joints, find_joints
+from normalgan.rendering.rigs.rig import Doubles, Rig
+from normalgan.rendering.rigs.skinning import world_matrices
+
+
+def draw_pose(rig: Rig, rng: np.random.Generator) -> Doubles:
+    """Return where (N, 4, 4) the nodes are in a pose drawn at random.
+
+    Half of the poses are a moment of an animation. The others, and all of a rig without animations, start
+    from rest and turn each joint by a rotation vector drawn from its range, its middle more likely.
+    """
+    if rig.clips and rng.random() < 0.5:
+        clip = rig.clips[rng.integers(len(rig.clips))]
+        return world_matrices(pose_at(rig.nodes, clip, rng.uniform(*clip.span)))
+    joints = find_joints(rig)
+    share = rng.beta(2.0, 2.0, joints.low.shape)
+    return turned(world_matrices(rig.nodes), joints, joints.low + share * (joints.high - joints.low))
+
+
+def turned(world: Doubles, joints: Joints, turns: Doubles) -> Doubles:
+    """Return the places of the nodes with joints turned about themselves, each taking what hangs on it along.
+
+    Args:
+        world: (N, 4, 4) places of the nodes.
+        joints: which of them turn, and what hangs on what.
+        turns: (J, 3) rotation vectors in the joints' own axes, in radians.
+    """
+    moved = world.copy()
+    rotations = Rotation.from_rotvec(turns).as_matrix()
+    for node, parent, rotation in zip(joints.nodes, joints.parents, rotations, strict=True):
+        place = world[node]
+        if parent >= 0:
+            above = joints.nodes[parent]
+            # The pseudo-inverse: rigs hide parts by scaling them to 0.
+            place = moved[above] @ np.linalg.pinv(world[above]) @ place
+        moved[node] = place
+        moved[node, :3, :3] = place[:3, :3] @ rotation
+    return moved

@@ -1,0 +1,120 @@
+"""What a rig is: nodes in a tree, pieces of surface bound to them, clips that move them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Doubles = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The nodes of a scene; each moves its children.
+
+    Args:
+        parents: (N,) index of each node's parent, -1 for none.
+        order: (N,) all indices, parents before their children.
+        translations: (N, 3) in the parent's axes, at rest.
+        rotations: (N, 4) unit quaternions x, y, z, w, at rest.
+        scales: (N, 3), at rest.
+        matrices: the (4, 4) matrices, for column vectors, of nodes that have one instead of these three.
+    """
+
+    parents: Indices
+    order: Indices
+    translations: Doubles
+    rotations: Doubles
+    scales: Doubles
+    matrices: dict[int, Doubles]
+
+
+@dataclass(frozen=True)
+class Skin:
+    """Which nodes move a surface.
+
+    Args:
+        joints: (J,) indices of nodes.
+        inverse_bind: (J, 4, 4) from the surface's axes to those of the joint at rest, for column vectors.
+    """
+
+    joints: Indices
+    inverse_bind: Doubles
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A surface, stiff on a node or bound to the joints of a skin.
+
+    Args:
+        vertices: (V, 3) positions.
+        faces: (F, 3) vertex indices.
+        node: index of the node that it hangs on.
+        skin: what moves it instead of its node; None if it is stiff.
+        joints: (V, K) indices into the skin's joints.
+        weights: (V, K) the share of each, summing to 1.
+    """
+
+    vertices: Doubles
+    faces: Indices
+    node: int
+    skin: Skin | None
+    joints: Indices
+    weights: Doubles
+
+
+@dataclass(frozen=True)
+class Track:
+    """How one property of one node changes with time.
+
+    Args:
+        node: index of the node.
+        path: translation, rotation or scale.
+        interpolation: LINEAR, STEP or CUBICSPLINE.
+        times: (T,) seconds, ascending.
+        values: (T, 3, D) for each time the tangent towards it, the value and the tangent away from it;
+            the tangents are 0 unless the interpolation is CUBICSPLINE.
+    """
+
+    node: int
+    path: str
+    interpolation: str
+    times: Doubles
+    values: Doubles
+
+
+@dataclass(frozen=True)
+class Clip:
+    """An animation: tracks that run together.
+
+    Args:
+        name: as in the file, empty if it has none.
+        tracks: at most one for each node and property.
+    """
+
+    name: str
+    tracks: tuple[Track, ...]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The first and the last time of all tracks, in seconds."""
+        return (
+            min(float(track.times[0]) for track in self.tracks),
+            max(float(track.times[-1]) for track in self.tracks),
+        )
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A surface that can be posed.
+
+    Args:
+        nodes: what moves.
+        pieces: what is seen.
+        clips: how it can move; those without a track are left out.
+    """
+
+    nodes: Nodes
+    pieces: tuple[Piece, ...]
+    clips: tuple[Clip, ...]

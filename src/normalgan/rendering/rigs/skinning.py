@@ -1,0 +1,59 @@
+"""Linear blend skinning: from the places of the nodes to the places of the vertices."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from normalgan.rendering.rigs.rig import Doubles, Indices, Nodes, Piece, Rig
+
+
+def local_matrices(nodes: Nodes) -> Doubles:
+    """Return the (N, 4, 4) matrices from each node's axes to its parent's, for column vectors."""
+    matrices = np.zeros((len(nodes.parents), 4, 4))
+    if len(matrices):
+        turns = Rotation.from_quat(nodes.rotations).as_matrix()
+        matrices[:, :3, :3] = turns * nodes.scales[:, None, :]
+    matrices[:, :3, 3] = nodes.translations
+    matrices[:, 3, 3] = 1.0
+    for index, matrix in nodes.matrices.items():
+        matrices[index] = matrix
+    return matrices
+
+
+def world_matrices(nodes: Nodes) -> Doubles:
+    """Return the (N, 4, 4) matrices from each node's axes to the world's."""
+    matrices = local_matrices(nodes)
+    for index in nodes.order:
+        parent = nodes.parents[index]
+        if parent >= 0:
+            matrices[index] = matrices[parent] @ matrices[index]
+    return matrices
+
+
+def posed_vertices(piece: Piece, world: Doubles) -> Doubles:
+    """Return the (V, 3) places of a piece's vertices in the world.
+
+    ``x' = sum_k w_k J_k B_k x`` with the joint's place J and its inverse bind matrix B (Magnenat-Thalmann
+    et al., "Joint-dependent local deformations for hand animation and object grasping", 1988); the place
+    of the node that a skinned piece hangs on does not matter (glTF 2.0, section 3.7.3.3).
+
+    Args:
+        piece: a surface.
+        world: (N, 4, 4) from `world_matrices`.
+    """
+    points = np.concatenate([piece.vertices, np.ones((len(piece.vertices), 1))], axis=1)
+    if piece.skin is None:
+        return np.asarray(points @ world[piece.node, :3].T)
+    matrices = (world[piece.skin.joints] @ piece.skin.inverse_bind)[:, :3]
+    blended = np.einsum("vk,vkij->vij", piece.weights, matrices[piece.joints])
+    return np.asarray(np.einsum("vij,vj->vi", blended, points))
+
+
+def posed_surface(rig: Rig, world: Doubles) -> tuple[Doubles, Indices]:
+    """Return the vertices (V, 3) and faces (F, 3) of the whole rig in the world."""
+    vertices, faces, start = [], [], 0
+    for piece in rig.pieces:
+        mirrored = piece.skin is None and np.linalg.det(world[piece.node, :3, :3]) < 0
+        vertices.append(posed_vertices(piece, world))
+        faces.append(start + (piece.faces[:, ::-1] if mirrored else piece.faces))
+        start += len(piece.vertices)
+    return np.concatenate(vertices), np.concatenate(faces)
