@@ -17,22 +17,30 @@ from normalgan.normals import encode, flip_green, paint_flat, write_bytes
 from normalgan.rendering import EmbreeRenderer, Maps
 from normalgan.rendering.animals import GROUPS, Animal
 from normalgan.rendering.lines import LineDrawing, OccludingContours, SuggestiveContours
+from normalgan.rendering.strokes import rasterise
+from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
 
 Picture = NDArray[np.floating]
 DPI = 100
 
 
-def render(animal: Animal, size: int, azimuth: float = 25.0, elevation: float = 10.0) -> Maps:
-    """Return the maps of an animal, orthographic, ``size`` pixels a side."""
+def look(animal: Animal, size: int, azimuth: float = 25.0, elevation: float = 10.0) -> View:
+    """Return a view of an animal, orthographic, ``size`` pixels a side."""
     mesh = animal.load()
     camera = framed(mesh.vertices, look_at_origin(azimuth, elevation, 0.0), None, 0.04)
-    return EmbreeRenderer().render(mesh, camera, size)
+    return View(mesh, camera, EmbreeRenderer(), size)
+
+
+def render(animal: Animal, size: int, azimuth: float = 25.0) -> Maps:
+    """Return the maps of an animal, ``size`` pixels a side."""
+    return look(animal, size, azimuth).maps()
 
 
 def draw(animal: Animal, lines: LineDrawing, size: int, azimuth: float = 25.0) -> Picture:
     """Return an animal's sketch (size, size), paper 1 and ink 0."""
-    return 1 - lines.draw(render(animal, size * lines.supersampling, azimuth), size).astype(np.float64)
+    strokes = lines.trace(look(animal, size, azimuth), np.random.default_rng(0))
+    return 1 - rasterise(strokes, size).astype(np.float64)
 
 
 def colours(maps: Maps) -> Picture:

@@ -11,10 +11,12 @@ import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LineDrawing
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.samples import Recipe, Sample
+from normalgan.rendering.strokes import Stroke
+from normalgan.rendering.view import View
 from normalgan.rendering.views import Camera, Views
 
 
@@ -70,10 +72,13 @@ class RimDrawing(LineDrawing):
     threshold: float = 0.4
     supersampling: int = 2
 
-    def draw(self, maps: Maps, size: int) -> Floats:
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        maps = view.maps(self.supersampling)
         rim = maps.mask & (maps.normal[..., 2] < self.threshold)
-        blocks = rim.reshape(size, self.supersampling, size, self.supersampling)
-        return np.asarray(blocks.mean((1, 3)), np.float32)
+        rows, columns = np.nonzero(rim)
+        points = (np.stack([columns, rows], axis=1) + 0.5) / self.supersampling
+        nib = np.array([0.25, 0.0])  # a dot is a line as long as half a pixel
+        return [Stroke.even(np.stack([point - nib, point + nib]), 0.5) for point in points]
 
 
 def recipe(size: int = 16, seed: int = 0, **renderer: object) -> Recipe:

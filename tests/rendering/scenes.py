@@ -1,26 +1,42 @@
 """Scenes whose maps are known exactly: analytic surfaces, one ray a sample."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.maps import Maps
+from normalgan.rendering.lines import LineDrawing
+from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.renderers.base import Renderer
+from normalgan.rendering.strokes import rasterise
+from normalgan.rendering.view import View
+from normalgan.rendering.views import Camera
 
 Doubles = NDArray[np.float64]
 Hit = tuple[Doubles, Doubles]  # depth (H, W), inf where missed; outward normal (H, W, 3)
 Surface = Callable[[Doubles, Doubles], Hit]
 
 EYE = 3.0
+NOTHING = Mesh(
+    "nothing", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.float32)
+)
 
 
 def look(
     *surfaces: Surface, size: int = 128, perspective: bool = False, shift: tuple[int, int] = (0, 0)
 ) -> Maps:
     """Cast the rays of 4 × 4 samples a pixel at the nearest of some analytic surfaces, frame ±1 at z = 0."""
-    side = 4 * size
+    return cast(surfaces, 4 * size, perspective, (4 * shift[0], 4 * shift[1]))
+
+
+def cast(
+    surfaces: tuple[Surface, ...], side: int, perspective: bool = False, shift: tuple[int, int] = (0, 0)
+) -> Maps:
+    """Cast a ray a pixel at the nearest of some analytic surfaces, frame ±1 at z = 0, moved by pixels."""
     grid = (np.arange(side) + 0.5) * 2 / side - 1
-    x, y = np.meshgrid(grid - shift[0] * 2 / size, -(grid - shift[1] * 2 / size))
+    x, y = np.meshgrid(grid - shift[0] * 2 / side, -(grid - shift[1] * 2 / side))
     if perspective:
         origin = np.zeros((side, side, 3))
         ray = np.stack([x / EYE, y / EYE, -np.ones_like(x)], axis=-1)
@@ -33,6 +49,48 @@ def look(
         nearer = found < depth
         depth[nearer], normal[nearer] = found[nearer], facing[nearer]
     return Maps(normal.astype(np.float32), depth.astype(np.float32), np.isfinite(depth))
+
+
+@dataclass(frozen=True)
+class Scene(Renderer):
+    """Casts rays at analytic surfaces, whatever the mesh."""
+
+    surfaces: tuple[Surface, ...]
+
+    def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
+        return cast(self.surfaces, size, camera.perspective)
+
+
+@dataclass(frozen=True)
+class Still(Renderer):
+    """Returns the one picture it has, if it is of the size asked for."""
+
+    maps: Maps
+
+    def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
+        assert self.maps.mask.shape == (size, size)
+        return self.maps
+
+
+def view(*surfaces: Surface, size: int = 128, perspective: bool = False) -> View:
+    """Return analytic surfaces, frame ±1 at z = 0, seen as a sketch of ``size`` pixels."""
+    return View(NOTHING, front(perspective), Scene(surfaces), size)
+
+
+def still(maps: Maps, size: int = 128, perspective: bool = False) -> View:
+    """Return what has these maps, seen as a sketch of ``size`` pixels."""
+    return View(NOTHING, front(perspective), Still(maps), size)
+
+
+def front(perspective: bool) -> Camera:
+    """Return the camera of all scenes."""
+    half = 1 / EYE if perspective else 1.0
+    return Camera(np.eye(3), np.array([0.0, 0.0, -EYE]), perspective, (-half, half, -half, half), 0.1, 9.0)
+
+
+def ink(style: LineDrawing, seen: View) -> Floats:
+    """Return the sketch of a view in a style."""
+    return rasterise(style.trace(seen, np.random.default_rng(0)), seen.size)
 
 
 def sphere(x: float, y: float, z: float, radius: float) -> Surface:

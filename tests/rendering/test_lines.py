@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes import EYE, bumps, cube, look, plane, sphere
+from scenes import EYE, bumps, cube, ink, look, plane, sphere, still, view
 
 from normalgan.errors import InputError
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, OccludingContours, SuggestiveContours
@@ -26,6 +26,12 @@ def inside_of_square(sketch: Floats, half: float) -> Floats:
     return sketch[edge:-edge, edge:-edge]
 
 
+def nothing(side: int = 512) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Return the normal, depth and mask of an empty frame."""
+    shape = (side, side)
+    return np.zeros((*shape, 3), np.float32), np.full(shape, np.inf, np.float32), np.zeros(shape, bool)
+
+
 def test_both_styles_are_registered() -> None:
     assert {"OccludingContours", "SuggestiveContours"} <= set(LINE_DRAWINGS.names())
 
@@ -36,7 +42,7 @@ def test_both_styles_are_registered() -> None:
 def test_sphere_is_one_closed_ring_of_the_right_radius_and_width(
     style: LineDrawing, size: int, perspective: bool
 ) -> None:
-    sketch = style.draw(look(sphere(0, 0, 0, 0.6), size=size, perspective=perspective), size)
+    sketch = ink(style, view(sphere(0, 0, 0, 0.6), size=size, perspective=perspective))
     # A sphere at distance D seen in perspective spans the angle asin(R / D).
     apparent = EYE * np.tan(np.arcsin(0.6 / EYE)) if perspective else 0.6
     radius, r = apparent * size / 2, radii(size)
@@ -52,8 +58,8 @@ def test_sphere_is_one_closed_ring_of_the_right_radius_and_width(
 @both_cameras
 def test_a_sphere_before_another_keeps_its_whole_outline(style: LineDrawing, perspective: bool) -> None:
     near, far = sphere(-0.2, 0, 0.5, 0.4), sphere(0.3, 0, -0.4, 0.4)
-    whole = style.draw(look(near, perspective=perspective), 128)
-    pair = style.draw(look(near, far, perspective=perspective), 128)
+    whole = ink(style, view(near, perspective=perspective))
+    pair = ink(style, view(near, far, perspective=perspective))
     # The near sphere's ring is there as if alone, where it crosses the far one too.
     assert np.all(pair[whole > 0.5] > 0.4)
     hidden = look(near, perspective=perspective).mask[2::4, 2::4] & (whole == 0)
@@ -67,7 +73,7 @@ def test_planes_however_steep_have_no_ink_inside(
     style: LineDrawing, normal: tuple[float, float, float], perspective: bool
 ) -> None:
     half = 0.15 if perspective and normal[2] < 0.5 else 0.6  # a wider steep one would pass behind the eye
-    sketch = style.draw(look(plane(normal, half), perspective=perspective), 128)
+    sketch = ink(style, view(plane(normal, half), perspective=perspective))
     assert sketch.max() > 0.5
     assert inside_of_square(sketch, half).max() == 0
 
@@ -75,13 +81,13 @@ def test_planes_however_steep_have_no_ink_inside(
 def test_coarse_meshes_whose_normals_deny_the_slope_have_no_ink_inside() -> None:
     maps = look(plane((1.0, 0.0, 0.05), 0.6))
     frontal = np.where(maps.mask[..., None], [0, 0, 1], 0).astype(np.float32)
-    sketch = OccludingContours().draw(replace(maps, normal=frontal), 128)
+    sketch = ink(OccludingContours(), still(replace(maps, normal=frontal)))
     assert inside_of_square(sketch, 0.6).max() == 0
 
 
 @both_styles
 def test_ink_is_antialiased_float32_within_0_and_1(style: LineDrawing) -> None:
-    sketch = style.draw(look(sphere(0, 0, 0, 0.6), sphere(0.3, 0.2, 0.5, 0.3)), 128)
+    sketch = ink(style, view(sphere(0, 0, 0, 0.6), sphere(0.3, 0.2, 0.5, 0.3)))
     assert sketch.dtype == np.float32
     assert sketch.shape == (128, 128)
     assert sketch.min() == 0
@@ -92,8 +98,8 @@ def test_ink_is_antialiased_float32_within_0_and_1(style: LineDrawing) -> None:
 @pytest.mark.parametrize("width", [0.5, 1.0, 2.0])
 def test_twice_the_width_is_twice_the_ink(width: float) -> None:
     maps = look(sphere(0, 0, 0, 0.6))
-    once = OccludingContours(line_width=width).draw(maps, 128).sum()
-    twice = OccludingContours(line_width=2 * width).draw(maps, 128).sum()
+    once = ink(OccludingContours(line_width=width), still(maps)).sum()
+    twice = ink(OccludingContours(line_width=2 * width), still(maps)).sum()
     assert twice / once == pytest.approx(2, rel=0.06)
 
 
@@ -104,20 +110,20 @@ def test_the_drawing_moves_with_the_object(style: LineDrawing, shift: tuple[int,
     fine = (4 * shift[1], 4 * shift[0])
     normal, depth = (np.roll(a, fine, (0, 1)) for a in (here.normal, here.depth))
     there = Maps(normal, depth, np.roll(here.mask, fine, (0, 1)))
-    expected = np.roll(style.draw(here, 128), shift[::-1], (0, 1))
-    np.testing.assert_array_equal(style.draw(there, 128), expected)
+    expected = np.roll(ink(style, still(here)), shift[::-1], (0, 1))
+    np.testing.assert_array_equal(ink(style, still(there)), expected)
 
 
 @both_styles
 def test_lines_are_the_same_at_any_size(style: LineDrawing) -> None:
-    small, large = style.draw(look(WAVY), 128), style.draw(look(WAVY, size=256), 256)
+    small, large = ink(style, view(WAVY)), ink(style, view(WAVY, size=256))
     # Equal widths in pixels: the length of the lines in pixels, and so the ink, doubles.
     assert large.sum() / small.sum() == pytest.approx(2, rel=0.1)
 
 
 def test_creases_draw_the_near_edges_of_a_cube_once() -> None:
     maps = look(cube(0.45))
-    plain, creased = OccludingContours().draw(maps, 128), OccludingContours(crease=40).draw(maps, 128)
+    plain, creased = ink(OccludingContours(), still(maps)), ink(OccludingContours(crease=40), still(maps))
     added = (creased - plain).sum()
     # Three edges meet at the near corner; the picture of each edge e is as long as its x and y.
     a, b = np.deg2rad(35), np.deg2rad(25)
@@ -131,50 +137,47 @@ def test_creases_draw_the_near_edges_of_a_cube_once() -> None:
 
 @both_styles
 def test_an_object_cut_by_the_frame_has_no_line_along_the_frame(style: LineDrawing) -> None:
-    sketch = style.draw(look(plane((0.2, 0.1, 1.0), 5.0), size=64), 64)
+    sketch = ink(style, view(plane((0.2, 0.1, 1.0), 5.0), size=64))
     assert sketch.max() == 0
 
 
 @both_styles
 def test_no_object_is_blank_paper(style: LineDrawing) -> None:
-    empty = Maps(
-        np.zeros((64, 64, 3), np.float32), np.full((64, 64), np.inf, np.float32), np.zeros((64, 64), bool)
-    )
-    np.testing.assert_array_equal(style.draw(empty, 16), np.zeros((16, 16), np.float32))
+    seen = still(Maps(*nothing()), 16)
+    assert style.trace(seen, np.random.default_rng(0)) == []
+    np.testing.assert_array_equal(ink(style, seen), np.zeros((16, 16), np.float32))
 
 
 @both_styles
 def test_a_single_pixel_is_no_error(style: LineDrawing) -> None:
-    normal, depth = np.zeros((64, 64, 3), np.float32), np.full((64, 64), np.inf, np.float32)
-    normal[0, 5, 2], depth[0, 5] = 1, 2
-    assert style.draw(Maps(normal, depth, np.isfinite(depth)), 16).max() <= 1
+    normal, depth, mask = nothing()
+    normal[0, 5, 2], depth[0, 5], mask[0, 5] = 1, 2, True
+    assert ink(style, still(Maps(normal, depth, mask), 16)).max() == 0
 
 
 @both_styles
 def test_specks_are_left_out(style: LineDrawing) -> None:
     scene, speck = sphere(0.3, 0, 0, 0.4), sphere(-0.7, 0, 0, 0.004)
-    np.testing.assert_array_equal(style.draw(look(scene, speck), 128), style.draw(look(scene), 128))
+    np.testing.assert_array_equal(ink(style, view(scene, speck)), ink(style, view(scene)))
 
 
 @both_styles
 def test_drawing_twice_gives_the_same_and_leaves_the_maps_alone(style: LineDrawing) -> None:
-    maps = look(WAVY, size=64)
+    maps = look(WAVY)
     before = [a.copy() for a in (maps.normal, maps.depth, maps.mask)]
-    np.testing.assert_array_equal(style.draw(maps, 64), style.draw(maps, 64))
+    np.testing.assert_array_equal(ink(style, still(maps, 64)), ink(style, still(maps, 64)))
     for now, then in zip((maps.normal, maps.depth, maps.mask), before, strict=True):
         np.testing.assert_array_equal(now, then)
 
 
-def test_bad_settings_and_maps_say_what_would_be_right() -> None:
+def test_bad_settings_say_what_would_be_right() -> None:
     with pytest.raises(InputError, match="line_width of OccludingContours is -1"):
         OccludingContours(line_width=-1.0)
-    with pytest.raises(InputError, match="supersampling of SuggestiveContours is 0; it must be greater"):
-        SuggestiveContours(supersampling=0)
+    with pytest.raises(InputError, match="resolution of SuggestiveContours is 0; it must be greater"):
+        SuggestiveContours(resolution=0)
     with pytest.raises(InputError, match="angle between 0 and 180"):
         OccludingContours(crease=200.0)
     with pytest.raises(InputError, match="theta is 95"):
         SuggestiveContours(theta=95.0)
     with pytest.raises(InputError, match=r"shortest of SuggestiveContours is -0\.1; it cannot be negative"):
         SuggestiveContours(shortest=-0.1)
-    with pytest.raises(InputError, match=r"512 × 512 pixels; a sketch of 64 pixels .* from 256 × 256"):
-        OccludingContours().draw(look(sphere(0, 0, 0, 0.6)), 64)

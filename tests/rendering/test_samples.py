@@ -10,11 +10,13 @@ import pytest
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.lines.occluding import OccludingContours
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 from normalgan.rendering.samples import Recipe, sample_rng
+from normalgan.rendering.strokes import Stroke
+from normalgan.rendering.view import View
 from normalgan.rendering.views import Camera, Views
 
 
@@ -29,12 +31,29 @@ class Slope(Renderer):
 
 @dataclass(frozen=True)
 class Shade(LineDrawing):
-    """Grey that says how large the maps were."""
+    """A blot over all of the picture, whose darkness says how large the maps were, or a number drawn."""
 
-    supersampling: int = 4
+    scale: int = 4
+    random: bool = False
 
-    def draw(self, maps: Maps, size: int) -> Floats:
-        return np.full((size, size), len(maps.mask) / 100, np.float32)
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        middle = np.array([[0.0, view.size / 2], [view.size, view.size / 2]])
+        darkness = rng.random() if self.random else len(view.maps(self.scale).mask) / 100
+        return [Stroke.even(middle, 2 * view.size, darkness)]
+
+
+@dataclass(frozen=True)
+class Shift:
+    """Moves strokes and maps a pixel to the right, and darkens them by a number drawn."""
+
+    def draw(self, strokes: list[Stroke], maps: Maps, rng: np.random.Generator) -> tuple[list[Stroke], Maps]:
+        moved = [Stroke.even(stroke.points + np.array([1, 0]), 1.0, rng.random()) for stroke in strokes]
+        normal, depth, mask = (
+            np.roll(maps.normal, 1, axis=1),
+            np.roll(maps.depth, 1),
+            np.roll(maps.mask, 1, axis=1),
+        )
+        return moved, Maps(normal, depth, mask)
 
 
 def ball(name: str = "ball") -> Mesh:
@@ -69,21 +88,29 @@ def test_every_sample_can_be_made_alone_and_depends_on_seed_mesh_and_index() -> 
 
 def test_the_seed_is_the_same_in_every_process() -> None:
     code = (
-        "from normalgan.rendering.samples import sample_rng; print(sample_rng(7, 'élan', 3).integers(10**9))"
+        "from normalgan.rendering.samples import sample_rng; "
+        "print(sample_rng(7, 'élan', 3, 'lines').integers(10**9))"
     )
     drawn = [
         subprocess.check_output([sys.executable, "-c", code]) for _ in range(2)
     ]  # each with its own hash salt
-    assert int(drawn[0]) == int(drawn[1]) == int(sample_rng(7, "élan", 3).integers(10**9))
+    assert int(drawn[0]) == int(drawn[1]) == int(sample_rng(7, "élan", 3, "lines").integers(10**9))
 
 
 def test_seeds_do_not_run_into_each_other() -> None:
-    cases = [(1, "2", 3), (12, "", 3), (1, "23", 0), (0, "a", 11), (0, "a1", 1)]
+    cases = [
+        (1, "2", 3, "views"),
+        (12, "", 3, "views"),
+        (1, "23", 0, "views"),
+        (0, "a", 11, "views"),
+        (0, "a1", 1, "views"),
+        (0, "a1", 1, "lines"),
+    ]
     assert len({int(sample_rng(*case).integers(2**60)) for case in cases}) == len(cases)
 
 
 def test_lines_come_from_larger_maps_and_normals_from_maps_of_their_own_size() -> None:
-    sample = Recipe(Views(), Slope(), Shade(supersampling=4), 8).render(ball(), 0)
+    sample = Recipe(Views(), Slope(), Shade(scale=4), 8).render(ball(), 0)
     assert sample.normal.shape == (8, 8, 3)
     assert sample.normal.dtype == np.float16
     assert sample.mask.dtype == np.bool_
@@ -91,10 +118,29 @@ def test_lines_come_from_larger_maps_and_normals_from_maps_of_their_own_size() -
     assert (sample.sketch == round(255 * 0.32)).all()
 
 
+def test_a_hand_moves_strokes_and_maps_alike() -> None:
+    plain = Recipe(Views(), EmbreeRenderer(), OccludingContours(resolution=64), 64)
+    moving = dataclasses.replace(plain, hand=Shift())  # type: ignore[arg-type]
+    exact, drawn = plain.render(ball(), 0), moving.render(ball(), 0)
+    np.testing.assert_array_equal(drawn.mask, np.roll(exact.mask, 1, axis=1))
+    np.testing.assert_array_equal(drawn.normal, np.roll(exact.normal, 1, axis=1))
+    inked = np.roll(exact.sketch, 1, axis=1) > 128
+    assert (drawn.sketch[inked] > 0).all()
+
+
+def test_what_one_step_draws_does_not_shift_another() -> None:
+    chooses = Recipe(Views(), Slope(), Shade(random=True), 8)
+    plain = dataclasses.replace(chooses, lines=Shade())
+    np.testing.assert_array_equal(chooses.render(ball(), 0).normal, plain.render(ball(), 0).normal)
+    turned = dataclasses.replace(chooses, views=Views(azimuth=(0.0, 0.0)))
+    np.testing.assert_array_equal(chooses.render(ball(), 0).sketch, turned.render(ball(), 0).sketch)
+    assert (chooses.render(ball(), 0).sketch != chooses.render(ball(), 1).sketch).any()
+
+
 def test_half_precision_turns_normals_by_less_than_a_twentieth_of_a_degree() -> None:
-    recipe = Recipe(Views(), EmbreeRenderer(), OccludingContours(supersampling=1), 64)
+    recipe = Recipe(Views(), EmbreeRenderer(), OccludingContours(resolution=64), 64)
     sample = recipe.render(ball(), 0)
-    exact = EmbreeRenderer().render(ball(), Views().camera(ball(), sample_rng(0, "ball", 0)), 64)
+    exact = EmbreeRenderer().render(ball(), Views().camera(ball(), sample_rng(0, "ball", 0, "views")), 64)
     np.testing.assert_array_equal(sample.mask, exact.mask)
     p, t = sample.normal[exact.mask].astype(float), exact.normal[exact.mask].astype(float)
     error = np.rad2deg(np.arctan2(np.linalg.norm(np.cross(p, t), axis=1), (p * t).sum(1)))

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
-from scenes import bump_slope, bumps, cube, look, sphere
+from scenes import bump_slope, bumps, cube, ink, sphere, view
 
 from normalgan.rendering.lines import OccludingContours, SuggestiveContours
 
 
 def test_a_wavy_dome_has_strokes_in_its_valleys_alone() -> None:
-    maps = look(bumps(0.03))
-    outline, sketch = OccludingContours().draw(maps, 128), SuggestiveContours().draw(maps, 128)
+    scene = view(bumps(0.03))
+    outline, sketch = ink(OccludingContours(), scene), ink(SuggestiveContours(), scene)
     grid = (np.arange(128) + 0.5) / 64 - 1
     r = np.sqrt(grid**2 + grid[:, None] ** 2)
     assert outline[r < 0.7].max() == 0
@@ -22,11 +22,11 @@ def test_a_wavy_dome_has_strokes_in_its_valleys_alone() -> None:
 
 
 def test_a_smooth_ellipsoid_of_any_view_has_no_strokes() -> None:
-    maps = look(sphere(0.1, 0.2, 0, 0.7), perspective=True)
-    np.testing.assert_array_equal(SuggestiveContours().draw(maps, 128), OccludingContours().draw(maps, 128))
+    scene = view(sphere(0.1, 0.2, 0, 0.7), perspective=True)
+    np.testing.assert_array_equal(ink(SuggestiveContours(), scene), ink(OccludingContours(), scene))
 
 
 @pytest.mark.parametrize("perspective", [False, True])
 def test_the_faces_of_a_cube_are_no_valleys(perspective: bool) -> None:
-    maps = look(cube(0.45), perspective=perspective)
-    np.testing.assert_array_equal(SuggestiveContours().draw(maps, 128), OccludingContours().draw(maps, 128))
+    scene = view(cube(0.45), perspective=perspective)
+    np.testing.assert_array_equal(ink(SuggestiveContours(), scene), ink(OccludingContours(), scene))

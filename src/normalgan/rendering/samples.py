@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
+from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
+from normalgan.rendering.strokes.raster import rasterise
+from normalgan.rendering.view import View
 from normalgan.rendering.views import Views
 
-RENDERING_VERSION = 1
+RENDERING_VERSION = 2
 """Raise it when a change to the code changes what a recipe renders: stored samples are then made anew."""
 
 
@@ -45,6 +48,7 @@ class Recipe:
         lines: the style in which the sketch is drawn.
         size: side of the pictures in pixels.
         seed: another seed gives other views.
+        hand: who draws it; None draws the exact lines.
 
     Raises:
         InputError: if the size is not positive.
@@ -55,6 +59,7 @@ class Recipe:
     lines: LineDrawing
     size: int = 256
     seed: int = 0
+    hand: Hand | None = None
 
     def __post_init__(self) -> None:
         """Refuse a picture without pixels."""
@@ -63,17 +68,19 @@ class Recipe:
 
     def render(self, mesh: Mesh, index: int) -> Sample:
         """Return view number ``index`` of ``mesh``; it depends on no other view."""
-        camera = self.views.camera(mesh, sample_rng(self.seed, mesh.name, index))
-        maps = self.renderer.render(mesh, camera, self.size)
-        scale = self.lines.supersampling
-        # The normals are rendered at their own size: averaged down, they would blend across contours.
-        large = maps if scale == 1 else self.renderer.render(mesh, camera, scale * self.size)
-        ink = self.lines.draw(large, self.size)
+        view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
+        maps, strokes = view.maps(), self.lines.trace(view, self._rng(mesh, index, "lines"))
+        if self.hand is not None:
+            strokes, maps = self.hand.draw(strokes, maps, self._rng(mesh, index, "hand"))
+        ink = rasterise(strokes, self.size)
         return Sample(
-            sketch=np.rint(255 * np.clip(ink, 0, 1)).astype(np.uint8),
+            sketch=np.rint(255 * ink).astype(np.uint8),
             normal=maps.normal.astype(np.float16),
             mask=maps.mask.astype(np.bool_),
         )
+
+    def _rng(self, mesh: Mesh, index: int, step: str) -> np.random.Generator:
+        return sample_rng(self.seed, mesh.name, index, step)
 
     def describe(self) -> dict[str, Any]:
         """Return all that the samples depend on besides the mesh, as plain values for JSON.
@@ -84,16 +91,24 @@ class Recipe:
         return {**_plain(self), "rendering_version": RENDERING_VERSION}
 
 
-def sample_rng(seed: int, name: str, index: int) -> np.random.Generator:
-    """Return the source of randomness of one view of one mesh, the same in every process and release.
+def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generator:
+    """Return the source of randomness of one step for one view of one mesh, the same in every process.
+
+    Each step has its own, so that what one draws does not shift what another does.
+
+    Args:
+        seed: of the recipe.
+        name: of the mesh.
+        index: of the view.
+        step: ``views`` (the camera), ``lines`` (the style) or ``hand``.
 
     Example:
-        >>> a, b = sample_rng(0, "horse", 3), sample_rng(0, "horse", 3)
-        >>> bool(a.random() == b.random() != sample_rng(0, "horse", 4).random())
+        >>> a, b = sample_rng(0, "horse", 3, "views"), sample_rng(0, "horse", 3, "views")
+        >>> bool(a.random() == b.random() != sample_rng(0, "horse", 3, "lines").random())
         True
     """
     # Not Python's hash(): it is salted anew in every process.
-    digest = hashlib.sha256(json.dumps([seed, name, index]).encode()).digest()
+    digest = hashlib.sha256(json.dumps([seed, name, index, step]).encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))
 
 

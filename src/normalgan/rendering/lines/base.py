@@ -1,9 +1,12 @@
-"""LineDrawing: turns maps into the sketch a person might draw of them."""
+"""LineDrawing: traces the lines by which a person might draw an object."""
 
 from abc import ABC, abstractmethod
 
+import numpy as np
+
 from normalgan.registry import Registry
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.strokes.stroke import Stroke
+from normalgan.rendering.view import View
 
 
 class LineDrawing(ABC):
@@ -13,16 +16,13 @@ class LineDrawing(ABC):
     rendered samples are stored.
     """
 
-    supersampling: int
-    """The style draws from maps rendered this many times larger than the sketch."""
-
     @abstractmethod
-    def draw(self, maps: Maps, size: int) -> Floats:
-        """Return the sketch, (``size``, ``size``) in [0, 1] with ink 1, antialiased.
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the exact lines of the drawing, in pixels of the sketch, ``view.size`` a side.
 
         Args:
-            maps: the object, rendered at ``supersampling * size`` pixels.
-            size: side of the sketch in pixels.
+            view: the object and where it is seen from; ``view.maps(scale)`` are its maps.
+            rng: for styles that choose; the same view and generator give the same strokes.
         """
 
 

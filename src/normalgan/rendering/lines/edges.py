@@ -1,10 +1,10 @@
-"""Where the surface breaks off: silhouette, occluding contours and creases, as marks on pixels."""
+"""Where the surface breaks off: silhouette, occluding contours and creases, between pixels."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings
 from normalgan.rendering.lines.sight import Sight
-from normalgan.rendering.lines.strokes import Mark
 from normalgan.rendering.maps import Floats, Maps
 
 Index = NDArray[np.intp]
@@ -14,49 +14,48 @@ _GRAZING = 0.1  # the least cosine a tangent plane is trusted with: beyond, it w
 _BAND = 2  # a flank this narrow, in pixels, is a contour: it is thinner than the line that would be drawn
 _BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: farther than any object
 
-PAIRS = (
-    ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
-    ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
-)
-"""Each pixel and its right neighbour, each pixel and the one below it."""
 
-
-def depth_gaps(maps: Maps, sight: Sight, least: float) -> Floats:
-    """Return how far the surface jumps back behind each pixel, (H, W) in pixels of its own size.
+def depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
+    """Return where the surface jumps back by at least ``least`` pixels of its own size, from pixel to pixel.
 
     Between two neighbours the depth may change by anything between what the tangent plane of the one
     and of the other foretells, and what it changes by a little off on either side; only what exceeds that
     is a gap. So flanks seen at a grazing angle stay free of ink, even where the interpolated normals of
-    a coarse mesh deny that they are grazing. The gap is noted on the nearer pixel, the one that hides.
-    Huge where that pixel borders on the background, 0 where nothing is hidden; the frame's border hides
+    a coarse mesh deny that they are grazing. The gap belongs to the nearer pixel, the one that hides.
+    Its strength is its size, huge where that pixel borders on the background; the frame's border hides
     nothing.
 
     Args:
-        maps: the object.
+        maps: the object, (H, W).
         sight: its pixels' sizes and rays.
-        least: gaps of fewer pixels than this, positive, may be returned as 0; hardly any pair of pixels
-            remains to be looked at.
+        least: positive, in pixels.
     """
-    gaps = np.zeros_like(maps.depth)
     depth = np.where(maps.mask, maps.depth, _BEYOND)
-    floor = least * np.where(maps.mask, sight.pixel, 0)
-    for axis, (one, two) in enumerate(PAIRS):
-        wide = np.abs(depth[two] - depth[one]) > np.maximum(floor[one], floor[two])
-        rows, columns = np.nonzero(wide)
-        # Pixels in a row: the pair and, some way off on both sides, two more pairs.
-        ahead = (-_BAND, 1 - _BAND, 0, 1, _BAND, _BAND + 1)
-        line = [_moved(rows, columns, k, axis, depth.shape) for k in ahead]
-        steps = [depth[line[k + 1]] - depth[line[k]] for k in (0, 2, 4)]
-        pair = line[2:4]
-        excuses = [np.where(np.abs(steps[k]) < _BEYOND / 2, steps[k], 0) for k in (0, 2)]
-        excuses += [_foretold(maps, sight, pixel, axis) for pixel in pair]
-        back, front = steps[1] - np.max(excuses, axis=0), np.min(excuses, axis=0) - steps[1]
-        for pixel, gap in ((pair[0], back), (pair[1], front)):
-            # Off the object, where a pixel has no size, nothing can hide anything.
-            seen = maps.mask[pixel] & (gap > 0)
-            at = (pixel[0][seen], pixel[1][seen])
-            gaps[at] = np.maximum(gaps[at], gap[seen] / sight.pixel[at])
-    return gaps
+    floor = np.where(maps.mask, sight.pixel, np.float32(0)) * np.float32(least)
+    right, below = (_gaps_along(axis, depth, floor, maps, sight) for axis in (0, 1))
+    return crossings((right, below), maps.mask.shape[1])
+
+
+def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sight) -> Crossed:
+    """Return the gaps between each pixel and its right neighbour (axis 0) or the one below (1)."""
+    one, two = PAIRS[axis]
+    # Hardly any pair of pixels remains to be looked at.
+    rows, columns = np.nonzero(np.abs(depth[two] - depth[one]) > np.maximum(floor[one], floor[two]))
+    # Pixels in a row: the pair and, some way off on both sides, two more pairs.
+    ahead = (-_BAND, 1 - _BAND, 0, 1, _BAND, _BAND + 1)
+    line = [_moved(rows, columns, k, axis, depth.shape) for k in ahead]
+    steps = [depth[line[k + 1]] - depth[line[k]] for k in (0, 2, 4)]
+    excuses = [np.where(np.abs(steps[k]) < _BEYOND / 2, steps[k], 0) for k in (0, 2)]
+    excuses += [_foretold(maps, sight, pixel, axis) for pixel in line[2:4]]
+    back, front = steps[1] - np.max(excuses, axis=0), np.min(excuses, axis=0) - steps[1]
+    second = front > back
+    nearer = tuple(np.where(second, b, a) for a, b in zip(*line[2:4], strict=True))
+    size = sight.pixel[nearer]
+    gap = np.maximum(back, front) / np.where(size > 0, size, 1)
+    # Off the object, where a pixel has no size, nothing can hide anything.
+    seen = maps.mask[nearer] & (gap * size > floor[nearer])
+    share = np.full(len(rows), 0.5)
+    return rows[seen], columns[seen], share[seen], gap[seen], second[seen]
 
 
 def _moved(rows: Index, columns: Index, by: int, axis: int, shape: tuple[int, ...]) -> Pixels:
@@ -74,10 +73,28 @@ def _foretold(maps: Maps, sight: Sight, pixel: Pixels, axis: int) -> Floats:
     return slope
 
 
-def creases(maps: Maps, angle: float) -> Mark:
-    """Return the (H, W) pixels across whose right or lower border the normal turns by ``angle`` degrees."""
-    marks = np.zeros_like(maps.mask)
-    for one, two in PAIRS:
+def creases(maps: Maps, angle: float) -> Crossings:
+    """Return where the normal turns by ``angle`` degrees or more from pixel to pixel, within the object.
+
+    Where it does so over several pixels in a row, the sharpest turn counts.
+    """
+    limit = np.cos(np.deg2rad(angle))
+    pairs = []
+    for axis, (one, two) in enumerate(PAIRS):
         cosine = np.einsum("ijk,ijk->ij", maps.normal[one], maps.normal[two])
-        marks[one] |= maps.mask[one] & maps.mask[two] & (cosine < np.cos(np.deg2rad(angle)))
-    return marks
+        cosine[~(maps.mask[one] & maps.mask[two])] = 1
+        sharpest = (cosine < limit) & _lowest(cosine, 1 - axis)
+        rows, columns = np.nonzero(sharpest)
+        share, second = np.full(len(rows), 0.5), np.zeros(len(rows), bool)
+        pairs.append((rows, columns, share, 1 - cosine[sharpest], second))
+    return crossings((pairs[0], pairs[1]), maps.mask.shape[1])
+
+
+def _lowest(values: Floats, axis: int) -> NDArray[np.bool_]:
+    """Return which values (H, W) are below the one before and not above the one after, along an axis."""
+    padding = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
+    padded = np.pad(values, padding, constant_values=np.inf)
+    length = values.shape[axis]
+    before, after = (padded.take(np.arange(k, k + length), axis) for k in (0, 2))
+    lowest: NDArray[np.bool_] = (values < before) & (values <= after)
+    return lowest

@@ -6,11 +6,13 @@ import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
-from normalgan.rendering.lines.checks import check_maps, check_settings
+from normalgan.rendering.lines.buffers import Buffers
+from normalgan.rendering.lines.checks import check_settings
+from normalgan.rendering.lines.crossings import Line
 from normalgan.rendering.lines.edges import creases, depth_gaps
-from normalgan.rendering.lines.sight import Sight, estimate_sight
-from normalgan.rendering.lines.strokes import Mark, average_down, crop, distance_to, grow, ink, object_window
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.lines.pens import draw_border
+from normalgan.rendering.strokes.stroke import Stroke
+from normalgan.rendering.view import View
 
 
 @LINE_DRAWINGS.register
@@ -24,7 +26,8 @@ class OccludingContours(LineDrawing):
             fraction of the frame's side; a contour once begun goes on down to a third of it.
         crease: angle in degrees between neighbouring normals from which an edge is drawn; None draws none.
         shortest: contours that span less than this fraction of the frame's side are left out.
-        supersampling: the maps are this many times larger than the sketch.
+        resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the
+            sketch's; lines are placed between their pixels.
 
     Raises:
         InputError: if a setting is out of range.
@@ -34,29 +37,25 @@ class OccludingContours(LineDrawing):
     gap: float = 0.01
     crease: float | None = None
     shortest: float = 0.012
-    supersampling: int = 4
+    resolution: int = 512
 
     def __post_init__(self) -> None:
-        check_settings(self, positive=("line_width", "gap", "supersampling"))
+        check_settings(self, positive=("line_width", "gap", "resolution"))
         if self.crease is not None and not 0 < self.crease < 180:
             raise InputError(f"crease is {self.crease}; it is an angle between 0 and 180 degrees, or null.")
 
-    def draw(self, maps: Maps, size: int) -> Floats:
-        """Return the sketch; see `LineDrawing.draw`."""
-        check_maps(maps, size, self.supersampling)
-        if not maps.mask.any():
-            return np.zeros((size, size), np.float32)
-        width = self.line_width * self.supersampling
-        window = object_window(maps.mask, int(np.ceil(width)), self.supersampling)
-        part, side = crop(maps, window), maps.mask.shape[0]
-        marks = occluding_contours(part, estimate_sight(part), self.gap * side, self.shortest * side)
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the strokes; see `LineDrawing.trace`."""
+        buffers = Buffers.of(view, self.resolution)
+        if buffers is None:
+            return []
+        lines = occluding_contours(buffers, self.gap, self.shortest)
         if self.crease is not None:
-            folds = creases(part, self.crease)
-            marks |= grow(folds, folds, self.shortest * side)
-        return average_down(ink(distance_to(marks), width), window, self.supersampling, size)
+            lines += creases(buffers.maps, self.crease).lines(0, self.shortest * buffers.side)
+        return [draw_border(line, buffers, self.line_width) for line in lines]
 
 
-def occluding_contours(maps: Maps, sight: Sight, gap: float, shortest: float) -> Mark:
-    """Return the (H, W) pixels that hide something behind them; lengths in pixels."""
-    gaps = depth_gaps(maps, sight, gap / 3)
-    return grow(gaps > gap, gaps > gap / 3, shortest)
+def occluding_contours(buffers: Buffers, gap: float, shortest: float) -> list[Line]:
+    """Return the lines where something hides what is behind it; lengths as fractions of the frame's side."""
+    gap *= buffers.side
+    return depth_gaps(buffers.maps, buffers.sight, gap / 3).lines(gap, shortest * buffers.side)

@@ -6,21 +6,16 @@ import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
-from normalgan.rendering.lines.checks import check_maps, check_settings
+from normalgan.rendering.lines.buffers import Buffers
+from normalgan.rendering.lines.checks import check_settings
+from normalgan.rendering.lines.crossings import Line
+from normalgan.rendering.lines.marks import distance_to, mark
 from normalgan.rendering.lines.occluding import occluding_contours
-from normalgan.rendering.lines.sight import Sight, estimate_sight
-from normalgan.rendering.lines.strokes import (
-    Mark,
-    average_down,
-    crop,
-    distance_to,
-    grow,
-    ink,
-    object_window,
-    without_doubles,
-)
+from normalgan.rendering.lines.pens import draw_border, draw_curve
 from normalgan.rendering.lines.valleys import smooth_normals, valley_depth, zero_crossings
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.maps import Floats
+from normalgan.rendering.strokes.stroke import Stroke
+from normalgan.rendering.view import View
 
 _BAND = 0.003  # of the frame's side: normals so near a contour are half seen, and of two surfaces
 
@@ -47,7 +42,8 @@ class SuggestiveContours(LineDrawing):
         shortest: strokes inside that span less than this fraction of the frame's side are left out.
         apart: a stroke that keeps nearer than this to a contour, on average, as a fraction of the
             frame's side, is left out: it would only double the contour.
-        supersampling: the maps are this many times larger than the sketch.
+        resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the
+            sketch's; lines are placed between their pixels.
 
     Raises:
         InputError: if a setting is out of range.
@@ -62,34 +58,40 @@ class SuggestiveContours(LineDrawing):
     shortest_contour: float = 0.012
     shortest: float = 0.035
     apart: float = 0.012
-    supersampling: int = 4
+    resolution: int = 512
 
     def __post_init__(self) -> None:
-        check_settings(self, positive=("line_width", "gap", "smoothing", "strength", "supersampling"))
+        check_settings(self, positive=("line_width", "gap", "smoothing", "strength", "resolution"))
         if not 0 <= self.theta < 90:
             raise InputError(f"theta is {self.theta}; it is an angle from 0 to below 90 degrees.")
 
-    def draw(self, maps: Maps, size: int) -> Floats:
-        """Return the sketch; see `LineDrawing.draw`."""
-        check_maps(maps, size, self.supersampling)
-        if not maps.mask.any():
-            return np.zeros((size, size), np.float32)
-        width = self.line_width * self.supersampling
-        window = object_window(maps.mask, int(np.ceil(width)), self.supersampling)
-        part, side = crop(maps, window), maps.mask.shape[0]
-        sight = estimate_sight(part)
-        contours = occluding_contours(part, sight, self.gap * side, self.shortest_contour * side)
-        distance = distance_to(contours)
-        strokes = without_doubles(self._strokes(part, sight, distance, side), distance, self.apart * side)
-        fine = ink(distance_to(strokes), self.interior_width * self.supersampling)
-        drawn = np.maximum(ink(distance, width), fine)
-        return average_down(drawn, window, self.supersampling, size)
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the strokes; see `LineDrawing.trace`."""
+        buffers = Buffers.of(view, self.resolution)
+        if buffers is None:
+            return []
+        contours = occluding_contours(buffers, self.gap, self.shortest_contour)
+        strokes = [draw_border(line, buffers, self.line_width) for line in contours]
+        if self.interior_width > 0:
+            distance = distance_to(mark(contours, buffers.maps.mask.shape))
+            inside = [
+                line
+                for line in self._inside(buffers, distance)
+                if self._says_more(line, distance, buffers.side)
+            ]
+            strokes += [draw_curve(line, buffers, self.interior_width) for line in inside]
+        return strokes
 
-    def _strokes(self, maps: Maps, sight: Sight, distance: Floats, side: int) -> Mark:
-        """Return the pixels of the strokes inside; ``side`` is the frame's, in pixels."""
-        known = maps.mask & (distance > _BAND * side)
-        normal = smooth_normals(maps.normal, known, self.smoothing * side)
-        f, slope, bend = valley_depth(normal, sight)
+    def _inside(self, buffers: Buffers, distance: Floats) -> list[Line]:
+        """Return the lines inside, given each pixel's ``distance`` to the contours."""
+        side = buffers.side
+        known = buffers.maps.mask & (distance > _BAND * side)
+        normal = smooth_normals(buffers.maps.normal, known, self.smoothing * side)
+        f, slope, bend = valley_depth(normal, buffers.sight)
         bend *= side * side
         deep = known & (f < np.cos(np.deg2rad(self.theta))) & (bend > self.strength / 3)
-        return grow(bend > self.strength, zero_crossings(slope, deep), self.shortest * side)
+        return zero_crossings(slope, bend, deep).lines(self.strength, self.shortest * side)
+
+    def _says_more(self, line: Line, distance: Floats, side: int) -> bool:
+        """Return whether a line keeps away from contours; beside one it would only double it."""
+        return bool(distance[tuple(line.pixels.T)].mean() > self.apart * side)

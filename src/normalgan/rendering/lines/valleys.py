@@ -3,9 +3,9 @@
 import cv2
 import numpy as np
 
-from normalgan.rendering.lines.edges import PAIRS
+from normalgan.rendering.lines.crossings import PAIRS, Crossings, crossings
+from normalgan.rendering.lines.marks import Mark
 from normalgan.rendering.lines.sight import Sight
-from normalgan.rendering.lines.strokes import Mark
 from normalgan.rendering.maps import Floats
 
 _ROUNDING = 1e-6  # a slope of n·v in single precision that is as good as none: planes lie in no valley
@@ -50,16 +50,18 @@ def _along(field: Floats, right: Floats, down: Floats) -> Floats:
     return result
 
 
-def zero_crossings(slope: Floats, valid: Mark) -> Mark:
-    """Return the pixels next to which ``slope`` changes sign between two valid neighbours.
+def zero_crossings(slope: Floats, bend: Floats, valid: Mark) -> Crossings:
+    """Return where ``slope`` changes sign between two valid neighbours, to a fraction of a pixel.
 
-    Of the two the one nearer to zero is marked.
+    Their strength is ``bend`` at the pixel nearer to zero.
     """
-    marks = np.zeros_like(valid)
     size, negative = np.abs(slope), slope < -_ROUNDING
+    pairs = []
     for one, two in PAIRS:
-        crossing = (negative[one] != negative[two]) & valid[one] & valid[two]
-        nearer = size[one] <= size[two]
-        marks[one] |= crossing & nearer
-        marks[two] |= crossing & ~nearer
-    return marks
+        at = np.nonzero((negative[one] != negative[two]) & valid[one] & valid[two])
+        first, other = size[one][at], size[two][at]
+        share = first / np.maximum(first + other, 1e-30)
+        second = first > other
+        strength = np.where(second, bend[two][at], bend[one][at])
+        pairs.append((*at, share.astype(np.float64), strength, second))
+    return crossings((pairs[0], pairs[1]), slope.shape[1])

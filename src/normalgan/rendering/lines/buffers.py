@@ -1,0 +1,66 @@
+"""Buffers: the larger maps that lines are found in, cut down to the object."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.rendering.lines.sight import Sight, sight
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.stroke import Doubles
+from normalgan.rendering.view import View
+
+_MARGIN = 4  # pixels kept about the object, so that filters meet the background before the border
+
+
+@dataclass(frozen=True)
+class Buffers:
+    """The part of a view's maps that the object takes up.
+
+    Args:
+        maps: (H, W) of the part.
+        sight: its lines of sight.
+        corner: (x, y) of its upper left corner in pixels of the whole.
+        side: of the whole in pixels.
+        scale: pixels of the whole to one of the sketch.
+    """
+
+    maps: Maps
+    sight: Sight
+    corner: tuple[int, int]
+    side: int
+    scale: int
+
+    @classmethod
+    def of(cls, view: View, resolution: int) -> Self | None:
+        """Return a view's buffers, ``resolution`` pixels a side or somewhat more; None if nothing is seen.
+
+        A side is a whole multiple of the sketch's, and no smaller than that.
+        """
+        scale = -(-resolution // view.size)
+        whole = view.maps(scale)
+        window = _object_window(whole.mask)
+        if window is None:
+            return None
+        maps = Maps(whole.normal[window], whole.depth[window], whole.mask[window])
+        side = scale * view.size
+        corner = (window[1].start, window[0].start)
+        return cls(maps, sight(view.camera, maps, window, side), corner, side, scale)
+
+    def to_sketch(self, points: Doubles) -> Doubles:
+        """Return points (P, 2) of the part, x right and y down in its pixels, in pixels of the sketch."""
+        placed: Doubles = (points + np.array(self.corner)) / self.scale
+        return placed
+
+
+def _object_window(mask: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+    """Return the rows and columns of the object and a margin: an animal fills a fraction of its frame."""
+    window = []
+    for axis in (1, 0):
+        filled = np.flatnonzero(mask.any(axis))
+        if not len(filled):
+            return None
+        end = mask.shape[1 - axis]
+        window.append(slice(max(int(filled[0]) - _MARGIN, 0), min(int(filled[-1]) + 1 + _MARGIN, end)))
+    return window[0], window[1]

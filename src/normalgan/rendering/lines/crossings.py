@@ -1,0 +1,116 @@
+"""Crossings: where a line passes between two neighbouring pixels, and which crossings follow on another."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.rendering.maps import Floats
+from normalgan.rendering.strokes.chain import Indices, chain
+from normalgan.rendering.strokes.stroke import Doubles
+
+Index = NDArray[np.intp]
+Pair = tuple[tuple[slice, slice], tuple[slice, slice]]
+
+PAIRS: tuple[Pair, Pair] = (
+    ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
+    ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
+)
+"""Each pixel and its right neighbour, each pixel and the one below it."""
+
+
+Crossed = tuple[Index, Index, Doubles, Floats, NDArray[np.bool_]]
+"""Marked pairs along one axis: row and column of the first pixel; how far from its centre to the second's,
+from 0 to 1, the line passes; how strong it is; whether it belongs to the second pixel."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line through the grid of pixels.
+
+    Args:
+        points: (P, 2) x to the right and y downwards in pixels, in order; a closed line ends on its first.
+        pixels: (Q, 2) row and column of the pixels it belongs to.
+    """
+
+    points: Doubles
+    pixels: Indices
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Places where lines pass between two neighbouring pixels.
+
+    Four pixel centres make a cell. A line crosses the sides of cells, each the way from a pixel's centre to
+    its right or lower neighbour's; crossings of one cell belong together. That is marching squares, for any
+    marked pairs of pixels instead of the level sets of a field.
+
+    Args:
+        points: (N, 2) x to the right and y downwards in pixels, pixel centres at halves.
+        cells: (N, 2) numbers of the two cells on either side.
+        strength: (N,) how strong the line is there.
+        pixels: (N, 2) row and column of the pixel, of the two, that the line belongs to.
+    """
+
+    points: Doubles
+    cells: Indices
+    strength: Floats
+    pixels: Indices
+
+    def lines(self, seed: float, shortest: float) -> list[Line]:
+        """Return the lines that the crossings make, the longest first.
+
+        Args:
+            seed: the strength that a line must exceed somewhere.
+            shortest: what a line must span at least, in pixels: the longer side of its bounding box.
+        """
+        points, links = self._links()
+        # Where three lines meet, a point of its own joins them; it has no strength.
+        strength = np.append(self.strength, np.full(len(points) - len(self.points), -np.inf))
+        found = []
+        for path in chain(points, links):
+            place = points[path]
+            if strength[path].max() > seed and np.ptp(place, axis=0).max() >= shortest:
+                found.append(Line(place, self.pixels[path[path < len(self.points)]]))
+        return sorted(found, key=lambda line: -len(line.points))
+
+    def _links(self) -> tuple[Doubles, Indices]:
+        """Return the points and those where three or four lines meet (M, 2), and the links between (L, 2)."""
+        cells = self.cells.ravel()
+        order = np.argsort(cells, kind="stable")
+        _, start, count = np.unique(cells[order], return_index=True, return_counts=True)
+        owner = order // 2
+        two = start[count == 2]
+        links = [np.stack([owner[two], owner[two + 1]], axis=1)]
+        points = [self.points]
+        extra = len(self.points)
+        for many in (3, 4):
+            members = owner[start[count == many][:, None] + np.arange(many)]
+            hub = np.repeat(np.arange(extra, extra + len(members)), many)
+            points.append(self.points[members].mean(axis=1))
+            links.append(np.stack([members.ravel(), hub], axis=1))
+            extra += len(members)
+        return np.concatenate(points), np.concatenate(links)
+
+
+def crossings(pairs: tuple[Crossed, Crossed], width: int) -> Crossings:
+    """Return the crossings of marked pairs of pixels.
+
+    Args:
+        pairs: across the right borders of pixels, and across their lower borders.
+        width: of the picture in pixels.
+    """
+    parts = []
+    for axis, (row, column, share, strength, second) in enumerate(pairs):
+        down, right = (share, 0.0) if axis else (0.0, share)
+        # The cell whose upper left pixel is (r, c) has number (r + 1) (W + 1) + c + 1.
+        cell = (row + 1) * (width + 1) + column + 1
+        parts.append(
+            (
+                np.stack([column + 0.5 + right, row + 0.5 + down], axis=1),
+                np.stack([cell - (1 if axis else width + 1), cell], axis=1),
+                strength,
+                np.stack([row + second * axis, column + second * (1 - axis)], axis=1),
+            )
+        )
+    return Crossings(*(np.concatenate(both) for both in zip(*parts, strict=True)))

@@ -1,0 +1,23 @@
+"""Pens: from lines through pixels to the strokes that draw them."""
+
+from normalgan.rendering.lines.buffers import Buffers
+from normalgan.rendering.lines.crossings import Line
+from normalgan.rendering.strokes.curves import resample, settle, smooth
+from normalgan.rendering.strokes.stroke import Stroke
+
+_SPACING = 1.0  # pixels of the sketch from point to point of a stroke
+_STAIRS = 3.0  # points over which a line known only to pass between two pixels is smoothed
+_JITTER = 1.5  # points over which a line known more precisely is smoothed
+_SLACK = 0.5  # pixels from the border of two pixels to their centres: there, or nearer, it passes
+
+
+def draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:
+    """Return the stroke along a line of which is known between which pixels it passes."""
+    path = settle(line.points, _STAIRS, _SLACK)
+    return Stroke.even(resample(buffers.to_sketch(path), _SPACING), width)
+
+
+def draw_curve(line: Line, buffers: Buffers, width: float) -> Stroke:
+    """Return the stroke along a line whose points are known to a fraction of a pixel."""
+    path = smooth(line.points, _JITTER)
+    return Stroke.even(resample(buffers.to_sketch(path), _SPACING), width)

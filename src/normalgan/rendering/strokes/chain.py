@@ -1,0 +1,124 @@
+"""Chaining: from linked points to paths in order, straight on through junctions."""
+
+from collections import defaultdict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.rendering.strokes.stroke import Doubles
+
+Indices = NDArray[np.int64]
+Piece = list[int]
+End = tuple[int, int]  # a piece and which of its ends: 0 or -1
+
+
+def chain(points: Doubles, links: Indices, reach: float = 6.0, sharpest: float = 60.0) -> list[Indices]:
+    """Return paths that together run once through every link.
+
+    A path goes on through a junction, a point of more than two links, into the path that leaves it most
+    nearly straight on; so where one contour ends on another, the other stays whole.
+
+    Args:
+        points: (N, 2) positions.
+        links: (M, 2) pairs of points, none twice.
+        reach: how far from a junction the direction of what meets there is measured, in units of the points.
+        sharpest: angle in degrees by which a path may turn at a junction.
+
+    Returns:
+        The points of each path in order. A closed one ends on its first point.
+
+    >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]])  # a T upside down
+    >>> [path.tolist() for path in chain(points, np.array([[0, 1], [2, 1], [1, 3]]))]
+    [[0, 1, 2], [1, 3]]
+    """
+    neighbours: list[list[int]] = [[] for _ in range(len(points))]
+    for one, other in links.tolist():
+        neighbours[one].append(other)
+        neighbours[other].append(one)
+    pieces = _pieces(neighbours)
+    partner = _straight_on(points, pieces, neighbours, reach, np.cos(np.deg2rad(sharpest)))
+    return [np.array(path, np.int64) for path in _joined(pieces, partner)]
+
+
+def _pieces(neighbours: list[list[int]]) -> list[Piece]:
+    """Return the paths from junction or end to junction or end, then the loops that meet neither."""
+    inner = [len(near) == 2 for near in neighbours]
+    walked = [False] * len(neighbours)
+    pieces = []
+    for start, near in enumerate(neighbours):
+        if inner[start]:
+            continue
+        for first in near:
+            if not inner[first]:
+                if start < first:
+                    pieces.append([start, first])
+            elif not walked[first]:
+                pieces.append(_walk([start, first], neighbours, inner, walked))
+    for start in range(len(neighbours)):
+        if inner[start] and not walked[start]:
+            walked[start] = True
+            pieces.append([*_walk([start, neighbours[start][0]], neighbours, inner, walked), start])
+    return pieces
+
+
+def _walk(path: Piece, neighbours: list[list[int]], inner: list[bool], walked: list[bool]) -> Piece:
+    """Return ``path`` continued to the next point that is no inner one, or has been walked on."""
+    before, here = path
+    while inner[here]:
+        walked[here] = True
+        one, other = neighbours[here]
+        before, here = here, other if one == before else one
+        if walked[here]:
+            break
+        path.append(here)
+    return path
+
+
+def _straight_on(
+    points: Doubles, pieces: list[Piece], neighbours: list[list[int]], reach: float, least: float
+) -> dict[End, End]:
+    """Return for each end of a piece that goes on through a junction, the end it goes on at."""
+    meeting: dict[int, list[End]] = defaultdict(list)
+    for number, piece in enumerate(pieces):
+        for side in (0, -1):
+            if len(neighbours[piece[side]]) > 2:
+                meeting[piece[side]].append((number, side))
+    partner: dict[End, End] = {}
+    for ends in meeting.values():
+        away = np.array([_direction(points, pieces[number], side, reach) for number, side in ends])
+        straight = -(away @ away.T)
+        pairs = [(straight[i, j], i, j) for j in range(len(ends)) for i in range(j)]
+        for cosine, i, j in sorted(pairs, key=lambda pair: (-pair[0], *pair[1:])):
+            if cosine >= least and ends[i] not in partner and ends[j] not in partner:
+                partner[ends[i]], partner[ends[j]] = ends[j], ends[i]
+    return partner
+
+
+def _direction(points: Doubles, piece: Piece, side: int, reach: float) -> Doubles:
+    """Return the unit vector (2,) from one end of a piece to where it leaves the circle of ``reach``."""
+    some = piece[: int(4 * reach) + 2] if side == 0 else piece[: -int(4 * reach) - 3 : -1]
+    away = points[some] - points[some[0]]
+    distance = np.hypot(away[:, 0], away[:, 1])
+    out = distance >= reach
+    at = int(out.argmax()) if out.any() else int(distance.argmax())
+    unit: Doubles = away[at] / max(distance[at], 1e-12)
+    return unit
+
+
+def _joined(pieces: list[Piece], partner: dict[End, End]) -> list[Piece]:
+    """Return the pieces strung together, from every end that has no partner; then what goes in circles."""
+    done = [False] * len(pieces)
+    paths = []
+    loose = [(number, side) for number in range(len(pieces)) for side in (0, -1)]
+    for start in sorted(loose, key=lambda end: end in partner):
+        if done[start[0]]:
+            continue
+        path: Piece = []
+        end: End | None = start
+        while end is not None and not done[end[0]]:
+            number, side = end
+            done[number] = True
+            path += pieces[number][:: 1 if side == 0 else -1][1 if path else 0 :]
+            end = partner.get((number, -1 - side))
+        paths.append(path)
+    return paths
