@@ -1,0 +1,46 @@
+"""What every mesh of every species must be; for the tests beside this file."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from normalgan.rendering.animals import Animal
+from normalgan.rendering.animals.kinds import SPECIES
+from normalgan.rendering.animals.meshing import to_mesh
+from normalgan.rendering.mesh import Mesh
+
+COARSE = 9_000  # faces of the quick tests
+
+
+def coarse(species: str, seed: int, pose: str | None = None) -> Mesh:
+    """Return one individual with fewer faces than usual: at that size thin parts would break off first."""
+    return to_mesh(species, SPECIES[species].grow(pose, np.random.default_rng(seed)), COARSE)
+
+
+def check_closed(mesh: Mesh) -> trimesh.Trimesh:
+    """Check that the mesh is one closed body of unit radius, and return it."""
+    body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    assert body.is_watertight, mesh.name
+    assert body.body_count == 1, mesh.name
+    assert body.volume > 0, mesh.name  # so the faces are counter-clockwise seen from outside
+    assert np.linalg.norm(mesh.vertices, axis=1).max() == pytest.approx(1, abs=1e-5)
+    return body
+
+
+def check_individuals(species: str) -> None:
+    """Check that two seeds are two closed bodies, and the same seed twice the same to the byte."""
+    first, again, other = coarse(species, 1), coarse(species, 1), coarse(species, 2)
+    assert first.vertices.tobytes() == again.vertices.tobytes()
+    assert first.faces.tobytes() == again.faces.tobytes()
+    one, two = check_closed(first), check_closed(other)
+    pose = SPECIES[species].poses[0]
+    posed = [check_closed(coarse(species, seed, pose)).volume for seed in (1, 2)]
+    assert abs(posed[0] - posed[1]) > 1e-4 * posed[0]
+    assert abs(one.volume - two.volume) > 1e-4 * one.volume
+
+
+def check_full_size(animal: Animal) -> None:
+    """Check an animal at the number of faces that training sees."""
+    mesh = animal.load()
+    check_closed(mesh)
+    assert 15_000 <= len(mesh.faces) <= 45_000, f"{animal.name}: {len(mesh.faces)}"
