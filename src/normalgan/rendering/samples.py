@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
+from normalgan.rendering.media import Medium
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.strokes.raster import rasterise
@@ -49,6 +50,7 @@ class Recipe:
         size: side of the pictures in pixels.
         seed: another seed gives other views.
         hand: who draws it; None draws the exact lines.
+        medium: pen, paper and scanner; None is clean ink on white paper.
 
     Raises:
         InputError: if the size is not positive.
@@ -60,6 +62,7 @@ class Recipe:
     size: int = 256
     seed: int = 0
     hand: Hand | None = None
+    medium: Medium | None = None
 
     def __post_init__(self) -> None:
         """Refuse a picture without pixels."""
@@ -73,6 +76,8 @@ class Recipe:
         if self.hand is not None:
             strokes, maps = self.hand.draw(strokes, maps, self._rng(mesh, index, "hand"))
         ink = rasterise(strokes, self.size)
+        if self.medium is not None:
+            ink = self.medium.apply(ink, self._rng(mesh, index, "medium"))
         return Sample(
             sketch=np.rint(255 * ink).astype(np.uint8),
             normal=maps.normal.astype(np.float16),
@@ -100,7 +105,7 @@ def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generat
         seed: of the recipe.
         name: of the mesh.
         index: of the view.
-        step: ``views`` (the camera), ``lines`` (the style) or ``hand``.
+        step: ``views`` (the camera), ``lines`` (the style), ``hand`` or ``medium``.
 
     Example:
         >>> a, b = sample_rng(0, "horse", 3, "views"), sample_rng(0, "horse", 3, "views")
