@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from normalgan.rendering.animals.chain import bend, fold
 from normalgan.rendering.animals.field import Part, smooth_minimum
-from normalgan.rendering.animals.meshing import fill_voids, to_mesh, unit_sphere
+from normalgan.rendering.animals.meshing import drop_crumbs, fill_voids, to_mesh, unit_sphere
 from normalgan.rendering.animals.sweep import Sweep, segment_distance
 
 
@@ -79,6 +79,16 @@ def test_a_void_is_filled_and_the_outside_is_not() -> None:
     assert filled[4, 4, 4] < 0
     assert filled[0, 0, 0] > 0
     assert np.sum(filled < 0) == 125
+
+
+def test_a_crumb_is_dropped_and_a_body_is_not() -> None:
+    field = np.ones((20, 9, 9), np.float32)
+    field[2:7, 2:7, 2:7] = -1
+    field[9:11, 4:6, 4:6] = -1
+    field[13:18, 2:7, 2:7] = -1
+    kept = drop_crumbs(field)
+    assert np.sum(kept < 0) == 250
+    assert kept[9, 4, 4] > 0
 
 
 def test_the_unit_sphere_is_nearly_the_smallest() -> None:

@@ -14,6 +14,7 @@ from normalgan.rendering.mesh import Mesh
 
 FACES = 32_000  # about the number aimed at
 THINNEST = 1.35  # grid cells: a thinner radius would break up into beads
+CRUMB = 60  # grid cells: what is smaller and hangs on nothing was left over between a part and a hollow
 
 
 def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
@@ -39,7 +40,7 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
     high = np.max([corner[1] for corner in corners], axis=0) + pad
     nx, ny, nz = np.ceil((high - low) / spacing).astype(int) + 1
     field = sample(fine, Grid(low, spacing, (int(nx), int(ny), int(nz))))
-    field = fill_voids(ndimage.gaussian_filter(field, 0.7, truncate=2.9))
+    field = drop_crumbs(fill_voids(ndimage.gaussian_filter(field, 0.7, truncate=2.9)))
     surface = marching_cubes(field, 0.0, allow_degenerate=False)  # type: ignore[no-untyped-call]
     vertices, faces, normals, _ = surface
     normals = _unit(-normals.astype(np.float64))  # scikit-image's run inwards where the outside is positive
@@ -52,6 +53,16 @@ def fill_voids(field: Volume) -> Volume:
     labels, count = ndimage.label(field > 0)
     if count > 1:
         field = np.where((field > 0) & (labels != labels[0, 0, 0]), np.float32(-1e-3), field)
+    return field
+
+
+def drop_crumbs(field: Volume) -> Volume:
+    """Return the field without what is inside but apart from the rest and smaller than `CRUMB` cells."""
+    labels, count = ndimage.label(field < 0)
+    if count > 1:
+        small = np.bincount(labels.ravel()) < CRUMB
+        small[0] = False
+        field = np.where(small[labels], np.float32(1e-3), field)
     return field
 
 
