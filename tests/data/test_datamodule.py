@@ -12,7 +12,7 @@ from torch.utils.data import DataLoader
 from normalgan.batch import Batch
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.dataset import Item
+from normalgan.data.items import Item
 from normalgan.data.shares import EqualShare
 from normalgan.rendering import Mesh
 from small import QUIET, data, gan, trainer

@@ -7,7 +7,8 @@ import torch
 from torch.utils.data import DataLoader
 from toys import Octahedron, recipe
 
-from normalgan.data.dataset import SampleDataset, bytes_per_sample, collate, to_item
+from normalgan.data.dataset import SampleDataset, bytes_per_sample
+from normalgan.data.items import collate, to_item
 from normalgan.data.render import render_samples
 from normalgan.data.shards import ShardedSamples
 from normalgan.errors import InputError

@@ -1,7 +1,6 @@
-"""SampleDataset: the stored samples of one split as tensors, and how they make a batch."""
+"""SampleDataset: the stored samples of one split as tensors."""
 
-from collections.abc import Sequence
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 import torch
@@ -9,23 +8,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from normalgan.batch import Batch
+from normalgan.data.items import Item, to_item
 from normalgan.data.layout import ARRAYS
 from normalgan.data.shards import ShardedSamples
-from normalgan.metrics import unit_vectors
-
-
-class Item(TypedDict):
-    """One sample; see `Batch` for the axes and ranges."""
-
-    sketch: Tensor
-    """(1, H, W)"""
-    normal: Tensor
-    """(3, H, W)"""
-    mask: Tensor
-    """(1, H, W)"""
-    name: str
-    """Mesh and number of the view, such as ``horse-0001/17``."""
 
 
 class SampleDataset(Dataset[Item]):
@@ -59,30 +44,6 @@ class SampleDataset(Dataset[Item]):
             sample = self.store.read(index)
             arrays = {name: torch.from_numpy(np.array(getattr(sample, name))) for name in ARRAYS}
         return to_item(arrays["sketch"], arrays["normal"], arrays["mask"], self.store.name(index))
-
-
-def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str) -> Item:
-    """Return a stored sample as the network takes it, its normals of unit length again on the object.
-
-    Args:
-        sketch: (H, W) uint8, ink 255.
-        normal: (H, W, 3) of any float type.
-        mask: (H, W) bool.
-        name: what the sample is called.
-    """
-    on = mask[None].float()
-    unit = unit_vectors(normal.permute(2, 0, 1)[None])[0]
-    return {"sketch": sketch[None].float() / 255, "normal": unit * on, "mask": on, "name": name}
-
-
-def collate(items: Sequence[Item]) -> Batch:
-    """Return the samples stacked to a batch."""
-    return {
-        "sketch": torch.stack([item["sketch"] for item in items]),
-        "normal": torch.stack([item["normal"] for item in items]),
-        "mask": torch.stack([item["mask"] for item in items]),
-        "name": [item["name"] for item in items],
-    }
 
 
 def bytes_per_sample(size: int) -> int:

@@ -3,7 +3,8 @@
 import torch
 from torch.utils.data import Dataset, DistributedSampler
 
-from normalgan.data.dataset import Item, SampleDataset
+from normalgan.data.dataset import SampleDataset
+from normalgan.data.items import Item
 
 
 class EqualShare(Dataset[Item]):

@@ -11,6 +11,7 @@ from normalgan.rendering.animals import herd
 def find_sources(
     meshes: str | list[str] | None,
     animals: int,
+    species: Sequence[str],
     seed: int,
     orientation: str | None,
     crease_angle: float | None,
@@ -20,15 +21,17 @@ def find_sources(
     Args:
         meshes: a folder, a glob or a list of mesh files; None for the animals.
         animals: how many animals.
+        species: groups and species that the animals are of, in turn.
         seed: of the animals.
         orientation: file that says how the meshes are turned upright.
         crease_angle: degrees from which an edge is sharp; None shades everything smooth.
 
     Raises:
-        InputError: if nothing is found, names clash, or the orientation cannot be used.
+        InputError: if nothing is found, names clash, there is no such species, or the orientation cannot be
+            used.
     """
     if meshes is None:
-        return [*herd(animals, seed)]
+        return [*herd(animals, seed, species)]
     return [*find_meshes(meshes, orientation, crease_angle)]
 
 

@@ -1,0 +1,102 @@
+"""Loaders: from samples to batches, in this process or in workers beside it."""
+
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
+
+from normalgan.data.dataset import SampleDataset
+from normalgan.data.items import Item, collate
+from normalgan.data.shares import EqualShare
+from normalgan.data.stream import FreshViews, StreamDataset
+from normalgan.data.threads import one_thread_each
+
+Samples = SampleDataset | StreamDataset
+
+
+class SpawningLoader(DataLoader[Item]):
+    """A DataLoader whose workers can render: spawned, with one thread each.
+
+    A process forked after an OpenGL context was made hangs when it renders, and one forked from a process
+    with threads, as torch has them, may wait for ever for a lock.
+    """
+
+    def __iter__(self) -> Any:
+        """Return the iterator; it starts the workers, unless they run already."""
+        with one_thread_each():
+            return super().__iter__()
+
+
+@dataclass(frozen=True)
+class Loaders:
+    """Makes the loaders of one of several processes that train side by side.
+
+    Args:
+        batch_size: samples a batch.
+        workers: processes that load or render; 0 for none besides this one.
+        replicas: how many processes train.
+        rank: which one this is, from 0.
+    """
+
+    batch_size: int
+    workers: int
+    replicas: int = 1
+    rank: int = 0
+
+    def shuffled(self, dataset: Samples, seed: int, epoch: int) -> DataLoader[Item]:
+        """Return a loader of this process's share, its order made of the seed and the epoch alone.
+
+        Args:
+            dataset: the samples of all processes.
+            seed: of the order.
+            epoch: the one that training is in; later ones are set by Lightning. It sets this one too late
+                for workers, which begin as soon as there is an iterator.
+        """
+        sampler: FreshViews | DistributedSampler[Item]
+        if isinstance(dataset, StreamDataset):
+            sampler = FreshViews(dataset, seed, self.batch_size, self.replicas, self.rank)
+        else:
+            # Serves a single process too: its order does not come from global state, which a resumed run
+            # does not have.
+            sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
+        sampler.set_epoch(epoch)
+        whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
+        return self._loader(dataset, sampler, drop_last=whole)
+
+    def in_order(self, dataset: SampleDataset) -> DataLoader[Item]:
+        """Return a loader of this process's share, to be measured."""
+        if self.replicas == 1:
+            return self._loader(dataset)
+        share = EqualShare(dataset, self.replicas, self.rank)
+        return self._loader(share, share.in_order())
+
+    def chosen(self, dataset: Samples, indices: Sequence[int]) -> DataLoader[Item]:
+        """Return a loader of some samples, the same ones for every process."""
+        return self._loader(dataset, indices)
+
+    def _loader(
+        self,
+        dataset: Dataset[Item],
+        sampler: Sampler[Any] | Sequence[int] | None = None,
+        drop_last: bool = False,
+    ) -> DataLoader[Item]:
+        renders = isinstance(dataset, StreamDataset)
+        return (SpawningLoader if renders else DataLoader)(
+            dataset,
+            batch_size=self.batch_size,
+            sampler=sampler,
+            num_workers=self.workers,
+            collate_fn=collate,
+            drop_last=drop_last,
+            persistent_workers=self.workers > 0,
+            pin_memory=torch.cuda.is_available(),
+            multiprocessing_context="spawn" if renders and self.workers else None,
+            worker_init_fn=_leave_ctrl_c_to_the_parent if renders else None,
+        )
+
+
+def _leave_ctrl_c_to_the_parent(_: int) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,0 +1,34 @@
+"""The mean normal map of a split: what can be said of a pixel before any sketch is seen."""
+
+from collections.abc import Iterable
+
+import torch
+from torch import Tensor
+
+from normalgan.batch import Batch
+from normalgan.metrics import unit_vectors
+
+ENOUGH = 1024
+"""Samples of an endless split that its mean is taken over; at each pixel its error is about 1/32."""
+
+
+def mean_of_maps(batches: Iterable[Batch], size: int) -> Tensor:
+    """Return the mean of the normal maps, (3, H, W) of unit length, 0 where no object ever is.
+
+    Args:
+        batches: all samples, each once.
+        size: H and W.
+    """
+    total = torch.zeros(3, size, size, dtype=torch.float64)
+    for batch in batches:
+        total += batch["normal"].double().sum(dim=0)
+    return unit_vectors(total[None])[0].float()
+
+
+def evenly(count: int, most: int = ENOUGH) -> list[int]:
+    """Return numbers below ``count``, evenly spread: all of them if they are not too many.
+
+    >>> evenly(10, most=4)
+    [0, 2, 5, 7]
+    """
+    return list(range(count)) if count <= most else [i * count // most for i in range(most)]

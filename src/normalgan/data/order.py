@@ -1,0 +1,60 @@
+"""Order: which view of which mesh comes when, if samples are rendered while training."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from normalgan.seeds import derive_seed
+
+VIEWS_AT_ONCE = 16
+"""A mesh comes back for up to so many views, and may be forgotten after them."""
+
+LANES = 24
+"""Batches in a row before the first one's meshes return: a number that most numbers of workers divide."""
+
+
+class Ticket(NamedTuple):
+    """A sample to be rendered; with it, all that a worker must be told.
+
+    Args:
+        mesh: number of the mesh.
+        view: number of the view, which no other epoch has.
+    """
+
+    mesh: int
+    view: int
+
+
+def order_of_epoch(
+    meshes: int, views: int, epoch: int, seed: int, batch_size: int, replicas: int = 1
+) -> Iterator[Ticket]:
+    """Yield every mesh's views ``epoch * views`` to ``(epoch + 1) * views - 1``, shuffled.
+
+    To load a mesh takes as long as a dozen views of it, so its views should not lie scattered over the
+    epoch; but a batch should show many meshes. The views of each mesh are therefore cut into groups, and the
+    groups shuffled. A row holds one view of each of the next ``LANES * replicas * batch_size`` groups; the
+    next row another view of the same groups in the same order, until they are used up and the next groups
+    come. So a batch shows as many groups as it has samples, its neighbours show others, and the same meshes
+    return every ``LANES`` batches. A DataLoader deals batches out to its workers in rotation: if their number
+    divides ``LANES``, these batches all go to one worker, and a mesh is loaded once for a whole group.
+
+    The order does not depend on the number of workers.
+
+    Args:
+        meshes: how many there are.
+        views: of each mesh an epoch.
+        epoch: from 0.
+        seed: another seed gives another order, but no other samples.
+        batch_size: samples a batch.
+        replicas: processes that train side by side, each on every n-th batch.
+    """
+    parts = -(-views // VIEWS_AT_ONCE)
+    groups = np.random.default_rng(derive_seed("order", seed, epoch)).permutation(meshes * parts)
+    abreast = LANES * replicas * batch_size
+    for start in range(0, len(groups), abreast):
+        mesh, part = np.divmod(groups[start : start + abreast], parts)
+        for offset in range(0, views, parts):
+            view = offset + part
+            for m, v in zip(mesh[view < views].tolist(), view[view < views].tolist(), strict=True):
+                yield Ticket(m, epoch * views + v)

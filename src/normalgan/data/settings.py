@@ -1,0 +1,123 @@
+"""DataSettings: what samples there are, as a user sets it, checked."""
+
+from functools import cached_property
+
+from lightning.pytorch import LightningDataModule
+
+from normalgan.data.augmentation import Augmentation
+from normalgan.data.sources import find_sources, split_sources
+from normalgan.errors import InputError
+from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
+from normalgan.rendering.lines import LineDrawing, SuggestiveContours
+from normalgan.rendering.samples import Recipe
+
+
+class DataSettings(LightningDataModule):
+    """The settings of the data, and what follows from them at once: recipe, and meshes of each split.
+
+    Args:
+        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
+            embedded procedural animals.
+        animals: how many embedded animals there are, if no meshes are given.
+        species: groups (such as quadrupeds or birds) and species that the embedded animals are of, in turn.
+        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
+        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
+        split_file: JSON file that lists the train, val and test meshes; None splits by fractions.
+        fractions: shares of train, val and test meshes, if there is no split file.
+        split_seed: which meshes go where, if there is no split file.
+        views: where the objects are looked at from.
+        renderer: what turns a mesh and a camera into maps.
+        lines: the style of the sketches.
+        size: side of the pictures in pixels.
+        train_views: views of each training mesh; on the fly, of each epoch.
+        val_views: views of each validation mesh.
+        test_views: views of each test mesh.
+        on_the_fly: render training samples while training, in ``workers``, other views every epoch, and
+            keep none; if not, they are rendered once and kept, as those to validate and test always are.
+        cache: folder or URL where rendered samples are kept.
+        render_workers: processes that render what is kept, side by side; 0 renders in this one.
+        batch_size: samples a batch.
+        workers: processes that load samples, or render them on the fly; 0 does it in this one: enough for
+            samples that fit in memory.
+        memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
+            fly, what the meshes may take in all workers together.
+        augmentation: random changes of training samples; None for none.
+        seed: of the animals, the views, the order of training samples and the augmentation.
+        sketches: a folder, a glob or a list of drawings, for predict.
+        hints: folder of hint pictures for the drawings: normals painted on transparent PNGs.
+    """
+
+    def __init__(
+        self,
+        meshes: str | list[str] | None = None,
+        animals: int = 24,
+        species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
+        orientation: str | None = None,
+        crease_angle: float | None = None,
+        split_file: str | None = None,
+        fractions: tuple[float, float, float] = (0.7, 0.1, 0.2),
+        split_seed: int = 0,
+        views: Views = Views(),  # noqa: B008  # frozen
+        renderer: Renderer = EmbreeRenderer(),  # noqa: B008
+        lines: LineDrawing = SuggestiveContours(),  # noqa: B008
+        size: int = 256,
+        train_views: int = 100,
+        val_views: int = 20,
+        test_views: int = 20,
+        on_the_fly: bool = False,
+        cache: str = "cache",
+        render_workers: int = 2,
+        batch_size: int = 8,
+        workers: int = 0,
+        memory: int = 2 * 1024**3,
+        augmentation: Augmentation | None = None,
+        seed: int = 0,
+        sketches: str | list[str] | None = None,
+        hints: str | None = None,
+    ) -> None:
+        super().__init__()
+        for name, number in {"animals": animals, "batch_size": batch_size}.items():
+            if number < 1:
+                raise InputError(f"data.{name} must be 1 or more, not {number}.")
+        for name, number in {"render_workers": render_workers, "workers": workers, "memory": memory}.items():
+            if number < 0:
+                raise InputError(f"data.{name} must be 0 or more, not {number}.")
+        self.meshes = meshes
+        self.animals = animals
+        self.species = species
+        self.orientation = orientation
+        self.crease_angle = crease_angle
+        self.split_file = split_file
+        self.fractions = fractions
+        self.split_seed = split_seed
+        self.recipe = Recipe(views=views, renderer=renderer, lines=lines, size=size, seed=seed)
+        self.views_per_mesh = {"train": train_views, "val": val_views, "test": test_views}
+        self.on_the_fly = on_the_fly
+        self.cache = cache
+        self.render_workers = render_workers
+        self.batch_size = batch_size
+        self.workers = workers
+        self.memory = memory
+        self.augmentation = augmentation
+        self.seed = seed
+        self.sketches = sketches
+        self.hints = hints
+
+    @cached_property
+    def sources(self) -> dict[str, list[MeshSource]]:
+        """The meshes of each split.
+
+        Raises:
+            InputError: if a mesh, the split or the orientation cannot be used.
+        """
+        found = find_sources(
+            self.meshes, self.animals, self.species, self.seed, self.orientation, self.crease_angle
+        )
+        return split_sources(found, self.split_file, self.fractions, self.split_seed)
+
+    @property
+    def kept(self) -> dict[str, list[MeshSource]]:
+        """The meshes of the splits whose samples are kept: all, or all but those to train on the fly."""
+        return {
+            name: part for name, part in self.sources.items() if not (self.on_the_fly and name == "train")
+        }

@@ -1,0 +1,69 @@
+"""Which meshes can be used; found out before training, so that a bad one fails alone and at once."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+
+from normalgan.data.manifest import fingerprints
+from normalgan.data.storage import Storage
+from normalgan.data.workers import Workers
+from normalgan.errors import InputError, brief
+from normalgan.rendering.mesh import MeshSource
+from normalgan.rendering.samples import RENDERING_VERSION
+
+
+def find_unusable(cache: str, sources: Sequence[MeshSource], workers: int = 0) -> dict[str, str]:
+    """Return why meshes cannot be used, by name; those that can be are not in it.
+
+    Only loading can tell, which takes up to a second a mesh. So the answer is kept in the cache, as
+    ``meshes/<key>.json`` under a hash of the meshes' fingerprints, where a resumed run finds it, and every
+    process that trains.
+
+    Args:
+        cache: folder or URL of all data sets.
+        sources: the meshes.
+        workers: processes to load in, 0 for this one alone.
+
+    Raises:
+        InputError: if the cache cannot be written to, or a worker is killed.
+    """
+    prints = [RENDERING_VERSION, fingerprints({"": sources})[""]]
+    path = f"{hashlib.sha256(json.dumps(prints).encode()).hexdigest()[:24]}.json"
+    folder = Storage(cache) / "meshes"
+    try:
+        return dict(json.loads(folder.read(path) or b"")["left_out"])
+    except (ValueError, TypeError, KeyError):  # not asked yet, or damaged
+        pass
+    with Workers(workers) as pool:
+        reasons = {source.name: why for source, why in pool.run(_trouble, sources) if why is not None}
+    left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
+    folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
+    return left_out
+
+
+def leave_out(sources: Sequence[MeshSource], reasons: Mapping[str, str], split: str) -> list[MeshSource]:
+    """Return the meshes that can be used.
+
+    Args:
+        sources: the meshes.
+        reasons: why some of them cannot be used, by name.
+        split: what they are for.
+
+    Raises:
+        InputError: if none is left.
+    """
+    usable = [source for source in sources if source.name not in reasons]
+    if not usable:
+        first = reasons[sources[0].name] if sources else "there is none."
+        raise InputError(f"none of the {len(sources)} meshes for {split} can be used; the first: {first}")
+    return usable
+
+
+def _trouble(source: MeshSource) -> str | None:
+    try:
+        source.load()
+    except InputError as error:
+        return str(error)
+    except Exception as error:  # whatever a source of somebody else's raises
+        return f"{type(error).__name__}: {brief(error)}."
+    return None
