@@ -16,11 +16,12 @@ LAYERS = (
     {"data", "gan"},
     {"callbacks", "plugins"},
     {"parser"},
-    {"cli"},
+    {"cli", "commands"},
     {"__main__"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 LIGHT = ("errors", "normals", "registry", "rendering", "drawings", "framing", "gallery", "mistakes")
+LIGHT += ("commands",)
 """Rooms that never import torch."""
 
 

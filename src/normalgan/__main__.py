@@ -7,6 +7,7 @@ import difflib
 import errno
 import os
 import sys
+from importlib import import_module
 
 from normalgan import __version__
 from normalgan.errors import InputError, RunError, brief
@@ -22,10 +23,14 @@ Commands:
   test       measure a checkpoint on the test split: table, baselines, gallery
   predict    paint normal maps for sketches of your own
   render     only render the training samples to disk
+  sketch     draw a mesh from a view, as SVG or PNG
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
 """
-COMMANDS = ("fit", "validate", "test", "predict", "render")
+TRAINING = ("fit", "validate", "test", "predict", "render")
+LIGHT = {"sketch": "normalgan.commands.sketch"}
+"""The commands that need neither torch nor Lightning, and the module of each, which has a ``run``."""
+COMMANDS = (*TRAINING, *LIGHT)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -44,6 +49,8 @@ def main(arguments: list[str] | None = None) -> int:
     if arguments[0] not in COMMANDS:
         return _fail(_unknown(arguments[0]), 2)
     try:
+        if arguments[0] in LIGHT:
+            return int(import_module(LIGHT[arguments[0]]).run(arguments[1:]))
         from normalgan.cli import run  # late: lightning takes seconds to import
 
         return run(arguments)

@@ -23,7 +23,7 @@ from normalgan.checkpoints import (
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
-from normalgan.mistakes import check_config
+from normalgan.mistakes import check_config, refusal
 from normalgan.parser import Parser
 from normalgan.plugins import REGISTRIES
 from normalgan.quiet import be_quiet
@@ -136,7 +136,7 @@ class NormalGANCLI(LightningCLI):
         except InputError:
             raise
         except (MisconfigurationException, ValueError, TypeError) as error:
-            raise InputError(f"a setting cannot be used: {brief(error)}") from error
+            raise InputError(f"a setting cannot be used: {refusal(error)}") from error
 
 
 def run(arguments: list[str]) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, brief
 from normalgan.registry import Registry
 
 _KINDS = {
@@ -61,6 +61,24 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     if key and wanted:
         return f"{where}expected {' or '.join(wanted)}, not {_given(message)}."
     return " ".join(message.replace(" - ", " ").split())
+
+
+def refusal(error: Exception) -> str:
+    r"""Return what a class says of settings that it does not take, in one sentence.
+
+    jsonargparse tells it among the reasons why each of the other types a setting may have did not do.
+
+    >>> tried = "Does not validate against any of the Union subtypes\n  - size is 0.\n  - Expected a None"
+    >>> refusal(ValueError(tried))
+    'size is 0.'
+    >>> refusal(TypeError("width is missing\nlong story"))
+    'width is missing'
+    """
+    if "Union subtypes" not in str(error):
+        return brief(error)
+    reasons = re.findall(r"^ *- (.+)$", str(error), re.MULTILINE)
+    own = [reason for reason in reasons if not reason.startswith(("Expected", "Does not validate"))]
+    return own[0] if own else brief(error)
 
 
 def did_you_mean(given: str, known: Iterable[str]) -> str:

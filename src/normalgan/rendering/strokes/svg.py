@@ -1,12 +1,14 @@
-"""Strokes as SVG: one path a stroke, to be edited in any vector program; numpy only."""
+"""Strokes as SVG: one path a stroke, to be edited in any vector program."""
 
 from collections.abc import Sequence
 
 import numpy as np
+from skimage.measure import approximate_polygon
 
 from normalgan.rendering.strokes.outline import outline
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+_EXACT = 0.05  # pixels; points nearer than this to the line between their neighbours say nothing
 _EVEN = 0.01  # pixels; a pen pressed so evenly draws a line of one width
 
 
@@ -53,6 +55,7 @@ def _path(stroke: Stroke) -> str:
 
 
 def _data(points: Doubles) -> str:
+    points = approximate_polygon(points, _EXACT)
     return "M" + "L".join(f"{_number(x)} {_number(y)}" for x, y in points)
 
 

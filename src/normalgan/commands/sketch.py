@@ -1,0 +1,159 @@
+"""normalgan sketch: draws a mesh from a view in a style, as SVG or PNG."""
+
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jsonargparse import Namespace
+
+from normalgan.commands.light_parser import PLUGINS, LightParser
+from normalgan.errors import InputError, unwritable
+from normalgan.mistakes import did_you_mean, refusal
+from normalgan.normals import paint_flat, write_bytes, write_png
+from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
+from normalgan.rendering.animals import SPECIES, Animal
+from normalgan.rendering.hand import Hand
+from normalgan.rendering.lines import LineDrawing, SuggestiveContours
+from normalgan.rendering.loading import SUFFIXES
+from normalgan.rendering.maps import Floats
+from normalgan.rendering.media import Medium
+from normalgan.rendering.strokes import rasterise
+from normalgan.rendering.strokes.svg import to_svg
+from normalgan.rendering.view import View
+from normalgan.rendering.views import framed, look_at_origin
+
+
+def run(arguments: list[str]) -> int:
+    """Draw what the arguments ask for and return the exit code.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+    """
+    for registry in PLUGINS.values():
+        registry.load_entry_points()
+    parser = build_parser()
+    try:
+        settings = parser.instantiate(parser.parse_args(arguments))
+    except SystemExit as stop:  # --help
+        return int(stop.code or 0)
+    except InputError:
+        raise
+    except (ValueError, TypeError) as error:
+        raise InputError(f"a setting cannot be used: {refusal(error)}") from error
+    draw(settings)
+    return 0
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan sketch",
+        usage="%(prog)s MESH [-o FILE.svg|FILE.png] [--SETTING VALUE]...",
+        description="Draw a mesh from a view in a style.",
+    )
+    parser.add_argument(
+        "mesh",
+        help="a mesh file, or an embedded animal: a species such as horse, or one of its kind: horse-7",
+    )
+    parser.add_argument("-o", "--output", default="sketch.svg", help="where the drawing goes, .svg or .png")
+    parser.add_argument("--normal", type=str | None, help="where its normal map goes, .png; null for nowhere")
+    parser.add_argument("--size", type=int, default=512, help="side of the drawing in pixels")
+    parser.add_argument("--azimuth", type=float, default=45.0, help="degrees from the front, +Z, towards +X")
+    parser.add_argument("--elevation", type=float, default=15.0, help="degrees above the horizon")
+    parser.add_argument("--roll", type=float, default=0.0, help="degrees counter-clockwise")
+    parser.add_argument(
+        "--field_of_view", type=float | None, help="degrees the object takes up; null is orthographic"
+    )
+    parser.add_argument("--margin", type=float, default=0.06, help="share of the side left free around it")
+    parser.add_argument("--orientation", type=str | None, help="JSON file that says how the mesh is turned")
+    parser.add_argument("--crease_angle", type=float | None, help="degrees from which an edge is sharp")
+    parser.add_argument("--lines", type=LineDrawing, help="the style")
+    parser.add_argument("--renderer", type=Renderer, help="of the maps")
+    parser.add_argument("--hand", type=Hand | None, help="who draws; null draws the exact lines")
+    parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; null is clean ink")
+    parser.add_argument("--seed", type=int, default=0, help="of the style's choices, the hand and the medium")
+    defaults = {"lines": SuggestiveContours, "renderer": EmbreeRenderer}
+    parser.set_defaults({name: {"class_path": cls.__name__} for name, cls in defaults.items()})
+    return parser
+
+
+def draw(settings: Namespace) -> None:
+    """Draw and write the files.
+
+    Args:
+        settings: as `build_parser` gives them, with the classes built.
+
+    Raises:
+        InputError: if they cannot be used or the files not be written.
+    """
+    kind = _check(settings)
+    mesh = find_source(settings.mesh, settings.orientation, settings.crease_angle).load()
+    rotation = look_at_origin(settings.azimuth, settings.elevation, settings.roll)
+    camera = framed(mesh.vertices, rotation, settings.field_of_view, settings.margin)
+    settings.renderer.check()
+    view = View(mesh, camera, settings.renderer, settings.size)
+    style, hand, paper = np.random.default_rng(settings.seed).spawn(3)
+    strokes, maps = settings.lines.trace(view, style), view.maps()
+    if settings.hand is not None:
+        strokes, maps = settings.hand.draw(strokes, maps, hand)
+    try:
+        if kind == ".svg":
+            write_bytes(settings.output, to_svg(strokes, settings.size).encode())
+        else:
+            ink = rasterise(strokes, settings.size)
+            write_bytes(settings.output, _png(settings.medium.apply(ink, paper) if settings.medium else ink))
+        if settings.normal is not None:
+            write_png(settings.normal, paint_flat(maps.normal, maps.mask))
+    except OSError as error:
+        raise unwritable(
+            f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
+        ) from error
+    print(settings.output, *([settings.normal] if settings.normal else []), sep="\n")
+
+
+def find_source(name: str, orientation: str | None = None, crease_angle: float | None = None) -> MeshSource:
+    """Return the mesh file of this name or, if there is none, the embedded animal.
+
+    Raises:
+        InputError: if it is neither.
+    """
+    animal = re.fullmatch(r"([a-z_]+)(?:-(\d{1,9}))?", name)
+    if animal and not Path(name).exists():
+        if animal[1] not in SPECIES:
+            raise InputError(
+                f"{name} is neither a mesh file ({', '.join(sorted(SUFFIXES))}) nor an embedded "
+                f"animal.{did_you_mean(animal[1], SPECIES)} The animals: {', '.join(SPECIES)}."
+            )
+        return Animal(animal[1], int(animal[2] or 0))
+    return find_meshes([name], orientation, crease_angle)[0]
+
+
+def _check(settings: Namespace) -> str:
+    """Return the suffix of the drawing's file, or raise `InputError` if the settings do not go together."""
+    kind = Path(settings.output).suffix.lower()
+    if kind not in {".svg", ".png"}:
+        raise InputError(f"the drawing {settings.output} is to be a .svg or a .png.")
+    if settings.normal is not None and Path(settings.normal).suffix.lower() != ".png":
+        raise InputError(f"the normal map {settings.normal} is to be a .png.")
+    if kind == ".svg" and settings.medium is not None:
+        raise InputError(
+            f"a medium is made of pixels; write {settings.output} as .png, or leave the medium out."
+        )
+    if not 8 <= settings.size <= 8192:
+        raise InputError(f"size is {settings.size}; a drawing has 8 to 8192 pixels a side.")
+    if not 0 <= settings.margin < 0.5:
+        raise InputError(f"margin is {settings.margin}; it must lie from 0 to below 0.5.")
+    if settings.field_of_view is not None and not 1 <= settings.field_of_view <= 120:
+        raise InputError(
+            f"field_of_view is {settings.field_of_view}; it must lie from 1 to 120 degrees, or be null."
+        )
+    if settings.seed < 0:
+        raise InputError(f"seed is {settings.seed}; it must be 0 or more.")
+    return kind
+
+
+def _png(ink: Floats) -> bytes:
+    """Return black ink on white paper."""
+    _, buffer = cv2.imencode(".png", np.rint(255 * (1 - ink)).astype(np.uint8))
+    return buffer.tobytes()
