@@ -131,7 +131,8 @@ def _framed(distortion: Distortion, maps: Maps) -> Distortion:
     if not len(rows):
         return distortion
     before = (np.stack([columns, rows], axis=1) + 0.5) / max(maps.mask.shape)
-    after = distortion.move(before[:: 1 + len(before) // 250])
+    every = 1 + len(rows) // 300  # some hundreds tell the extent
+    after = distortion.move(before[(rows % every == 0) | (columns % every == 0)])
     (low, high), (left, right) = ((p.min(axis=0), p.max(axis=0)) for p in (before, after))
     zoom = float((high - low).max() / max(float((right - left).max()), 1e-9))
     return Distortion(distortion.matrix, distortion.bends, zoom, (low + high - zoom * (left + right)) / 2)

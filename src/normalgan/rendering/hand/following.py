@@ -44,7 +44,7 @@ def _sample(maps: Maps, x: Floats, y: Floats, at: Indices) -> tuple[Floats, Floa
     They are taken where ``x`` and ``y`` (H, W) say, in pixels of the maps, at the flat indices ``at``.
     """
     height, width = maps.mask.shape
-    normal = cv2.remap(maps.normal, x, y, cv2.INTER_LINEAR).reshape(-1, 3)[at]
+    normal: Floats = cv2.remap(maps.normal, x, y, cv2.INTER_LINEAR).reshape(-1, 3)[at].astype(np.float32)
     x, y = x.reshape(-1)[at], y.reshape(-1)[at]
     left, top = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
     inside = (left >= 0) & (top >= 0) & (left < width - 1) & (top < height - 1)
@@ -61,7 +61,7 @@ def _one_surface(maps: Maps) -> NDArray[np.bool_]:
     spread = cv2.dilate(maps.normal, square, anchor=corner) - cv2.erode(maps.normal, square, anchor=corner)
     alike = cv2.inRange(spread, (-1.0,) * 3, (_ALIKE,) * 3)
     whole = cv2.erode(maps.mask.astype(np.uint8), square, anchor=corner)
-    one: NDArray[np.bool_] = (alike & whole) > 0
+    one: NDArray[np.bool_] = (alike > 0) & (whole > 0)
     return one
 
 

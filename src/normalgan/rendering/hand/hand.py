@@ -42,7 +42,7 @@ class Hand:
         proportion: how wrong the ratio of height to width is, and the shear (standard deviation).
         cuts: how often the pen is lifted on the length of a side, at corners mostly.
         simplification: standard deviation of the rounding off of detail.
-        missed: chance that a short stroke inside is left out; of the outline a quarter of it.
+        missed: chance that a short stroke is left out; a long one inside seldom, of the outline hardly ever.
         missed_parts: how many parts are not drawn on the length of a side.
         repeats: share of strokes that are drawn over a second time, beside the first.
         drift: how far a stroke as a whole is off its place (standard deviation).
@@ -63,21 +63,21 @@ class Hand:
     strength: tuple[float, float] = (0.0, 1.0)
     distortion: float = 0.02
     proportion: float = 0.08
-    cuts: float = 1.5
-    simplification: float = 0.012
-    missed: float = 0.3
-    missed_parts: float = 0.15
+    cuts: float = 1.0
+    simplification: float = 0.014
+    missed: float = 0.6
+    missed_parts: float = 0.06
     repeats: float = 0.12
-    drift: float = 0.006
+    drift: float = 0.0045
     wobble: float = 0.0025
     tremor: float = 0.0006
-    overshoot: float = 0.012
-    gaps: float = 0.012
-    pressure: float = 0.2
-    fade: float = 0.25
+    overshoot: float = 0.008
+    gaps: float = 0.006
+    pressure: float = 0.16
+    fade: float = 0.2
     taper: float = 0.4
     slowness: float = 0.2
-    pen: tuple[float, float] = (0.8, 2.2)
+    pen: tuple[float, float] = (0.9, 2.4)
 
     def __post_init__(self) -> None:
         """Refuse what no hand can do."""
@@ -162,7 +162,8 @@ class Hand:
         if self.overshoot or self.gaps:
             lengths = self.overshoot * side, self.gaps * side
             drawing = [miss_ends(stroke, *lengths, step, ending) for stroke in drawing]
-        amplitudes = [side * share for share in (self.drift, self.wobble, self.tremor)]
-        drawing = stray(drawing, amplitudes, step, side, straying)
         how = self.pressure, self.fade, self.taper, self.slowness
-        return press(drawing, *how, step, side, pressing) if any(how) else drawing
+        if any(how):
+            drawing = press(drawing, *how, step, side, pressing)
+        amplitudes = [side * share for share in (self.drift, self.wobble, self.tremor)]
+        return stray(drawing, amplitudes, step, side, straying) if any(amplitudes) else drawing

@@ -7,8 +7,7 @@ import numpy as np
 from normalgan.rendering.hand.curves import piece
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
-_OUTLINE = 0.25  # how likely a stroke of the outline is forgotten, compared with one inside
-_LONG = 0.5  # of the side: a stroke so long is forgotten e times less often than a short one
+_OUTLINE, _INSIDE = 0.05, 0.3  # of the side: strokes so long are forgotten e times less often than short ones
 _GAP = 0.05  # of the side: mean length of a part that is not drawn
 _SHORTEST = 0.012  # of the side: what is left of a stroke and shorter is not drawn either
 
@@ -23,14 +22,14 @@ def forget(
     Args:
         strokes: the drawing.
         interior: of each stroke, the share that lies away from the silhouette.
-        chance: that a short stroke inside is missed.
+        chance: that a very short stroke is missed.
         side: of the frame in pixels.
         rng: source of randomness.
     """
     if not strokes:
         return []
     length = np.array([stroke.length for stroke in strokes])
-    missed = chance * (_OUTLINE + (1 - _OUTLINE) * interior) * np.exp(-length / (_LONG * side))
+    missed = chance * np.exp(-length / side / (_OUTLINE + (_INSIDE - _OUTLINE) * interior))
     kept = rng.random(len(strokes)) >= missed
     kept[length.argmax()] = True
     return [stroke for stroke, keep in zip(strokes, kept, strict=True) if keep]

@@ -41,8 +41,8 @@ def press(
     if not counts:
         return []
     along, own = rng.spawn(2)
-    force = 0.8 * smooth_noise(counts, step, _WAVELENGTH * side, 1, along)[:, 0]
-    force += 0.6 * np.repeat(own.standard_normal(len(counts)), counts)  # 0.8² + 0.6² = 1
+    force = 0.92 * smooth_noise(counts, step, _WAVELENGTH * side, 1, along)[:, 0]
+    force += 0.4 * np.repeat(own.standard_normal(len(counts)), counts)  # 0.92² + 0.4² = 1
     reach = max(1, round(_LOOK * side / step))
     pressed = []
     for stroke, f in zip(strokes, np.split(force, np.cumsum(counts)[:-1]), strict=True):
