@@ -1,0 +1,105 @@
+"""Brush: strokes that swell and thin with the shading, as a brush pen's do."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
+from normalgan.rendering.lines.buffers import Buffers
+from normalgan.rendering.lines.checks import check_settings
+from normalgan.rendering.lines.marks import mark
+from normalgan.rendering.lines.occluding import occluding_contours
+from normalgan.rendering.lines.thinning import thin
+from normalgan.rendering.maps import Floats
+from normalgan.rendering.strokes.curves import resample, settle, smooth
+from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.view import View
+
+_SPACING = 1.0  # pixels of the sketch from point to point of a stroke
+_RATIO = (
+    1.6  # of the two blurs: with it their difference comes nearest to a Laplacian's (Marr, Hildreth 1980)
+)
+_TREMBLE = 4.0  # points over which the middle of the ink, which jumps from pixel to pixel, is smoothed
+_SWELL = 6.0  # points over which its width is
+
+
+@LINE_DRAWINGS.register
+@dataclass(frozen=True)
+class Brush(LineDrawing):
+    """Strokes of a brush, thick where the surface turns away slowly and thin where it does so at once.
+
+    The ink is where an extended difference of Gaussians of n·v falls below a threshold (Winnemöller,
+    Kyprianidis, Olsen, "XDoG: An eXtended Difference-of-Gaussians Compendium", Computers & Graphics 36(6),
+    2012, equation 7); strokes run along its middle, as wide as it is.
+
+    Args:
+        line_width: median width of the strokes in pixels of the sketch, whatever its size.
+        widest: strokes are at most this many times as wide as the median; broad shadows make no blots.
+        sigma: standard deviation of the smaller blur, as a fraction of the frame's side.
+        sharpening: p, how strongly edges are lifted out of the shading.
+        threshold: epsilon, the sharpened n·v below which there is ink.
+        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
+            fraction of the frame's side; contours are inked wherever they are.
+        shortest_contour: contours that span less than this fraction of the frame's side are left out.
+        shortest: strokes shorter than this fraction of the frame's side are left out.
+        resolution: side in pixels of the maps that the ink is found in, rounded up to a multiple of the
+            sketch's.
+
+    Raises:
+        InputError: if a setting is out of range.
+    """
+
+    line_width: float = 2.0
+    widest: float = 2.0
+    sigma: float = 0.006
+    sharpening: float = 20.0
+    threshold: float = 0.3
+    gap: float = 0.01
+    shortest_contour: float = 0.012
+    shortest: float = 0.03
+    resolution: int = 512
+
+    def __post_init__(self) -> None:
+        check_settings(self, positive=("line_width", "widest", "sigma", "gap", "resolution"))
+
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the strokes; see `LineDrawing.trace`."""
+        buffers = Buffers.of(view, self.resolution)
+        if buffers is None:
+            return []
+        contours = mark(occluding_contours(buffers, self.gap, self.shortest_contour), buffers.maps.mask.shape)
+        facing = np.where(contours, 0, facing_ratio(buffers))
+        sharp = sharpened(facing, self.sigma * buffers.side, self.sharpening)
+        lines = [
+            line
+            for line in thin(contours | (sharp < self.threshold))
+            if len(line[0]) >= max(self.shortest * buffers.side, 2)
+        ]
+        if not lines:
+            return []
+        median = float(np.median(np.concatenate([width for _, width in lines])))
+        return [self._stroke(points, width / median, buffers) for points, width in lines]
+
+    def _stroke(self, points: Doubles, width: Doubles, buffers: Buffers) -> Stroke:
+        """Return the stroke along ``points`` (P, 2) of the buffers, ``width`` (P,) times the usual."""
+        path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.0)), _SPACING)
+        swelling = smooth(np.stack([width, np.arange(len(width))], axis=1), _SWELL)[:, 0]
+        here = np.interp(np.linspace(0, len(width) - 1, len(path)), np.arange(len(width)), swelling)
+        return Stroke(path, self.line_width * np.clip(here, 0.1, self.widest), np.ones(len(path)))
+
+
+def facing_ratio(buffers: Buffers) -> Floats:
+    """Return n·v of every pixel (H, W), from 0 to 1, and 1 off the object as on paper."""
+    normal = buffers.maps.normal
+    x, y = buffers.sight.x[None, :], buffers.sight.y[:, None]
+    facing = (normal[..., 2] - normal[..., 0] * x - normal[..., 1] * y) / np.sqrt(1 + x * x + y * y)
+    ratio: Floats = np.where(buffers.maps.mask, np.clip(facing, 0, 1), 1).astype(np.float32)
+    return ratio
+
+
+def sharpened(picture: Floats, sigma: float, sharpening: float) -> Floats:
+    """Return ``(1 + p) G_sigma - p G_(1.6 sigma)`` of a picture (H, W), sigma in pixels."""
+    near, far = (cv2.GaussianBlur(picture, (0, 0), width) for width in (sigma, _RATIO * sigma))
+    sharp: Floats = (1 + sharpening) * near - sharpening * far
+    return sharp

@@ -1,0 +1,53 @@
+"""Mixture: each drawing in one of several styles, as from different people's hands."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
+from normalgan.rendering.strokes.stroke import Stroke
+from normalgan.rendering.view import View
+
+
+@LINE_DRAWINGS.register
+@dataclass(frozen=True)
+class Mixture(LineDrawing):
+    """Draws each picture in one of several styles, chosen at random.
+
+    Args:
+        styles: the styles, each with settings of its own; one style may come twice, with other settings.
+        weights: how often each style is chosen, as numbers in proportion to one another; none makes all
+            alike.
+
+    Raises:
+        InputError: if there is no style, or the weights do not fit.
+    """
+
+    styles: list[LineDrawing]
+    weights: list[float] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.styles:
+            raise InputError("the styles of Mixture are an empty list; name at least one line style.")
+        if self.weights is None:
+            return
+        if len(self.weights) != len(self.styles):
+            raise InputError(
+                f"Mixture has {len(self.weights)} weights for {len(self.styles)} styles; "
+                "give one weight a style."
+            )
+        if not (np.isfinite(self.weights).all() and min(self.weights) >= 0 and sum(self.weights) > 0):
+            raise InputError(
+                f"the weights of Mixture are {self.weights}; they must be numbers from 0 on, "
+                "one of them above 0."
+            )
+
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the strokes of one of the styles; see `LineDrawing.trace`."""
+        return self.choose(rng).trace(view, rng)
+
+    def choose(self, rng: np.random.Generator) -> LineDrawing:
+        """Return one of the styles at random, by weight."""
+        weights = np.ones(len(self.styles)) if self.weights is None else np.array(self.weights, np.float64)
+        return self.styles[int(rng.choice(len(self.styles), p=weights / weights.sum()))]

@@ -1,0 +1,106 @@
+"""Suggestive contours found on the mesh: finer than in the picture, they keep eyes and nostrils."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
+from normalgan.rendering.lines.buffers import Buffers
+from normalgan.rendering.lines.checks import check_settings
+from normalgan.rendering.lines.inside import Inside
+from normalgan.rendering.lines.marks import distance_to, mark
+from normalgan.rendering.lines.occluding import occluding_contours
+from normalgan.rendering.lines.pens import draw_border
+from normalgan.rendering.lines.projection import towards_eye
+from normalgan.rendering.lines.shapes import Shape, shape_of
+from normalgan.rendering.lines.surface_lines import zero_marks
+from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.view import View
+
+
+@LINE_DRAWINGS.register
+@dataclass(frozen=True)
+class ObjectSpaceSuggestive(LineDrawing):
+    """Occluding contours, and suggestive contours found on the mesh instead of in the picture.
+
+    They are where the radial curvature, the curvature along the direction of the eye, changes from
+    hollow to bulging as one comes nearer (DeCarlo, Finkelstein, Rusinkiewicz, Santella, "Suggestive
+    Contours for Conveying Shape", SIGGRAPH 2003, section 3): lines that follow the mesh at whatever size
+    the sketch is, thinning out where they fade.
+
+    Args:
+        line_width: width of contours in pixels of the sketch, whatever its size.
+        interior_width: width of the strokes inside in pixels of the sketch; 0 draws none.
+        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
+            fraction of the frame's side.
+        smoothing: standard deviation of the smoothing of the curvature, as a fraction of the object's
+            radius.
+        strength: how fast the radial curvature must change for a stroke, of an object of radius 1; a
+            stroke once begun goes on down to a third of it.
+        theta: degrees between normal and view vector below which no stroke is drawn.
+        shortest_contour: contours that span less than this fraction of the frame's side are left out.
+        shortest: strokes inside that are shorter than this fraction of the frame's side are left out.
+        bridge: gaps up to this fraction of the frame's side do not break a stroke.
+        apart: a stroke that keeps nearer than this to a contour, on average, as a fraction of the
+            frame's side, is left out: it would only double the contour.
+        resolution: side in pixels of the maps that contours are found in and hidden strokes are told by.
+
+    Raises:
+        InputError: if a setting is out of range.
+    """
+
+    line_width: float = 1.25
+    interior_width: float = 0.9
+    gap: float = 0.01
+    smoothing: float = 0.015
+    strength: float = 40.0
+    theta: float = 15.0
+    shortest_contour: float = 0.012
+    shortest: float = 0.03
+    bridge: float = 0.02
+    apart: float = 0.012
+    resolution: int = 512
+
+    def __post_init__(self) -> None:
+        check_settings(self, positive=("line_width", "gap", "strength", "resolution"))
+        if not 0 <= self.theta < 90:
+            raise InputError(f"theta is {self.theta}; it is an angle from 0 to below 90 degrees.")
+
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the strokes; see `LineDrawing.trace`."""
+        buffers = Buffers.of(view, self.resolution)
+        if buffers is None:
+            return []
+        contours = occluding_contours(buffers, self.gap, self.shortest_contour)
+        strokes = [draw_border(line, buffers, self.line_width) for line in contours]
+        if self.interior_width > 0:
+            shape = shape_of(view.mesh, self.smoothing)
+            facing, radial, rise = radial_curvature(shape, towards_eye(view.camera, shape.surface.vertices))
+            turned = (facing > 0) & (facing < np.cos(np.deg2rad(self.theta)))
+            marks = zero_marks(shape.surface, radial, turned)
+            strength = marks.take(shape.surface, rise)
+            distance = distance_to(mark(contours, buffers.maps.mask.shape))
+            pen = Inside(self.interior_width, self.strength, self.shortest, self.bridge, self.apart)
+            strokes += pen.draw(shape.surface, view, buffers, distance, marks, strength)
+        return strokes
+
+
+def radial_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles, Doubles]:
+    """Return n·v, the radial curvature times sin², and its rise towards the eye, (V,) each.
+
+    The radial curvature is that along w, the projection of the view vector v to the tangent plane; with
+    ``S n = 0`` it is ``v · S v / (w · w)``, positive where the surface bulges. Its rise is its derivative
+    along w / |w|; on a zero of the radial curvature that of ``v · S v`` may stand for it.
+
+    Args:
+        shape: the mesh and its curvature.
+        eye: (V, 3) unit vectors to the eye.
+    """
+    normals = shape.normals
+    facing = np.einsum("vc,vc->v", normals, eye)
+    along = eye - facing[:, None] * normals
+    sine = np.maximum(np.linalg.norm(along, axis=1), 1e-6)
+    radial = np.einsum("va,vab,vb->v", eye, shape.operators, eye)
+    rise = np.einsum("vc,vc->v", shape.surface.slope(radial), along) / sine**3
+    return facing, radial, rise

@@ -1,0 +1,47 @@
+"""Runs: the parts of a path that are worth drawing, unbroken by short weak places."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.rendering.strokes.stroke import Doubles
+
+Mark = NDArray[np.bool_]
+
+
+def worthy_runs(
+    points: Doubles, strength: Doubles, least: float, seed: float, bridge: float, shortest: float
+) -> list[slice]:
+    """Return the stretches of a path that are drawn, two points or more each.
+
+    A stretch goes on where the strength is ``least`` or more, passes over gaps no longer than
+    ``bridge``, is somewhere as strong as ``seed``, and ``shortest`` long or longer.
+
+    >>> points = np.stack([np.arange(8.0), np.zeros(8)], axis=1)
+    >>> strength = np.array([0, 2, 2, 0, 3, 2, 0, 2.0])
+    >>> worthy_runs(points, strength, least=1, seed=3, bridge=2, shortest=2)
+    [slice(1, 8, None)]
+    >>> worthy_runs(points, strength, least=1, seed=3, bridge=1, shortest=1)
+    [slice(4, 6, None)]
+
+    Args:
+        points: (P, 2) of the path.
+        strength: (P,).
+        least: strength at which a stretch goes on.
+        seed: strength that a stretch must reach.
+        bridge: in units of the points.
+        shortest: in units of the points, along the path.
+    """
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    good = np.flatnonzero(strength >= least)
+    if not len(good):
+        return []
+    breaks = np.flatnonzero((np.diff(good) > 1) & (np.diff(along[good]) > bridge))
+    starts = good[np.concatenate([[0], breaks + 1])]
+    stops = good[np.concatenate([breaks, [len(good) - 1]])]
+    return [
+        slice(int(start), int(stop) + 1)
+        for start, stop in zip(starts, stops, strict=True)
+        if stop > start
+        and strength[start : stop + 1].max() >= seed
+        and along[stop] - along[start] >= shortest
+    ]

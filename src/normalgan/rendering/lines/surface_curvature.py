@@ -1,0 +1,98 @@
+"""Curvature of a mesh: the shape operator at every vertex."""
+
+import numpy as np
+
+from normalgan.rendering.lines.surface import Surface
+from normalgan.rendering.strokes.stroke import Doubles
+
+
+def smooth_normals(surface: Surface, smoothing: float) -> Doubles:
+    """Return the unit normals (V, 3) of a mesh smoothed over ``smoothing`` units of it."""
+    return _unit(surface.smooth(surface.normals, smoothing))
+
+
+def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Doubles:
+    """Return how the unit normal turns as one moves along the surface, (V, 3, 3), symmetric.
+
+    A step s along the surface turns the normal by ``S s``; ``S n = 0``, and ``u · S u`` is the curvature
+    along the unit tangent u, positive where the surface bends away from the normal, as a ball's does. Per
+    face, S is the least-squares fit to the differences of the normals along its three sides; turned into
+    each corner's tangent plane, the faces around are averaged by the share of their area that is nearest
+    to the corner (Rusinkiewicz, "Estimating Curvatures and Their Derivatives on Triangle Meshes",
+    3DPVT 2004, sections 3.1 to 3.3).
+
+    Args:
+        surface: the mesh.
+        normals: (V, 3) unit vectors.
+        smoothing: standard deviation of the smoothing of what comes out, in units of the mesh.
+    """
+    corners = surface.vertices[surface.faces]
+    sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)  # side k is opposite corner k
+    first = _unit(sides[:, 0])
+    facing = _unit(np.cross(sides[:, 0], sides[:, 1]))
+    second = np.cross(facing, first)
+    fitted = _fit(sides, normals[surface.faces], first, second)
+    weights = _nearest_areas(sides)
+    summed = np.zeros((len(normals), 9))
+    total = np.zeros(len(normals))
+    for k in range(3):
+        own = surface.faces[:, k]
+        turned = np.stack([_tilt(axis, facing, normals[own]) for axis in (first, second)], axis=2)
+        here = (turned @ fitted @ turned.transpose(0, 2, 1)).reshape(-1, 9) * weights[:, k, None]
+        total += np.bincount(own, weights[:, k], len(normals))
+        for entry in range(9):
+            summed[:, entry] += np.bincount(own, here[:, entry], len(normals))
+    operators = surface.smooth(summed / np.maximum(total, 1e-30)[:, None], smoothing).reshape(-1, 3, 3)
+    flat = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    tangent: Doubles = flat @ operators @ flat
+    return tangent
+
+
+def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> Doubles:
+    """Return the symmetric (F, 2, 2) that best takes the sides of faces to the turns of the normals."""
+    turns = np.roll(normals, -2, axis=1) - np.roll(normals, -1, axis=1)
+    u, v = (np.einsum("fkc,fc->fk", sides, axis) for axis in (first, second))
+    du, dv = (np.einsum("fkc,fc->fk", turns, axis) for axis in (first, second))
+    uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
+    zero = np.zeros_like(uu)
+    left = np.stack([uu, uv, zero, uv, uu + vv, uv, zero, uv, vv], axis=1).reshape(-1, 3, 3)
+    right = np.stack([(u * du).sum(1), (v * du + u * dv).sum(1), (v * dv).sum(1)], axis=1)
+    # A sliver's fit is undetermined across it: a little damping leaves that at 0.
+    damping = 1e-9 * (uu + vv) + 1e-30
+    left += damping[:, None, None] * np.eye(3)
+    a, b, c = np.linalg.solve(left, right[..., None])[..., 0].T
+    fitted: Doubles = np.stack([a, b, b, c], axis=1).reshape(-1, 2, 2)
+    return fitted
+
+
+def _nearest_areas(sides: Doubles) -> Doubles:
+    """Return the area (F, 3) of each face that is nearer to each corner than to the others (Voronoi).
+
+    Obtuse faces are cut at the feet of the perpendiculars instead, as by Meyer, Desbrun, Schröder and
+    Barr, "Discrete Differential-Geometry Operators for Triangulated 2-Manifolds", 2003.
+    """
+    square = (sides * sides).sum(2)
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+    # Cotangent at corner k: the sides meeting there are k + 1 and k + 2, pointing on and back.
+    dots = -np.stack([(sides[:, (k + 1) % 3] * sides[:, (k + 2) % 3]).sum(1) for k in range(3)], axis=1)
+    cotangent = dots / np.maximum(2 * area, 1e-30)[:, None]
+    shares = square * cotangent / 8
+    voronoi = np.roll(shares, -1, axis=1) + np.roll(shares, -2, axis=1)
+    obtuse = dots < 0
+    safe = np.where(obtuse, 0.5, 0.25) * area[:, None]
+    nearest: Doubles = np.where(obtuse.any(axis=1, keepdims=True), safe, voronoi)
+    return nearest
+
+
+def _tilt(vectors: Doubles, old: Doubles, new: Doubles) -> Doubles:
+    """Return tangent vectors (F, 3) turned along with the normal, the shortest way from old to new."""
+    cosine = (old * new).sum(1)
+    # Opposite normals, on a fold: no way is shortest, any will do.
+    share = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
+    tilted: Doubles = vectors - (old + new) * share[:, None]
+    return tilted
+
+
+def _unit(vectors: Doubles) -> Doubles:
+    unit: Doubles = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+    return unit
