@@ -1,6 +1,7 @@
 """Crossings: where a line passes between two neighbouring pixels, and which crossings follow on another."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.chain import Indices, chain
 from normalgan.rendering.strokes.stroke import Doubles
+from normalgan.rendering.topology import components
 
 Index = NDArray[np.intp]
 Pair = tuple[tuple[slice, slice], tuple[slice, slice]]
@@ -64,15 +66,25 @@ class Crossings:
             seed: the strength that a line must exceed somewhere.
             shortest: what a line must span at least, in pixels: the longer side of its bounding box.
         """
-        points, links = self._links()
+        solid = self._without_spurs()
+        points, links = solid._links()
         # Where three lines meet, a point of its own joins them; it has no strength.
-        strength = np.append(self.strength, np.full(len(points) - len(self.points), -np.inf))
+        strength = np.append(solid.strength, np.full(len(points) - len(solid.points), -np.inf))
+        group = components(len(points), links[:, 0], links[:, 1])
+        links = links[_groups(points, strength, group, seed, shortest)[group[links[:, 0]]]]
         found = []
         for path in chain(points, links):
             place = points[path]
-            if strength[path].max() > seed and np.ptp(place, axis=0).max() >= shortest:
-                found.append(Line(place, self.pixels[path[path < len(self.points)]]))
+            if np.ptp(place, axis=0).max() >= shortest:
+                found.append(Line(place, solid.pixels[path[path < len(solid.points)]]))
         return sorted(found, key=lambda line: -len(line.points))
+
+    def _without_spurs(self) -> Self:
+        """Return the crossings but those that stick out of a line by no more than themselves."""
+        _, cell, count = np.unique(self.cells, return_inverse=True, return_counts=True)
+        around = np.sort(count[cell.reshape(-1, 2)], axis=1)
+        kept = ~((around[:, 0] == 1) & (around[:, 1] > 2))
+        return replace(self, **{field.name: getattr(self, field.name)[kept] for field in fields(self)})
 
     def _links(self) -> tuple[Doubles, Indices]:
         """Return the points and those where three or four lines meet (M, 2), and the links between (L, 2)."""
@@ -91,6 +103,19 @@ class Crossings:
             links.append(np.stack([members.ravel(), hub], axis=1))
             extra += len(members)
         return np.concatenate(points), np.concatenate(links)
+
+
+def _groups(
+    points: Doubles, strength: Floats, group: Indices, seed: float, shortest: float
+) -> NDArray[np.bool_]:
+    """Return which groups of points (N,) that hang together may hold a line: strong and long enough."""
+    count = int(group.max()) + 1 if len(group) else 0
+    strongest, low, high = np.full(count, -np.inf), np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
+    np.maximum.at(strongest, group, strength)
+    np.minimum.at(low, group, points)
+    np.maximum.at(high, group, points)
+    kept: NDArray[np.bool_] = (strongest > seed) & ((high - low).max(axis=1) >= shortest)
+    return kept
 
 
 def crossings(pairs: tuple[Crossed, Crossed], width: int) -> Crossings:

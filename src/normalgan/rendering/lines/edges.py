@@ -8,10 +8,10 @@ from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.maps import Floats, Maps
 
 Index = NDArray[np.intp]
-Pixels = tuple[Index, Index]
 
 _GRAZING = 0.1  # the least cosine a tangent plane is trusted with: beyond, it would explain any gap
 _BAND = 2  # a flank this narrow, in pixels, is a contour: it is thinner than the line that would be drawn
+_MUCH = 3.0  # times larger is much larger
 _BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: farther than any object
 
 
@@ -44,33 +44,60 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     # Pixels in a row: the pair and, some way off on both sides, two more pairs.
     ahead = (-_BAND, 1 - _BAND, 0, 1, _BAND, _BAND + 1)
     line = [_moved(rows, columns, k, axis, depth.shape) for k in ahead]
-    steps = [depth[line[k + 1]] - depth[line[k]] for k in (0, 2, 4)]
-    excuses = [np.where(np.abs(steps[k]) < _BEYOND / 2, steps[k], 0) for k in (0, 2)]
+    deep = [depth.ravel()[pixel] for pixel in line]
+    step = deep[3] - deep[2]
+    excuses = [deep[1] - deep[0], deep[5] - deep[4]]
+    excuses = [np.where(np.abs(excuse) < _BEYOND / 2, excuse, 0) for excuse in excuses]
     excuses += [_foretold(maps, sight, pixel, axis) for pixel in line[2:4]]
-    back, front = steps[1] - np.max(excuses, axis=0), np.min(excuses, axis=0) - steps[1]
+    back, front = step - np.max(excuses, axis=0), np.min(excuses, axis=0) - step
     second = front > back
-    nearer = tuple(np.where(second, b, a) for a, b in zip(*line[2:4], strict=True))
-    size = sight.pixel[nearer]
-    gap = np.maximum(back, front) / np.where(size > 0, size, 1)
+    nearer = np.where(second, line[3], line[2])
+    gap, size = np.maximum(back, front), sight.pixel.ravel()[nearer]
     # Off the object, where a pixel has no size, nothing can hide anything.
-    seen = maps.mask[nearer] & (gap * size > floor[nearer])
-    share = np.full(len(rows), 0.5)
-    return rows[seen], columns[seen], share[seen], gap[seen], second[seen]
+    seen = np.flatnonzero(maps.mask.ravel()[nearer] & (gap > floor.ravel()[nearer]))
+    strength, second, first = gap[seen] / size[seen], second[seen], line[2][seen]
+    kept = seen[~_outdone(np.where(second, -strength, strength), first, depth, axis)]
+    second, share = front[kept] > back[kept], np.full(len(kept), 0.5)
+    return rows[kept], columns[kept], share, gap[kept] / size[kept], second
 
 
-def _moved(rows: Index, columns: Index, by: int, axis: int, shape: tuple[int, ...]) -> Pixels:
-    """Return indices moved to the right (axis 0) or down (1), but not out of an array of ``shape``."""
-    down, right = (by, 0) if axis else (0, by)
-    return (rows + down).clip(0, shape[0] - 1), (columns + right).clip(0, shape[1] - 1)
+def _moved(rows: Index, columns: Index, by: int, axis: int, shape: tuple[int, ...]) -> Index:
+    """Return flat indices of pixels moved right (axis 0) or down (1), but not out of the picture."""
+    if axis:
+        rows = (rows + by).clip(0, shape[0] - 1)
+    else:
+        columns = (columns + by).clip(0, shape[1] - 1)
+    flat: Index = rows * shape[1] + columns
+    return flat
 
 
-def _foretold(maps: Maps, sight: Sight, pixel: Pixels, axis: int) -> Floats:
+def _foretold(maps: Maps, sight: Sight, pixel: Index, axis: int) -> Floats:
     """Return by how much the tangent plane at each pixel deepens to the right (axis 0) or downwards (1)."""
-    normal = maps.normal[pixel]
-    towards = normal[:, 2] - normal[:, 0] * sight.x[pixel[1]] - normal[:, 1] * sight.y[pixel[0]]
-    sign = (1, -1)[axis]  # the pixel below lies towards -y
-    slope: Floats = sign * normal[:, axis] * sight.pixel[pixel] / np.maximum(towards, _GRAZING)
+    nx, ny, nz = maps.normal.reshape(-1, 3).take(pixel, axis=0).T
+    row, column = np.divmod(pixel, maps.mask.shape[1])
+    towards = nz - nx * sight.x[column] - ny * sight.y[row]
+    across = -ny if axis else nx  # the pixel below lies towards -y
+    slope: Floats = across * sight.pixel.ravel()[pixel] / np.maximum(towards, _GRAZING)
     return slope
+
+
+def _outdone(falls: Floats, first: Index, depth: Floats, axis: int) -> NDArray[np.bool_]:
+    """Return which jumps are but the beginning or the end of a much larger one, next to them in their row.
+
+    Args:
+        falls: (N,) how far the surface jumps back (positive) or forth (negative).
+        first: (N,) flat index of the first pixel of each pair.
+        depth: (H, W) only its shape matters.
+        axis: 0 for pairs side by side, 1 for pairs one above the other.
+    """
+    stride = depth.shape[1] if axis else 1
+    pad = stride
+    there = np.zeros(depth.size + 2 * pad, np.float32)
+    there[first + pad] = falls
+    sign = np.sign(falls)
+    beside = [there[first + pad + k * stride] * sign for k in (-1, 1)]
+    outdone: NDArray[np.bool_] = np.max(beside, axis=0) > _MUCH * np.abs(falls)
+    return outdone
 
 
 def creases(maps: Maps, angle: float) -> Crossings:

@@ -18,8 +18,12 @@ def smooth_normals(normal: Floats, known: Mark, sigma: float) -> Floats:
     half-seen pixels leak in. (The sum needs no dividing by the weights: it is made a unit vector.)
     """
     side = 2 * round(3 * sigma) + 1  # by default a third more, for the last 0.3 % of the weight
-    total = cv2.GaussianBlur(normal * known[..., None], (side, side), sigma)
-    smooth: Floats = total / np.maximum(np.sqrt(np.einsum("ijk,ijk->ij", total, total)), 1e-12)[..., None]
+    # One component after the other: each then lies in memory in one piece, here and where it is used.
+    weight = known.astype(np.float32)
+    parts = [cv2.GaussianBlur(part * weight, (side, side), sigma) for part in cv2.split(normal)]
+    length = np.sqrt(sum(part * part for part in parts))
+    scale = 1 / np.maximum(length, np.float32(1e-12))
+    smooth: Floats = np.moveaxis(np.stack([part * scale for part in parts]), 0, -1)
     return smooth
 
 
@@ -31,11 +35,11 @@ def valley_depth(normal: Floats, sight: Sight) -> tuple[Floats, Floats, Floats]:
     Rusinkiewicz, Santella, "Suggestive Contours for Conveying Shape", SIGGRAPH 2003, section 2).
     """
     x, y = sight.x[None, :], sight.y[:, None]
-    f = (normal[..., 2] - normal[..., 0] * x - normal[..., 1] * y) / np.sqrt(1 + x * x + y * y)
+    nx, ny, nz = normal[..., 0], normal[..., 1], normal[..., 2]
+    f = (nz - nx * x - ny * y) / np.sqrt(1 + x * x + y * y)
     # A displacement e moves a point's picture by e_x + x e_z, e_y + y e_z; w = v - f n, and v moves it by 0.
-    right = -(normal[..., 0] + x * normal[..., 2])
-    down = normal[..., 1] + y * normal[..., 2]
-    length = np.maximum(np.sqrt(right * right + down * down), 1e-12)
+    right, down = -(nx + x * nz), ny + y * nz
+    length = np.maximum(np.sqrt(right * right + down * down), np.float32(1e-12))
     right, down = right / length, down / length
     slope = _along(f, right, down)
     return f, slope, _along(slope, right, down)
@@ -46,7 +50,7 @@ def _along(field: Floats, right: Floats, down: Floats) -> Floats:
     result = np.zeros_like(field)
     result[:, 1:-1] = (field[:, 2:] - field[:, :-2]) * right[:, 1:-1]
     result[1:-1] += (field[2:] - field[:-2]) * down[1:-1]
-    result /= 2
+    result *= np.float32(0.5)
     return result
 
 
