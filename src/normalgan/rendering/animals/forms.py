@@ -25,6 +25,16 @@ def roll(degrees: float) -> Floats:
     return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
 
+def by(start: Floats, x: float, y: float, z: float) -> Floats:
+    """Return the point so far from another.
+
+    >>> by(np.array([1.0, 2.0, 3.0]), 0.5, 0, 0).tolist()
+    [1.5, 2.0, 3.0]
+    """
+    moved_on: Floats = start + np.array([x, y, z])
+    return moved_on
+
+
 def ball(at: ArrayLike, radii: ArrayLike, turn: Floats | None = None) -> Ellipsoid:
     """Return a sphere, or an ellipsoid if three radii are given."""
     return Ellipsoid(np.array(at, float), np.broadcast_to(np.array(radii, float), 3).copy(), _turn(turn))
