@@ -61,8 +61,8 @@ def test_any_zarr_reader_opens_the_arrays(tmp_path: Path) -> None:
 def test_names_follow_the_layout() -> None:
     store = ShardedSamples("memory://nothing", "train", LAYOUT)
     assert [store.name(i) for i in (0, 4, 5, 9)] == ["a/0", "a/4", "b/0", "b/4"]
-    assert store.meshes(0) == ["a"]
-    assert store.meshes(1) == ["a", "b"]
+    assert LAYOUT.shard("train", 0).meshes == ("a",)
+    assert LAYOUT.shard("train", 1).meshes == ("a", "b")
     assert len(store) == 10
     assert LAYOUT.shards == 3
 

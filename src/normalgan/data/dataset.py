@@ -62,7 +62,7 @@ def _read_all(store: ShardedSamples) -> dict[str, Tensor]:
         name: np.empty((count, size, size, *tail), kind) for name, (kind, tail) in ARRAYS.items()
     }
     for shard in range(store.layout.shards):
-        indices = store.layout.indices(shard)
+        indices = store.indices(shard)
         for name, part in store.read_shard(shard).items():
             held[name][indices.start : indices.stop] = part
     return {name: torch.from_numpy(array) for name, array in held.items()}

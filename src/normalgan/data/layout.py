@@ -1,5 +1,6 @@
 """Layout: which sample of a split lies where, and in which bytes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,43 @@ ARRAYS: dict[str, tuple[str, tuple[int, ...]]] = {
     "mask": ("bool", ()),
 }
 """The arrays of a split by name: type of number, and what follows (N, H, W) in the shape."""
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A few dozen samples that are rendered, written and repaired together.
+
+    Args:
+        split: which part of the data set it is in.
+        number: which shard of the split.
+        size: side of the pictures in pixels.
+        room: samples that a shard has room for; the last one holds fewer.
+        runs: what its samples show: a mesh, its first view here and the one after its last, and so on.
+    """
+
+    split: str
+    number: int
+    size: int
+    room: int
+    runs: tuple[tuple[str, int, int], ...]
+
+    def __len__(self) -> int:
+        return sum(stop - start for _, start, stop in self.runs)
+
+    @property
+    def samples(self) -> list[tuple[str, int]]:
+        """Mesh and number of the view of each sample."""
+        return [(mesh, view) for mesh, start, stop in self.runs for view in range(start, stop)]
+
+    @property
+    def meshes(self) -> tuple[str, ...]:
+        """The names of its meshes, in order."""
+        return tuple(mesh for mesh, _, _ in self.runs)
+
+    @property
+    def marker(self) -> str:
+        """The object that says that it is finished."""
+        return f"done/{self.split}/{self.number}.json"
 
 
 @dataclass(frozen=True)
@@ -46,41 +84,64 @@ class Layout:
         """Return the samples of a shard."""
         return range(shard * self.per_shard, min((shard + 1) * self.per_shard, len(self)))
 
+    def mesh_and_view(self, index: int) -> tuple[str, int]:
+        """Return the name of a sample's mesh and the number of the view of it."""
+        return self.meshes[index // self.views], index % self.views
 
-def encode(split: str, layout: Layout, shard: int, samples: list[Sample]) -> dict[str, bytes]:
+    def shard(self, split: str, number: int) -> Shard:
+        """Return all that is to be known of a shard to render and write it."""
+        places = self.indices(number)
+        runs = []
+        for mesh in range(places.start // self.views, (places.stop - 1) // self.views + 1):
+            before = mesh * self.views
+            first, last = max(places.start - before, 0), min(places.stop - before, self.views)
+            runs.append((self.meshes[mesh], first, last))
+        return Shard(split, number, self.size, self.per_shard, tuple(runs))
+
+
+def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
     """Return a shard's objects by path; made in memory, so that what is written is known to the byte.
 
     Raises:
-        ValueError: if the samples are not as many or not as large as the layout says.
+        ValueError: if the samples are not as many or not as large as the shard says.
     """
-    indices = layout.indices(shard)
-    memory, arrays = _arrays_in_memory(split, layout)
+    # An object depends on nothing outside its shard: arrays of this shard alone give the same bytes.
+    memory, arrays = _arrays_in_memory(shard.split, len(shard), shard.size, shard.room)
     for name, array in arrays.items():
         stack = np.stack([getattr(sample, name) for sample in samples])
-        if stack.shape != (len(indices), *array.shape[1:]) or stack.dtype != array.dtype:
-            raise ValueError(f"shard {shard}: {name} is {stack.dtype} {stack.shape}")
-        array[indices.start : indices.stop] = stack
-    paths = [f"{split}/{chunk_path(name, shard)}" for name in ARRAYS]
-    return {path: memory[path].to_bytes() for path in paths}
+        if stack.shape != array.shape or stack.dtype != array.dtype:
+            raise ValueError(f"shard {shard.number}: {name} is {stack.dtype} {stack.shape}")
+        array[:] = stack
+    return {
+        chunk_path(shard.split, name, shard.number): memory[chunk_path(shard.split, name, 0)].to_bytes()
+        for name in ARRAYS
+    }
+
+
+def blank(size: int) -> Sample:
+    """Return what lies in the place of a sample that could not be rendered."""
+    return Sample(**{name: np.zeros((size, size, *tail), kind) for name, (kind, tail) in ARRAYS.items()})
 
 
 def metadata(split: str, layout: Layout) -> dict[str, bytes]:
     """Return the JSON documents that describe the arrays, by path."""
-    memory, _ = _arrays_in_memory(split, layout)
+    memory, _ = _arrays_in_memory(split, len(layout), layout.size, layout.per_shard)
     return {path: buffer.to_bytes() for path, buffer in memory.items()}
 
 
-def _arrays_in_memory(split: str, layout: Layout) -> tuple[dict[str, Any], dict[str, Any]]:
+def _arrays_in_memory(
+    split: str, count: int, size: int, per_shard: int
+) -> tuple[dict[str, Any], dict[str, Any]]:
     memory: dict[str, Any] = {}
     group = zarr.create_group(MemoryStore(memory)).create_group(split)
     arrays = {}
     for name, (dtype, tail) in ARRAYS.items():
-        inner = (layout.size, layout.size, *tail)
+        inner = (size, size, *tail)
         arrays[name] = group.create_array(
             name,
-            shape=(len(layout), *inner),
+            shape=(count, *inner),
             chunks=(1, *inner),
-            shards=(layout.per_shard, *inner),
+            shards=(per_shard, *inner),
             dtype=dtype,
             fill_value=0,
             compressors=[ZstdCodec(level=3), Crc32cCodec()],
@@ -89,6 +150,6 @@ def _arrays_in_memory(split: str, layout: Layout) -> tuple[dict[str, Any], dict[
     return memory, arrays
 
 
-def chunk_path(name: str, shard: int) -> str:
+def chunk_path(split: str, name: str, shard: int) -> str:
     """Return a shard's object as the Zarr 3 specification keys it: "default" chunk key encoding."""
-    return "/".join([name, "c", str(shard), "0", "0", *("0" for _ in ARRAYS[name][1])])
+    return "/".join([split, name, "c", str(shard), "0", "0", *("0" for _ in ARRAYS[name][1])])

@@ -7,8 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from normalgan.data.layout import Layout
+from normalgan.data.local_cache import LocalCache
 from normalgan.data.shards import ShardedSamples
 from normalgan.data.storage import Storage
+from normalgan.data.tasks import fingerprint
 from normalgan.errors import InputError
 from normalgan.rendering.mesh import MeshSource
 from normalgan.rendering.samples import Recipe
@@ -34,8 +36,29 @@ class Manifest:
     left_out: dict[str, str]
 
     def stores(self, folder: Storage) -> dict[str, ShardedSamples]:
-        """Return the samples by split."""
+        """Return the samples by split, to be written."""
         return {split: ShardedSamples(folder.url, split, layout) for split, layout in self.splits.items()}
+
+    def finished(
+        self, folder: Storage, cache: LocalCache | None = None
+    ) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
+        """Return the samples by split, to be read, and why a mesh could not be rendered, by name.
+
+        Raises:
+            InputError: if of a split no mesh could be rendered.
+        """
+        stores, reasons = {}, {}
+        for split, store in self.stores(folder).items():
+            failed = {mesh: why for part in store.failures().values() for mesh, why in part.items()}
+            if set(failed) >= set(store.layout.meshes):
+                first = store.layout.meshes[0]
+                raise InputError(
+                    f"none of the {len(failed)} meshes for {split} could be rendered; the first: {first}: "
+                    f"{failed[first]}"
+                )
+            stores[split] = ShardedSamples(folder.url, split, store.layout, failed, cache)
+            reasons.update(failed)
+        return stores, reasons
 
     def write(self, folder: Storage) -> None:
         """Write the descriptions of the arrays, then the manifest, which vouches for them."""
@@ -61,10 +84,8 @@ class Manifest:
 
 
 def fingerprints(sources: Mapping[str, Sequence[MeshSource]]) -> dict[str, list[tuple[str, str]]]:
-    """Return name and fingerprint of every mesh by split; a mesh without one is left for `load` to refuse."""
-    return {
-        split: [(source.name, _fingerprint(source)) for source in part] for split, part in sources.items()
-    }
+    """Return name and fingerprint of every mesh by split; one that cannot be read has a fingerprint too."""
+    return {split: [(source.name, fingerprint(source)) for source in part] for split, part in sources.items()}
 
 
 def dataset_key(
@@ -103,10 +124,3 @@ def views_by_split(
                 raise InputError(f"{number} views a mesh are asked for {split}; it must be at least 1.")
             views[split] = number
     return views
-
-
-def _fingerprint(source: MeshSource) -> str:
-    try:
-        return source.fingerprint()
-    except InputError as error:
-        return f"none: {error}"

@@ -1,22 +1,25 @@
-"""Rendering a data set to disk: once, side by side, going on where it was interrupted."""
+"""Rendering a data set: once, side by side, on one machine or many, going on where it was interrupted."""
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from normalgan.data.layout import Layout
-from normalgan.data.manifest import Manifest, dataset_key, fingerprints, views_by_split
+from normalgan.data.cluster import Cluster
+from normalgan.data.local_cache import LocalCache
+from normalgan.data.manifest import Manifest
+from normalgan.data.pool import Pool
+from normalgan.data.quarantine import render_shards
+from normalgan.data.request import Sources, lay_out, locate
 from normalgan.data.shards import ShardedSamples
-from normalgan.data.storage import Storage
-from normalgan.data.tasks import ShardTask, check_renderer, find_trouble, render_shard
+from normalgan.data.survey import outstanding
+from normalgan.data.tasks import ShardTask
 from normalgan.data.workers import Workers
 from normalgan.errors import InputError
-from normalgan.rendering.mesh import MeshSource
 from normalgan.rendering.samples import Recipe
 
-Sources = Mapping[str, Sequence[MeshSource]]
+__all__ = ["Sources", "open_samples", "render_samples"]
 
 
 def render_samples(
@@ -26,11 +29,15 @@ def render_samples(
     recipe: Recipe,
     workers: int = 0,
     progress: bool = True,
+    cluster: str | None = None,
+    thorough: bool = False,
+    per_shard: int = 32,
 ) -> dict[str, ShardedSamples]:
     """Return the samples of every split, after rendering those that are not there or are damaged.
 
-    The bytes are the same whatever the number of workers and however often it was interrupted. A mesh
-    that cannot be used is left out, with a warning that says why; a damaged shard is named in a warning.
+    The bytes are the same whoever renders them and however often it was interrupted. A mesh that cannot be
+    used, or fails while it is rendered, is left out, with a warning that says why; a damaged shard is named
+    in a warning.
 
     Args:
         cache: folder of all data sets, a path or a URL; this one lies in it under its key.
@@ -39,95 +46,75 @@ def render_samples(
         recipe: how.
         workers: processes to render in, 0 for this one alone.
         progress: whether to show a progress bar on the error stream.
+        cluster: a Dask cluster to render on instead; see `Cluster`.
+        thorough: whether to check every byte in a distant store too, not only that all objects are there, and
+            to try meshes once more that could not be rendered.
+        per_shard: samples to a shard, if the data set is new: 32 suit reading in any order, more suit a store
+            that counts objects.
 
     Raises:
         InputError: if the request makes no sense, a split has no mesh that can be used, the renderer does
-            not run here, the folder cannot be written to, or a worker is killed. Finished shards are kept.
+            not run here, the folder cannot be written to, the cluster cannot be reached or is of another
+            version, or a worker of this machine is killed. Finished shards are kept.
     """
-    folder, views, prints = _locate(cache, sources, views_per_mesh, recipe)
-    if workers > 0 and folder.in_memory:
+    if per_shard < 1:
+        raise InputError(f"a shard has 1 sample or more, not {per_shard}.")
+    folder, views, meshes = locate(cache, sources, views_per_mesh, recipe)
+    if (workers > 0 or cluster) and folder.in_memory:
         raise InputError(
             f"{cache} cannot be seen by other processes; set workers to 0 or name another folder."
         )
     folder.sweep()
-    with Workers(workers) as pool:
+    with Cluster(cluster) if cluster else Workers(workers) as pool:
         manifest = Manifest.read(folder)
         if manifest is None:
-            manifest = _lay_out(pool, sources, views, recipe)
+            manifest = lay_out(pool, sources, views, recipe, meshes, per_shard)
             manifest.write(folder)
-        _warn_of_left_out(manifest)
-        stores = manifest.stores(folder)
-        known = {s.name: (s, prints[s.name]) for part in sources.values() for s in part}
+        _warn(manifest.left_out)
         tasks = [
-            ShardTask(store, shard, recipe, {name: known[name] for name in store.meshes(shard)})
-            for store in stores.values()
-            for shard in _outstanding(store)
+            ShardTask(folder.address, shard, recipe, {name: meshes[name] for name in shard.meshes})
+            for store in manifest.stores(folder).values()
+            for shard in outstanding(pool, store, thorough)
         ]
         _render_all(pool, tasks, progress)
+    stores, reasons = manifest.finished(folder)
+    _warn(reasons)
     return stores
 
 
 def open_samples(
-    cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: Recipe
+    cache: str,
+    sources: Sources,
+    views_per_mesh: int | Mapping[str, int],
+    recipe: Recipe,
+    local_cache: LocalCache | None = None,
 ) -> dict[str, ShardedSamples]:
-    """Return the samples that `render_samples` has made of the same request; writes nothing.
+    """Return the samples that `render_samples` has made of the same request; writes nothing there.
+
+    Args:
+        cache: as it was given to `render_samples`, as are the next three.
+        sources: the meshes by split.
+        views_per_mesh: samples of each mesh.
+        recipe: how they were made.
+        local_cache: where shards of a distant store are kept after their first use; a folder on this machine
+            needs none, and gets none.
 
     Raises:
         InputError: if they are not there, or not all of them.
     """
-    folder, _, _ = _locate(cache, sources, views_per_mesh, recipe)
+    folder, _, _ = locate(cache, sources, views_per_mesh, recipe)
     manifest = Manifest.read(folder)
-    stores = manifest.stores(folder) if manifest else {}
-    if not stores or any(store.missing() for store in stores.values()):
+    if manifest is None or any(store.missing() for store in manifest.stores(folder).values()):
         raise InputError(f"not all of these samples are in {folder.url}; render them first.")
-    return stores
+    return manifest.finished(folder, local_cache)[0]
 
 
-def _lay_out(pool: Workers, sources: Sources, views: Mapping[str, int], recipe: Recipe) -> Manifest:
-    """Find out which meshes can be used; loading is all that can tell."""
-    for _ in pool.run(check_renderer, [recipe.renderer]):
-        pass
-    every = [source for part in sources.values() for source in part]
-    reasons = {source.name: reason for source, reason in pool.run(find_trouble, every) if reason is not None}
-    left_out = {source.name: reasons[source.name] for source in every if source.name in reasons}
-    splits = {}
-    for split, number in views.items():
-        usable = tuple(source.name for source in sources[split] if source.name not in left_out)
-        if not usable:
-            first = left_out[sources[split][0].name]
-            raise InputError(
-                f"none of the {len(sources[split])} meshes for {split} can be used; the first: {first}"
-            )
-        splits[split] = Layout(usable, number, recipe.size)
-    return Manifest(recipe.describe(), splits, left_out)
-
-
-def _locate(
-    cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: Recipe
-) -> tuple[Storage, dict[str, int], dict[str, str]]:
-    """Return the folder of the data set, the views by split and the fingerprints by mesh."""
-    views = views_by_split(views_per_mesh, sources)
-    prints = fingerprints({split: sources[split] for split in views})
-    folder = Storage(cache) / dataset_key(prints, views, recipe)
-    return folder, views, dict(pair for part in prints.values() for pair in part)
-
-
-def _outstanding(store: ShardedSamples) -> list[int]:
-    damaged = store.verify()
-    if damaged:
-        numbers = ", ".join(map(str, damaged))
-        warnings.warn(
-            f"damaged, and rendered again: shard {numbers} of {store.split} in {store.url}.", stacklevel=3
-        )
-    return sorted(store.missing() + damaged)
-
-
-def _warn_of_left_out(manifest: Manifest) -> None:
-    for name, reason in manifest.left_out.items():
+def _warn(left_out: Mapping[str, str]) -> None:
+    for name, reason in left_out.items():
         warnings.warn(f"the mesh {name} is left out: {reason}", stacklevel=3)
 
 
-def _render_all(pool: Workers, tasks: list[ShardTask], progress: bool) -> None:
+def _render_all(pool: Pool, tasks: list[ShardTask], progress: bool) -> None:
     columns = (
         TextColumn("rendering"),
         BarColumn(),
@@ -136,7 +123,6 @@ def _render_all(pool: Workers, tasks: list[ShardTask], progress: bool) -> None:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True), disable=not (progress and tasks)) as bar:
-        sizes = [len(task.store.layout.indices(task.number)) for task in tasks]
-        meter = bar.add_task("", total=sum(sizes))
-        for task, _ in pool.run(render_shard, tasks):
-            bar.advance(meter, len(task.store.layout.indices(task.number)))
+        meter = bar.add_task("", total=sum(len(task.shard) for task in tasks))
+        for task, _ in render_shards(pool, tasks):
+            bar.advance(meter, len(task.shard))

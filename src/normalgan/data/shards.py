@@ -1,21 +1,25 @@
 """Shards: rendered samples in Zarr arrays, a few dozen to an object, every byte of them checked."""
 
-import hashlib
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Collection, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.abc.store import Store
+from zarr.storage import LocalStore
 
-from normalgan.data.layout import ARRAYS, Layout, chunk_path, encode, metadata
+from normalgan.data import shard_files
+from normalgan.data.layout import ARRAYS, Layout, metadata
+from normalgan.data.local_cache import LocalCache
+from normalgan.data.objects import ObjectStore
+from normalgan.data.shard_files import ZARR, paths, read_failures, read_sums, same_sizes, write_shard
 from normalgan.data.storage import Storage
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
-
-_ZARR = "samples.zarr"
 
 
 class ShardedSamples:
@@ -24,68 +28,97 @@ class ShardedSamples:
     In the folder, ``samples.zarr/<split>/`` holds the Zarr 3 arrays ``sketch`` (N, H, W), ``normal``
     (N, H, W, 3) and ``mask`` (N, H, W) in the sharding codec, one sample to an inner chunk, each with its
     CRC-32C; any Zarr reader opens them. ``done/<split>/<shard>.json`` holds the length and SHA-256 of a
-    shard's objects and is written last: what has none is not there yet.
+    shard's objects and is written last: what has none is not there yet. ``failed/<split>/<shard>.json`` says
+    which meshes could not be rendered; their places are blank, and they are passed over when reading.
 
     Args:
         url: the folder of the data set.
         split: which part of it, such as ``train``.
         layout: what lies where.
+        left_out: names of meshes whose samples are passed over.
+        cache: where objects of a distant store are kept; not asked for a folder on this machine.
     """
 
-    def __init__(self, url: str, split: str, layout: Layout) -> None:
+    def __init__(
+        self,
+        url: str,
+        split: str,
+        layout: Layout,
+        left_out: Collection[str] = (),
+        cache: LocalCache | None = None,
+    ) -> None:
         self.url, self.split, self.layout = url, split, layout
+        self.left_out = frozenset(left_out)
+        self._cache = cache
         self._storage = Storage(url)
-        self._opened: tuple[int, dict[str, Any]] | None = None
+        self._opened: tuple[int, Store, dict[str, Any]] | None = None
         self._trusted: set[int] = set()
 
     def __len__(self) -> int:
-        return len(self.layout)
+        return len(self._served) * self.layout.views
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_opened": None}  # open arrays belong to the process
 
+    @cached_property
+    def _served(self) -> NDArray[np.int64]:
+        return np.array(
+            [i for i, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out], np.int64
+        )
+
+    def _place(self, index: int) -> int:
+        mesh, view = divmod(index, self.layout.views)
+        return int(self._served[mesh]) * self.layout.views + view
+
     def name(self, index: int) -> str:
         """Return what a sample is called: mesh and number of the view, such as ``horse-0001/17``."""
-        mesh, view = self.mesh_and_view(index)
+        mesh, view = self.layout.mesh_and_view(self._place(index))
         return f"{mesh}/{view}"
 
-    def mesh_and_view(self, index: int) -> tuple[str, int]:
-        """Return the name of a sample's mesh and the number of the view of it."""
-        return self.layout.meshes[index // self.layout.views], index % self.layout.views
+    def indices(self, shard: int) -> range:
+        """Return the samples that lie in a shard; there may be none."""
+        views, places = self.layout.views, self.layout.indices(shard)
 
-    def meshes(self, shard: int) -> list[str]:
-        """Return the names of the meshes that a shard has views of, in order."""
-        return list(dict.fromkeys(self.mesh_and_view(index)[0] for index in self.layout.indices(shard)))
+        def before(place: int) -> int:
+            mesh, view = divmod(place, views)
+            count = int(np.searchsorted(self._served, mesh))
+            served = count < len(self._served) and self._served[count] == mesh
+            return count * views + (view if served else 0)
+
+        return range(before(places.start), before(places.stop))
 
     def create(self) -> None:
         """Write the description of the arrays, unless it is there already."""
         for path, content in metadata(self.split, self.layout).items():
-            known = self._storage.read(f"{_ZARR}/{path}")
+            known = self._storage.read(f"{ZARR}/{path}")
             if known is None or not _same_json(known, content):
-                self._storage.write(f"{_ZARR}/{path}", content)
+                self._storage.write(f"{ZARR}/{path}", content)
 
     def missing(self) -> list[int]:
         """Return the shards that have not been finished."""
-        return [s for s in range(self.layout.shards) if self._storage.size(self._marker(s)) is None]
+        done = self._storage.names(f"done/{self.split}")
+        return [s for s in range(self.layout.shards) if f"{s}.json" not in done]
+
+    def lost(self) -> list[int]:
+        """Return the finished shards of which an object is gone; a look at the names alone."""
+        names = self._storage.names(f"{ZARR}/{self.split}")
+        there = {f"{self.split}/{name}" for name in names}
+        return [shard for shard in self._finished() if not paths(self.split, shard) <= there]
 
     def verify(self) -> list[int]:
         """Return the finished shards whose objects are not, byte for byte, what was once written."""
-        done = sorted(set(range(self.layout.shards)) - set(self.missing()))
-        return [shard for shard in done if not self._intact(shard)]
+        return shard_files.damaged(self._storage, self.split, self._finished())
 
-    def write(self, shard: int, samples: Iterable[Sample]) -> None:
-        """Write all samples of a shard, then mark it as finished; the same samples give the same bytes.
+    def failures(self) -> dict[int, dict[str, str]]:
+        """Return why meshes could not be rendered: by shard, by name."""
+        return read_failures(self._storage, self.split)
 
-        Raises:
-            ValueError: if the samples are not as many or not as large as the layout says.
-            InputError: if the disk is full or may not be written to.
-        """
-        objects = encode(self.split, self.layout, shard, list(samples))
-        self._storage.delete(self._marker(shard))
-        for path, content in objects.items():
-            self._storage.write(f"{_ZARR}/{path}", content)
-        sums = {path: [len(content), _digest(content)] for path, content in objects.items()}
-        self._storage.write(self._marker(shard), (json.dumps(sums, indent=1) + "\n").encode())
+    def _finished(self) -> list[int]:
+        return sorted(set(range(self.layout.shards)) - set(self.missing()))
+
+    def write(self, shard: int, samples: Sequence[Sample]) -> None:
+        """Write all samples of a shard, then mark it as finished. Raises as `write_shard` does."""
+        write_shard(self._storage, self.layout.shard(self.split, shard), samples)
 
     def read(self, index: int) -> Sample:
         """Return one sample.
@@ -96,54 +129,62 @@ class ShardedSamples:
         """
         if not 0 <= index < len(self):
             raise IndexError(f"sample {index} of {len(self)}")
-        return Sample(**self._select(index // self.layout.per_shard, index))
+        place = self._place(index)
+        return Sample(**self._select(place // self.layout.per_shard, place))
 
     def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
-        """Return a shard's samples stacked: ``sketch``, ``normal``, ``mask``. Raises as `read` does."""
-        indices = self.layout.indices(shard)
-        return self._select(shard, slice(indices.start, indices.stop))
+        """Return a shard's samples, `indices`, stacked, by name of the array; raises as `read` does."""
+        places = self.layout.indices(shard)
+        stacked = self._select(shard, slice(places.start, places.stop))
+        if not self.left_out:
+            return stacked
+        keep = [self.layout.mesh_and_view(place)[0] not in self.left_out for place in places]
+        return {name: array[keep] for name, array in stacked.items()}
 
     def _select(self, shard: int, selection: int | slice) -> dict[str, NDArray[Any]]:
-        trouble = (
+        try:
+            store, arrays = self._open()
+            self._trust(shard, store)
+            try:
+                return {name: np.asarray(array[selection]) for name, array in arrays.items()}
+            except (ValueError, RuntimeError) as error:  # checksum; decompression
+                if isinstance(error, InputError) or not isinstance(store, ObjectStore):
+                    raise
+                store.forget(paths(self.split, shard))  # the fault may lie with the copy nearby
+                return {name: np.asarray(array[selection]) for name, array in arrays.items()}
+        except InputError:
+            raise
+        except (ValueError, RuntimeError, OSError) as error:
+            raise self._trouble(shard) from error
+
+    def _trust(self, shard: int, store: Store) -> None:
+        if shard in self._trusted:
+            return
+        sums = read_sums(self._storage, self.split, shard)
+        # Zarr fills in zeros for an object that is gone, without a word; a cache looks when it fetches.
+        cached = isinstance(store, ObjectStore) and store.cache is not None
+        if sums is None or not (cached or same_sizes(self._storage, sums)):
+            raise self._trouble(shard)
+        if isinstance(store, ObjectStore):
+            store.digests.update({path: digest for path, (_, digest) in sums.items()})
+        self._trusted.add(shard)
+
+    def _trouble(self, shard: int) -> InputError:
+        return InputError(
             f"shard {shard} of {self.split} in {self.url} is unfinished or damaged; "
             "render the data set again, which mends it."
         )
-        # Zarr fills in zeros for an object that is gone, without a word.
-        if shard not in self._trusted and not self._intact(shard, quick=True):
-            raise InputError(trouble)
-        self._trusted.add(shard)
-        try:
-            return {name: np.asarray(array[selection]) for name, array in self._arrays().items()}
-        except (ValueError, RuntimeError, OSError) as error:  # checksum; decompression; disk
-            raise InputError(trouble) from error
 
-    def _arrays(self) -> dict[str, Any]:
+    def _open(self) -> tuple[Store, dict[str, Any]]:
         if self._opened is None or self._opened[0] != os.getpid():  # a forked DataLoader worker opens its own
-            store = (self._storage / _ZARR).zarr_store()
+            folder = self._storage / ZARR
+            store: Store = (
+                LocalStore(folder.root, read_only=True) if folder.local else ObjectStore(folder, self._cache)
+            )
             group = zarr.open_group(store, path=self.split, mode="r")
-            self._opened = os.getpid(), {name: group[name] for name in ARRAYS}
-        return self._opened[1]
-
-    def _marker(self, shard: int) -> str:
-        return f"done/{self.split}/{shard}.json"
-
-    def _intact(self, shard: int, quick: bool = False) -> bool:
-        marker = self._storage.read(self._marker(shard)) or b""
-        try:
-            sums = json.loads(marker)
-            expected = {path: (int(size), str(digest)) for path, (size, digest) in sums.items()}
-        except (ValueError, TypeError, AttributeError):
-            return False
-        if set(expected) != {f"{self.split}/{chunk_path(name, shard)}" for name in ARRAYS}:
-            return False
-        if quick:
-            return all(self._storage.size(f"{_ZARR}/{p}") == size for p, (size, _) in expected.items())
-        found = {path: self._storage.read(f"{_ZARR}/{path}") for path in expected}
-        return all(c is not None and (len(c), _digest(c)) == expected[p] for p, c in found.items())
-
-
-def _digest(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
+            self._trusted = self._trusted if folder.local else set()  # digests are the store's
+            self._opened = os.getpid(), store, {name: group[name] for name in ARRAYS}
+        return self._opened[1:]
 
 
 def _same_json(a: bytes, b: bytes) -> bool:

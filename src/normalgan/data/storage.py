@@ -8,9 +8,8 @@ from pathlib import Path
 from fsspec.core import url_to_fs  # type: ignore[import-untyped]
 from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-untyped]
 from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
-from zarr.abc.store import Store
-from zarr.storage import FsspecStore, LocalStore
 
+from normalgan.data.remote import no_bucket, options, reason
 from normalgan.errors import InputError, brief, unwritable
 
 _PARTIAL = ".partial"
@@ -41,19 +40,41 @@ class Storage:
         """Whether other processes cannot see what this one writes."""
         return self.url.startswith("memory:")
 
-    def read(self, path: str) -> bytes | None:
+    @property
+    def local(self) -> bool:
+        """Whether it is a folder on a disk of this machine."""
+        return isinstance(self._files()[0], LocalFileSystem)
+
+    @property
+    def address(self) -> str:
+        """What another process calls it, wherever that one is: a path from the root on, or the URL."""
+        return self.root if self.local else self.url
+
+    @property
+    def root(self) -> str:
+        """The folder as its file system calls it; for a local one, its path."""
+        return self._files()[1]
+
+    def read(self, path: str, start: int | None = None, stop: int | None = None) -> bytes | None:
         """Return an object's bytes, or None if it is not there.
 
+        Args:
+            path: where it is in the folder.
+            start: from which byte on; negative counts from the end, None is the first.
+            stop: up to which byte, not included; None is the last.
+
         Raises:
-            InputError: if it is there but cannot be read.
+            InputError: if it is there but cannot be read, or the bucket or its server is not.
         """
         files, root = self._files()
         try:
-            return bytes(files.cat_file(f"{root}/{path}"))
-        except (FileNotFoundError, NotADirectoryError):
+            return bytes(files.cat_file(f"{root}/{path}", start=start, end=stop))
+        except (FileNotFoundError, NotADirectoryError) as error:
+            if no_bucket(error):
+                raise InputError(f"there is no such bucket as in {self.url}; create it first.") from error
             return None
-        except OSError as error:
-            raise InputError(f"cannot read {self.url}/{path}: {error.strerror or brief(error)}.") from error
+        except Exception as error:  # what a remote store raises need not be an OSError: botocore's is not
+            raise InputError(f"cannot read {self.url}/{path}: {reason(error)}.") from error
 
     def size(self, path: str) -> int | None:
         """Return an object's length in bytes, or None if it is not there. Raises as `read` does."""
@@ -62,8 +83,24 @@ class Storage:
             return int(files.info(f"{root}/{path}")["size"])
         except (FileNotFoundError, NotADirectoryError):
             return None
-        except OSError as error:
-            raise InputError(f"cannot read {self.url}/{path}: {error.strerror or brief(error)}.") from error
+        except Exception as error:  # as in `read`
+            raise InputError(f"cannot read {self.url}/{path}: {reason(error)}.") from error
+
+    def names(self, folder: str) -> set[str]:
+        """Return the paths of all objects below a folder, relative to it; one request for a thousand.
+
+        Raises:
+            InputError: if they cannot be listed.
+        """
+        files, root = self._files()
+        top = f"{root}/{folder}"
+        try:
+            found = files.find(top)
+        except (FileNotFoundError, NotADirectoryError):
+            return set()
+        except Exception as error:  # as in `read`
+            raise InputError(f"cannot read {self.url}/{folder}: {reason(error)}.") from error
+        return {path[len(top) + 1 :] for path in found}
 
     def write(self, path: str, content: bytes) -> None:
         """Write an object: a reader sees the old bytes or the new ones, never a part.
@@ -77,11 +114,11 @@ class Storage:
                 _write_atomically(Path(root), path, content)
             else:  # object stores show an object once it is complete
                 files.pipe_file(f"{root}/{path}", content)
-        except OSError as error:
-            reason = error.strerror or brief(error)
+        except Exception as error:  # as in `read`
             raise unwritable(
-                f"cannot write the samples to {self.url}: {reason}; make room there or name another folder.",
-                error,
+                f"cannot write the samples to {self.url}: {reason(error)}; "
+                "make room there or name another folder.",
+                error if isinstance(error, OSError) else OSError(),
             ) from error
 
     def delete(self, path: str) -> None:
@@ -95,8 +132,8 @@ class Storage:
             files.rm_file(f"{root}/{path}")
         except FileNotFoundError:
             pass
-        except OSError as error:
-            raise InputError(f"cannot remove {self.url}/{path}: {error.strerror or brief(error)}.") from error
+        except Exception as error:  # as in `read`
+            raise InputError(f"cannot remove {self.url}/{path}: {reason(error)}.") from error
 
     def sweep(self) -> None:
         """Remove what killed processes have left half written, if that can be done."""
@@ -108,17 +145,10 @@ class Storage:
                 if time.time() - path.stat().st_mtime > _ABANDONED:
                     path.unlink(missing_ok=True)
 
-    def zarr_store(self) -> Store:
-        """Return the folder as Zarr reads it; belongs to the process that asks."""
-        files, root = self._files()
-        if isinstance(files, LocalFileSystem):
-            return LocalStore(root, read_only=True)
-        return FsspecStore.from_url(self.url, read_only=True)
-
     def _files(self) -> tuple[AbstractFileSystem, str]:
         # Asked for anew each time: fsspec keeps one a process, so that none is carried across a fork.
         try:
-            files, root = url_to_fs(self.url)
+            files, root = url_to_fs(self.url, **options(self.url))
         except (ValueError, ImportError) as error:
             raise InputError(f"no samples can be kept at {self.url}: {brief(error)}.") from error
         return files, root

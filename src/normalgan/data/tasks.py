@@ -1,12 +1,34 @@
 """Tasks: what a worker process is asked to do; it loads neither torch nor anything that needs it."""
 
-from dataclasses import dataclass
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
-from normalgan.data.shards import ShardedSamples
-from normalgan.errors import InputError
+from normalgan.data.layout import Shard, blank
+from normalgan.data.shard_files import ZARR, damaged, write_shard
+from normalgan.data.storage import Storage
+from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.renderers.base import Renderer
-from normalgan.rendering.samples import Recipe
+from normalgan.rendering.samples import Recipe, Sample
+
+
+@dataclass(frozen=True)
+class MeshTask:
+    """A mesh to be looked at.
+
+    Args:
+        source: where it comes from.
+        fingerprint: what it is where the work is handed out.
+    """
+
+    source: MeshSource
+    fingerprint: str
+
+    @property
+    def meshes(self) -> tuple[str, ...]:
+        """The name of the mesh."""
+        return (self.source.name,)
 
 
 @dataclass(frozen=True)
@@ -14,16 +36,38 @@ class ShardTask:
     """A shard to be rendered, and all that it takes.
 
     Args:
-        store: where it goes.
-        number: which shard it is.
+        url: the folder of the data set.
+        shard: which one.
         recipe: how samples are made.
-        meshes: the meshes it has views of and their fingerprints, by name.
+        sources: the meshes it has views of, by name.
+        failed: why a mesh of it must not even be tried, by name.
     """
 
-    store: ShardedSamples
-    number: int
+    url: str
+    shard: Shard
     recipe: Recipe
-    meshes: dict[str, tuple[MeshSource, str]]
+    sources: dict[str, MeshTask]
+    failed: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def meshes(self) -> tuple[str, ...]:
+        """The names of the meshes that are tried."""
+        return tuple(mesh for mesh in self.shard.meshes if mesh not in self.failed)
+
+
+@dataclass(frozen=True)
+class CheckTask:
+    """Some finished shards whose bytes are to be checked.
+
+    Args:
+        url: the folder of the data set.
+        split: which part of it.
+        numbers: the shards.
+    """
+
+    url: str
+    split: str
+    numbers: tuple[int, ...]
 
 
 # The mesh used last, with its name and fingerprint: the views of one follow one another. It belongs to the
@@ -31,20 +75,50 @@ class ShardTask:
 _last: tuple[tuple[str, str], Mesh] | None = None
 
 
-def render_shard(task: ShardTask) -> None:
-    """Render all samples of a shard and write them."""
+def render_shard(task: ShardTask) -> dict[str, str]:
+    """Render all samples of a shard, write them, and return why a mesh of it could not be rendered, by name.
+
+    A mesh fails alone: the others of the shard are rendered.
+
+    Raises:
+        InputError: if this machine cannot do the work: it does not run the renderer, does not see the store
+            or a mesh as it is where the work is handed out, or cannot write.
+    """
+    samples, failed = _render(task)
+    write_shard(Storage(task.url), task.shard, samples, failed)
+    return failed
+
+
+def try_mesh(task: ShardTask) -> None:
+    """Render a shard and write nothing, to see whether the process lives through it."""
+    _render(task)
+
+
+def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
+    _see(task.url, task.shard.split)
+    check_renderer(task.recipe.renderer)
+    failed = dict(task.failed)
     samples = []
-    for index in task.store.layout.indices(task.number):
-        name, view = task.store.mesh_and_view(index)
-        samples.append(task.recipe.render(_load(*task.meshes[name]), view))
-    task.store.write(task.number, samples)
+    for name, view in task.shard.samples:
+        sample = blank(task.shard.size)
+        if name not in failed:
+            _same_here(task.sources[name])
+            try:
+                sample = task.recipe.render(_load(task.sources[name]), view)
+            except Exception as error:  # whatever a mesh brings about in a renderer or style
+                failed[name] = told(error)
+        samples.append(sample)
+    return samples, failed
 
 
-def _load(source: MeshSource, fingerprint: str) -> Mesh:
-    global _last  # noqa: PLW0603 -- see above
-    if _last is None or _last[0] != (source.name, fingerprint):
-        _last = (source.name, fingerprint), source.load()
-    return _last[1]
+def look_at(task: MeshTask) -> str | None:
+    """Return why a mesh cannot be used, or None if it can.
+
+    Raises:
+        InputError: if it is not here as it is where the work is handed out.
+    """
+    _same_here(task)
+    return find_trouble(task.source)
 
 
 def find_trouble(source: MeshSource) -> str | None:
@@ -56,6 +130,68 @@ def find_trouble(source: MeshSource) -> str | None:
     return None
 
 
+def find_damage(task: CheckTask) -> list[int]:
+    """Return which of some finished shards are not, byte for byte, what was once written."""
+    _see(task.url, task.split)
+    return damaged(Storage(task.url), task.split, task.numbers)
+
+
 def check_renderer(renderer: Renderer) -> None:
     """Raise `InputError` if the renderer does not run here."""
-    renderer.check()
+    _once(f"renderer {renderer!r}", renderer.check)
+
+
+def fingerprint(source: MeshSource) -> str:
+    """Return what a mesh is; one that cannot be read is left for `find_trouble` to refuse."""
+    try:
+        return source.fingerprint()
+    except InputError as error:
+        return f"none: {error}"
+
+
+def told(error: BaseException) -> str:
+    """Return an error in one sentence, with its kind unless it is meant for the user.
+
+    >>> told(InputError("horse has no legs.")), told(KeyError("legs"))
+    ('horse has no legs.', "KeyError: 'legs'.")
+    """
+    return str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
+
+
+def _load(task: MeshTask) -> Mesh:
+    global _last  # noqa: PLW0603 -- see above
+    key = task.source.name, task.fingerprint
+    if _last is None or _last[0] != key:
+        _last = key, task.source.load()
+    return _last[1]
+
+
+_passed: set[str] = set()  # checks that this process has passed: they cost time, and nothing changes
+
+
+def _once(what: str, check: Callable[[], None]) -> None:
+    if what not in _passed:
+        check()
+        _passed.add(what)
+
+
+def _same_here(task: MeshTask) -> None:
+    def check() -> None:
+        if fingerprint(task.source) != task.fingerprint:
+            raise InputError(
+                f"the mesh {task.source.name} is another one on {socket.gethostname()}, or is not there; it "
+                "must be the same file, under the same path, on every machine."
+            )
+
+    _once(f"mesh {task.source.name} {task.fingerprint}", check)
+
+
+def _see(url: str, split: str) -> None:
+    def check() -> None:
+        if Storage(url).size(f"{ZARR}/{split}/zarr.json") is None:
+            raise InputError(
+                f"{socket.gethostname()} does not see {url}; the cache must be a folder that all machines "
+                "share, or a URL."
+            )
+
+    _once(f"store {split} {url}", check)

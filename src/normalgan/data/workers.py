@@ -4,13 +4,15 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Self, TypeVar
 
+from normalgan.data.pool import no_kin
 from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
@@ -56,12 +58,18 @@ class Workers:
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def run(self, function: Callable[[T], R], tasks: Iterable[T]) -> Iterator[tuple[T, R]]:
+    def run(
+        self,
+        function: Callable[[T], R],
+        tasks: Iterable[T],
+        kin: Callable[[T], Collection[str]] = no_kin,
+    ) -> Iterator[tuple[T, R]]:
         """Yield every task with its result as it is finished, in no particular order.
 
         Args:
             function: of a module, so that a worker can import it.
             tasks: what it is called with.
+            kin: of no use here; see `Pool`. No task outlives the death of a worker.
 
         Raises:
             RunError: if a worker dies; what is finished by then has been yielded or written.
@@ -71,18 +79,11 @@ class Workers:
             for task in tasks:
                 yield task, function(task)
             return
-        futures = {}
-        before = {name: os.environ.get(name) for name in _ONE_THREAD}
-        # Set here, not in the worker: the libraries read it when they are loaded, before any code of ours.
-        os.environ.update(_ONE_THREAD)
-        try:
+        with one_thread_each():
             if self._pool is None:
                 context = multiprocessing.get_context("spawn")
                 self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_prepare)
             futures = {self._pool.submit(function, task): task for task in tasks}
-        finally:
-            for name, value in before.items():
-                os.environ.pop(name) if value is None else os.environ.update({name: value})
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
@@ -91,6 +92,19 @@ class Workers:
                 f"one of the {self.count} worker processes was killed, most likely for want of memory; "
                 "what is finished is kept: run again, with fewer workers."
             ) from error
+
+
+@contextmanager
+def one_thread_each() -> Iterator[None]:
+    """Let processes that are started meanwhile compute in one thread."""
+    before = {name: os.environ.get(name) for name in _ONE_THREAD}
+    # Set here, not in the worker: the libraries read it when they are loaded, before any code of ours.
+    os.environ.update(_ONE_THREAD)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
 def _prepare() -> None:

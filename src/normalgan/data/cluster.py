@@ -1,0 +1,174 @@
+"""Cluster: processes of many machines that work side by side, by way of a Dask scheduler."""
+
+import time
+import warnings
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import ExitStack
+from itertools import count
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+from normalgan.data.cluster_address import connect
+from normalgan.data.cluster_worker import Unfit, flaws, pack, perform
+from normalgan.data.pool import Killed, no_kin
+from normalgan.data.versions import versions
+from normalgan.errors import InputError, RunError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+_AHEAD = 3  # tasks a worker has before it or at hand: none waits for the next, and few fall with it
+_LOOK = 1.0  # seconds between two looks at who is there
+
+
+class Cluster:
+    """The workers of a Dask cluster; a `Pool`.
+
+    A worker that dies takes its tasks with it: the scheduler gives them to others, and one that joins gets
+    its share. Each must have this very version of normalgan and of what the bytes depend on, and one thread.
+
+    Args:
+        where: which cluster; see `connect`.
+    """
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self._stack = ExitStack()
+        self._client: Any = None
+        self._patience = 0.0
+        self._workers: set[str] = set()
+        self._sent_away: set[str] = set()
+        self._looked = self._seen = 0.0
+
+    def __enter__(self) -> Self:
+        """Connect, and look at the workers.
+
+        Raises:
+            InputError: if the cluster cannot be reached, or a worker is not fit.
+            RunError: if no worker comes.
+        """
+        with ExitStack() as stack:
+            self._client, self._patience = connect(self.where, stack)
+            self._seen = time.monotonic()
+            while not self._workers:
+                for address, flaw in self._look().items():
+                    raise InputError(
+                        f"the worker {address} of {self.where} is not fit for this: it has {flaw}."
+                    )
+                if not self._workers:
+                    time.sleep(0.1)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stack.close()
+
+    def run(
+        self,
+        function: Callable[[T], R],
+        tasks: Iterable[T],
+        kin: Callable[[T], Collection[str]] = no_kin,
+    ) -> Iterator[tuple[T, R | Killed]]:
+        """Yield every task with its result as it is finished; see `Pool`.
+
+        Raises:
+            InputError: as a task does; what is finished by then is kept.
+            RunError: if all workers or the scheduler are gone.
+        """
+        todo, number = deque(tasks), count()
+        ended: SimpleQueue[Any] = SimpleQueue()
+        under_way: dict[str, tuple[Any, T]] = {}
+        suspicious: set[str] = set()
+        try:
+            while todo or under_way:
+                while todo and len(under_way) < _AHEAD * len(self._workers):
+                    task = todo.popleft()
+                    if not suspicious.isdisjoint(kin(task)):
+                        yield task, Killed()
+                        continue
+                    key = f"normalgan-{function.__name__}-{id(under_way)}-{next(number)}"
+                    arguments = pack(function, task), versions(), str(Path.cwd())
+                    future = self._client.submit(perform, *arguments, key=key, pure=False)
+                    under_way[key] = future, task
+                    future.add_done_callback(ended.put)
+                future = _next(ended)
+                self._watch()
+                if future is None:
+                    continue
+                _, task = under_way.pop(future.key)
+                outcome = self._outcome(future)
+                if isinstance(outcome, Unfit):
+                    todo.appendleft(task)
+                    continue
+                if isinstance(outcome, Killed):
+                    suspicious.update(kin(task))
+                yield task, outcome
+        finally:
+            if self._client.status == "running":
+                self._client.cancel([future for future, _ in under_way.values()], force=True)
+
+    def _outcome(self, future: Any) -> Any:
+        from distributed import KilledWorker
+
+        if future.status == "finished":
+            outcome = future.result()
+            if isinstance(outcome, Unfit):
+                self._watch(at_once=True)
+            return outcome
+        if future.status != "error":
+            raise self._lost()
+        error = future.exception()
+        if isinstance(error, KilledWorker):
+            return Killed()
+        if not isinstance(error, InputError) and self._watch(at_once=True):
+            return Unfit("")  # it could not even unpack what it was to do
+        raise error
+
+    def _watch(self, at_once: bool = False) -> bool:
+        """See who has come and gone; return whether one was sent away."""
+        if not at_once and time.monotonic() - self._looked < _LOOK:
+            return False
+        unfit = self._look()
+        for address, flaw in unfit.items():
+            warnings.warn(f"the worker {address} has joined but is not fit: it has {flaw}.", stacklevel=2)
+        if unfit:
+            self._sent_away |= set(unfit)
+            self._client.retire_workers(list(unfit))
+        return bool(unfit)
+
+    def _look(self) -> dict[str, str]:
+        """Note which workers there are; return what is wrong with new ones, by address."""
+        self._looked = time.monotonic()
+        if self._client.status != "running":
+            raise self._lost()
+        there = self._client.scheduler_info(n_workers=-1)["workers"]
+        threads = {address: there[address]["nthreads"] for address in there}
+        unfit = flaws(
+            self._client, {a: threads[a] for a in threads if a not in self._workers | self._sent_away}
+        )
+        self._workers = set(there) - set(unfit) - self._sent_away
+        if self._workers or unfit:
+            self._seen = self._looked
+        elif self._looked - self._seen > self._patience:
+            raise RunError(
+                f"there has been no worker at {self.where} for {self._patience:.0f} seconds; what is "
+                "finished is kept: start workers, and run again."
+            )
+        return unfit
+
+    def _lost(self) -> RunError:
+        return RunError(
+            f"the scheduler at {self.where} is gone; what is finished is kept: start it, and run again."
+        )
+
+
+def _next(ended: "SimpleQueue[Any]") -> Any:
+    try:
+        return ended.get(timeout=_LOOK)
+    except Empty:
+        return None

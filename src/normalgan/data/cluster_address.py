@@ -1,0 +1,126 @@
+"""From what a user calls a cluster to a connection with its scheduler."""
+
+import importlib
+import logging
+import re
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from normalgan.data.workers import one_thread_each
+from normalgan.errors import InputError, brief
+
+TIMEOUT = 10.0
+"""Seconds in which a scheduler must answer."""
+
+_FORMS = "tcp://host:port, a scheduler file (.json), local:N or a YAML file that names a cluster class"
+_KEYS = {"class_path", "init_args", "scale", "adapt", "patience"}
+_PATIENCE = 60.0
+
+
+def connect(where: str, stack: ExitStack) -> tuple[Any, float]:
+    """Return a client of the cluster, and the seconds to wait while it has no worker at all.
+
+    Args:
+        where: ``tcp://host:port``; a scheduler file ``….json``; ``local:N`` for N processes of this machine;
+            or ``….yaml`` with ``class_path`` and ``init_args`` of any class or function that makes a Dask
+            cluster, and if wanted ``scale`` or ``adapt`` with the arguments of its methods of these names,
+            and ``patience`` in seconds, if the first worker may take longer than a minute to come.
+        stack: ends what is started here.
+
+    Raises:
+        InputError: if Dask is not installed, it is none of these, or no scheduler answers.
+    """
+    try:
+        import dask.config
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise InputError("a cluster needs Dask: pip install 'normalgan[cluster]'.") from error
+    stack.enter_context(_silence())
+    address: Any = where
+    patience, settings = _PATIENCE, {}
+    if found := re.fullmatch(r"local:(\d+)", where):
+        if int(found[1]) < 1:
+            raise InputError(f"the cluster {where} has no worker; local:2 has two.")
+        # A mesh that kills is tried again alone, so a second death is enough here, instead of a fourth.
+        with one_thread_each(), dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+            made: Any = LocalCluster(  # type: ignore[no-untyped-call]
+                n_workers=int(found[1]), threads_per_worker=1, processes=True, dashboard_address=None
+            )
+        address = stack.enter_context(made)
+    elif where.endswith((".yaml", ".yml")):
+        content = _read(Path(where))
+        address, patience = (
+            stack.enter_context(_make(where, content)),
+            float(content.get("patience", _PATIENCE)),
+        )
+    elif where.endswith(".json"):
+        if not Path(where).is_file():
+            raise InputError(
+                f"there is no scheduler file {where}; dask scheduler --scheduler-file writes it."
+            )
+        address, settings = None, {"scheduler_file": where}
+    elif not re.fullmatch(r"(\w+://)?[^/\s]+:\d+", where):
+        raise InputError(f"{where!r} names no cluster; give {_FORMS}.")
+    return stack.enter_context(_client(Client, address, where, settings)), patience
+
+
+def _client(client: Callable[..., Any], address: Any, where: str, settings: dict[str, str]) -> Any:
+    try:
+        return client(address, timeout=TIMEOUT, set_as_default=False, **settings)
+    except (OSError, ValueError) as error:  # no answer; no such protocol, no scheduler file
+        raise InputError(
+            f"no scheduler answers at {where} within {TIMEOUT:.0f} seconds ({brief(error)}); is it running, "
+            "and is the address right?"
+        ) from error
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep Dask from telling what we tell in a sentence, or what is no matter: that a worker has gone."""
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    before = {name: logging.getLogger(name).level for name in names}
+    for name in names:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)
+
+
+def _read(file: Path) -> dict[str, Any]:
+    try:
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError(f"the cluster file {file} cannot be read: {brief(error)}.") from error
+    if not isinstance(content, dict) or "class_path" not in content or set(content) - _KEYS:
+        raise InputError(
+            f"the cluster file {file} must hold class_path and may hold init_args, scale, adapt and "
+            "patience, and nothing else."
+        )
+    return content
+
+
+def _make(file: str, content: dict[str, Any]) -> Any:
+    """Return the cluster that a YAML file describes."""
+    module, _, name = str(content["class_path"]).rpartition(".")
+    try:
+        kind = getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise InputError(
+            f"{content['class_path']} in the cluster file {file} cannot be imported: {brief(error)}."
+        ) from error
+    try:
+        cluster = kind(**(content.get("init_args") or {}))
+        for method in ("scale", "adapt"):
+            if method in content:
+                getattr(cluster, method)(**content[method])
+    except Exception as error:  # whatever a queue or a cloud answers
+        raise InputError(
+            f"{content['class_path']} in the cluster file {file} cannot be started: {brief(error)}."
+        ) from error
+    return cluster

@@ -1,0 +1,55 @@
+"""What is said to a file system behind a URL so that it answers soon and truly, and what it answers."""
+
+import os
+from typing import Any
+
+import fsspec  # type: ignore[import-untyped]
+
+from normalgan.errors import brief
+
+_ATTEMPTS = 3
+"""Attempts at a request, the first included."""
+
+
+def options(url: str) -> dict[str, Any]:
+    """Return what the file system behind a URL is opened with.
+
+    Listings are not kept: other processes write there too. S3 gives up on an endpoint after seconds, not
+    after minutes, as botocore does by default; whoever needs other limits sets ``config_kwargs`` in fsspec's
+    configuration (FSSPEC_S3_CONFIG_KWARGS, say) or AWS_MAX_ATTEMPTS and AWS_RETRY_MODE.
+
+    >>> options("/data"), options("file:///data")
+    ({}, {})
+    """
+    protocol = fsspec.core.split_protocol(url)[0] or "file"
+    if protocol in {"file", "local"}:
+        return {}
+    found: dict[str, Any] = {"use_listings_cache": False}
+    configured = {key for name in ("s3", "s3a") for key in fsspec.config.conf.get(name, {})}
+    if protocol in {"s3", "s3a"} and "config_kwargs" not in configured:
+        # https://botocore.amazonaws.com/v1/documentation/api/latest/reference/config.html
+        limits: dict[str, Any] = {"connect_timeout": 5, "read_timeout": 30}
+        if not {"AWS_MAX_ATTEMPTS", "AWS_RETRY_MODE"} & set(os.environ):
+            limits["retries"] = {"total_max_attempts": _ATTEMPTS, "mode": "standard"}
+        found["config_kwargs"] = limits
+    return found
+
+
+def reason(error: BaseException) -> str:
+    """Return in a few words why a file system refused.
+
+    >>> reason(OSError(28, "No space left on device"))
+    'No space left on device'
+    >>> reason(PermissionError("The access key is unknown."))
+    'The access key is unknown'
+    """
+    return ((error.strerror if isinstance(error, OSError) else None) or brief(error)).rstrip(".")
+
+
+def no_bucket(error: BaseException) -> bool:
+    """Whether not the object but the bucket it should be in is missing: S3 says both by one kind of error.
+
+    >>> no_bucket(FileNotFoundError("The specified bucket does not exist"))
+    True
+    """
+    return "bucket does not exist" in str(error)

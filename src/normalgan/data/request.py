@@ -1,0 +1,60 @@
+"""A request for samples: where they lie, and which of the meshes asked for can be used."""
+
+from collections.abc import Mapping, Sequence
+
+from normalgan.data.layout import Layout
+from normalgan.data.manifest import Manifest, dataset_key, fingerprints, views_by_split
+from normalgan.data.pool import Killed, Pool
+from normalgan.data.quarantine import find_troubles
+from normalgan.data.storage import Storage
+from normalgan.data.tasks import MeshTask, check_renderer
+from normalgan.errors import InputError, RunError
+from normalgan.rendering.mesh import MeshSource
+from normalgan.rendering.samples import Recipe
+
+Sources = Mapping[str, Sequence[MeshSource]]
+
+
+def locate(
+    cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: Recipe
+) -> tuple[Storage, dict[str, int], dict[str, MeshTask]]:
+    """Return the folder of the data set, the views by split, and the meshes by name.
+
+    Raises:
+        InputError: if the request makes no sense.
+    """
+    views = views_by_split(views_per_mesh, sources)
+    prints = fingerprints({split: sources[split] for split in views})
+    folder = Storage(cache) / dataset_key(prints, views, recipe)
+    known = dict(pair for part in prints.values() for pair in part)
+    return folder, views, {s.name: MeshTask(s, known[s.name]) for split in views for s in sources[split]}
+
+
+def lay_out(
+    pool: Pool,
+    sources: Sources,
+    views: Mapping[str, int],
+    recipe: Recipe,
+    meshes: Mapping[str, MeshTask],
+    per_shard: int,
+) -> Manifest:
+    """Find out which meshes can be used, as only loading them can tell, and say what lies where.
+
+    Raises:
+        InputError: if the renderer does not run, or no mesh of a split can be used.
+    """
+    for _, outcome in pool.run(check_renderer, [recipe.renderer]):
+        if isinstance(outcome, Killed):
+            raise RunError(f"{type(recipe.renderer).__name__} kills the process that asks whether it runs.")
+    reasons = find_troubles(pool, list(meshes.values()))
+    left_out = {name: reasons[name] for name in meshes if name in reasons}
+    splits = {}
+    for split, number in views.items():
+        usable = tuple(source.name for source in sources[split] if source.name not in left_out)
+        if not usable:
+            first = left_out[sources[split][0].name]
+            raise InputError(
+                f"none of the {len(sources[split])} meshes for {split} can be used; the first: {first}"
+            )
+        splits[split] = Layout(usable, number, recipe.size, per_shard)
+    return Manifest(recipe.describe(), splits, left_out)
