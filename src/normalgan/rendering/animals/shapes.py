@@ -1,72 +1,22 @@
-"""Short words for the sweeps and frames that body plans are written with."""
+"""Trunks, pivots and two-boned limbs, as the body plans need them."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from normalgan.rendering.animals.chain import Frame
+from normalgan.rendering.animals.forms import tube
 from normalgan.rendering.animals.head import loft
 from normalgan.rendering.animals.sweep import Floats, Sweep
 
 Point = Sequence[float]
-ACROSS = (0.0, 0.0, 1.0)
+Rows = tuple[tuple[float, ...], ...]
 
 
-def tube(
-    points: Sequence[Point] | Floats,
-    radii: Sequence[float] | Floats | float,
-    widths: Sequence[float] | Floats | float | None = None,
-    side: Point | Floats = ACROSS,
-) -> Sweep:
-    """Return a sweep; round if no ``widths``, the radii along ``side``, are given.
-
-    >>> tube([(0, 0, 0), (1, 0, 0)], 0.1).radii.tolist()
-    [0.1, 0.1]
-    """
-    curve = np.array(points, dtype=np.float64)
-    fat = np.broadcast_to(np.array(radii, dtype=np.float64), len(curve)).copy()
-    wide = fat if widths is None else np.broadcast_to(np.array(widths, dtype=np.float64), len(curve)).copy()
-    return Sweep(curve, fat, wide, np.tile(np.array(side, dtype=np.float64), (len(curve), 1)))
-
-
-def trunk(rows: Sequence[Point] | Floats) -> Sweep:
+def trunk(rows: Rows | Floats) -> Sweep:
     """Return the sweep of stations (x, top, bottom, half width) in the sagittal plane."""
-    points, radii, widths = loft(tuple(tuple(float(v) for v in row) for row in rows))
-    return Sweep(points, radii, widths, np.tile(np.array(ACROSS), (len(points), 1)))
-
-
-def carried(sweep: Sweep, frame: Frame, size: float = 1.0) -> Sweep:
-    """Return a sweep given in a part's own frame, in units of ``size``, in the world."""
-    return replace(
-        sweep,
-        points=frame.place(sweep.points * size),
-        radii=sweep.radii * size,
-        widths=sweep.widths * size,
-        sides=sweep.sides @ frame.rotation.T,
-    )
-
-
-def both(*sweeps: Sweep) -> tuple[Sweep, ...]:
-    """Return sweeps of the right and their images on the left."""
-    flip = np.array([1.0, 1.0, -1.0])
-    images = [replace(each, points=each.points * flip, sides=each.sides * flip) for each in sweeps]
-    return (*sweeps, *images)
-
-
-def ball(at: Point | Floats, radius: float) -> Sweep:
-    """Return a sphere."""
-    return tube(np.array([at, at]), radius)
-
-
-def roll(degrees: float) -> Floats:
-    """Return the (3, 3) rotation about x that turns +z, the right, towards +y.
-
-    >>> (roll(90) @ [0, 0, 1]).round(6).tolist()
-    [0.0, 1.0, 0.0]
-    """
-    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+    points, radii, widths = loft(tuple(tuple(float(value) for value in row) for row in rows))
+    return tube(points, list(radii), list(widths))
 
 
 def about(pivot: Point | Floats, rotation: Floats) -> Frame:
@@ -79,14 +29,19 @@ def hinge(start: Floats, end: Floats, upper: float, lower: float, bend: Point = 
     """Return the joint (3,) between two bones that run from ``start`` to ``end``, bent towards ``bend``.
 
     Bones too short to reach lie straight, the joint dividing the way as their lengths do.
+
+    >>> hinge(np.zeros(3), np.array([0.0, -6.0, 0.0]), 5.0, 5.0).tolist()
+    [-4.0, -3.0, 0.0]
     """
     way = end - start
     length = float(np.linalg.norm(way))
-    along = (length**2 + upper**2 - lower**2) / (2 * length)
-    if length >= upper + lower:
-        along = length * upper / (upper + lower)
-    out = np.array(bend, dtype=np.float64) - (np.array(bend) @ way) / length**2 * way
-    height = np.sqrt(max(upper**2 - along**2, 0.0)) if length < upper + lower else 0.0
+    reachable = length < upper + lower
+    along = (
+        (length**2 + upper**2 - lower**2) / (2 * length) if reachable else length * upper / (upper + lower)
+    )
+    height = float(np.sqrt(max(upper**2 - along**2, 0.0))) if reachable else 0.0
+    out = np.array(bend, dtype=np.float64)
+    out = out - (out @ way) / length**2 * way
     joint: Floats = start + way / length * along + out / np.linalg.norm(out) * height
     return joint
 

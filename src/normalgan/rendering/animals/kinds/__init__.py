@@ -3,11 +3,17 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from normalgan.rendering.animals.kinds.bipeds import BIPEDS
+from normalgan.rendering.animals.kinds.birds import BIRDS
+from normalgan.rendering.animals.kinds.insects import INSECTS
 from normalgan.rendering.animals.kinds.quadrupeds import QUADRUPEDS
 from normalgan.rendering.animals.plan import BodyPlan
 
 _TABLES: Mapping[str, Mapping[str, BodyPlan]] = {
     "quadrupeds": QUADRUPEDS,
+    "birds": BIRDS,
+    "bipeds": BIPEDS,
+    "insects": INSECTS,
 }
 
 GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType({name: tuple(t) for name, t in _TABLES.items()})
