@@ -69,7 +69,7 @@ def test_a_flat_sheet_and_a_face_without_area_have_no_curvature() -> None:
             [[0, 1, 2]],
         ]
     )
-    up = np.tile(np.float32([0, 0, 1]), (20, 1))
+    up = np.tile(np.array([0, 0, 1], np.float32), (20, 1))
     sheet = Mesh("sheet", points.astype(np.float32), faces.astype(np.int32), up)
     np.testing.assert_allclose(operators_of(sheet), 0, atol=1e-9)
 

@@ -38,7 +38,8 @@ class Brush(LineDrawing):
         widest: strokes are at most this many times as wide as the median; broad shadows make no blots.
         sigma: standard deviation of the smaller blur, as a fraction of the frame's side.
         sharpening: p, how strongly edges are lifted out of the shading.
-        threshold: epsilon, the sharpened n·v below which there is ink.
+        threshold: epsilon, the sharpened n·v below which there is ink; above 0, flat faces seen at so
+            small an n·v turn black.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side; contours are inked wherever they are.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.
@@ -53,8 +54,8 @@ class Brush(LineDrawing):
     line_width: float = 2.0
     widest: float = 2.0
     sigma: float = 0.006
-    sharpening: float = 20.0
-    threshold: float = 0.3
+    sharpening: float = 50.0
+    threshold: float = 0.0
     gap: float = 0.01
     shortest_contour: float = 0.012
     shortest: float = 0.03
@@ -84,7 +85,9 @@ class Brush(LineDrawing):
     def _stroke(self, points: Doubles, width: Doubles, buffers: Buffers) -> Stroke:
         """Return the stroke along ``points`` (P, 2) of the buffers, ``width`` (P,) times the usual."""
         path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.0)), _SPACING)
-        swelling = smooth(np.stack([width, np.arange(len(width))], axis=1), _SWELL)[:, 0]
+        closed = bool((points[0] == points[-1]).all())
+        number = np.zeros(len(width)) if closed else np.arange(len(width))
+        swelling = smooth(np.stack([width, number], axis=1), _SWELL)[:, 0]
         here = np.interp(np.linspace(0, len(width) - 1, len(path)), np.arange(len(width)), swelling)
         return Stroke(path, self.line_width * np.clip(here, 0.1, self.widest), np.ones(len(path)))
 

@@ -24,8 +24,8 @@ def thin(inked: Mark) -> list[tuple[Doubles, Doubles]]:
     >>> inked = np.zeros((9, 20), bool)
     >>> inked[3:6, 2:18] = True
     >>> [(points, width)] = thin(inked)
-    >>> points[:, 1].tolist() == [4.5] * len(points), width.tolist() == [3.0] * len(width)
-    (True, True)
+    >>> points[5:8].tolist(), width[5:8].tolist()
+    ([[11.5, 4.5], [10.5, 4.5], [9.5, 4.5]], [3.0, 3.0, 3.0])
     """
     skeleton: Mark = skeletonize(inked)  # type: ignore[no-untyped-call]
     rows, columns = np.nonzero(skeleton)
