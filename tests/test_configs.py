@@ -46,8 +46,8 @@ DIFFER = {
         "model.generator_optimizer.class_path",
         "model.discriminator_optimizer.class_path",
         "model.n_critic",
-        "model.l1_weight",
-        "model.hint_weight",
+        "model.reconstruction.init_args.l1_weight",
+        "model.reconstruction.init_args.hint_weight",
         "model.noise_at_test",
     },
 }

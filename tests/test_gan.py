@@ -12,9 +12,15 @@ from torch.optim.lr_scheduler import ExponentialLR
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import NoHints, UniformHints
-from normalgan.models import PatchDiscriminator, UNetDiscriminator, UNetGenerator
+from normalgan.models import PatchDiscriminator, ResidualUNetGenerator, UNetDiscriminator, UNetGenerator
 from normalgan.models.condition import make_condition, paste_hints
-from normalgan.objectives import CrossEntropy, Wasserstein, WassersteinGradientPenalty
+from normalgan.objectives import (
+    AngularLikelihood,
+    CrossEntropy,
+    L1AndHints,
+    Wasserstein,
+    WassersteinGradientPenalty,
+)
 from small import gan as make
 from small import trainer
 from spheres import batch, loader
@@ -146,8 +152,14 @@ def test_clipping_holds_after_training(tmp_path: Path) -> None:
         },
         {"discriminator": UNetDiscriminator(size=32, width=4, encoder_head=True)},
         {"discriminator": None},
+        {
+            "generator": ResidualUNetGenerator((8, 8), (1, 1)),
+            "discriminator": None,
+            "reconstruction": AngularLikelihood(),
+            "gradient_clip": 1.0,
+        },
     ],
-    ids=["penalty", "pix2pix", "two heads", "no discriminator"],
+    ids=["penalty", "pix2pix", "two heads", "no discriminator", "ours"],
 )
 def test_every_objective_trains(tmp_path: Path, settings: dict[str, Any]) -> None:
     gan = make(**settings)
@@ -161,7 +173,7 @@ def test_training_lowers_the_error(tmp_path: Path) -> None:
     gan = make(
         generator=UNetGenerator(size=32, width=8),
         generator_optimizer=lambda parameters: Adam(parameters, lr=2e-3),
-        l1_weight=100.0,
+        reconstruction=L1AndHints(l1_weight=100.0),
     )
     run = trainer(tmp_path, max_epochs=30)
     before = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
@@ -213,7 +225,7 @@ def test_hints_of_the_batch_are_not_asked_for_again() -> None:
     gan = make(hint_sampler=NoHints())
     given = batch()
     given["hints"] = torch.ones(2, 4, 32, 32)
-    assert gan.draw_hints(given, 0) is given["hints"]
+    assert gan.training_hints(given, 0) is given["hints"]
 
 
 def test_hinted_pixels_can_be_left_out_of_the_figures(tmp_path: Path) -> None:
@@ -260,7 +272,8 @@ def test_bf16_trains_and_measures_in_full_precision(tmp_path: Path) -> None:
     ("settings", "message"),
     [
         ({"n_critic": 0}, "n_critic must be 1 or more, not 0"),
-        ({"l1_weight": -1.0}, "l1_weight must be 0 or more"),
+        ({"adversarial_weight": -1.0}, "adversarial_weight must be 0 or more"),
+        ({"gradient_clip": 0.0}, "gradient_clip must be greater than 0, or null, not 0.0"),
         ({"objective": WassersteinGradientPenalty()}, "without batch norm"),
     ],
 )

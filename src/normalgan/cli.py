@@ -70,6 +70,7 @@ class NormalGANCLI(LightningCLI):
                 "model.discriminator": {"class_path": "normalgan.models.UNetDiscriminator"},
                 "model.hint_sampler": {"class_path": "normalgan.hints.CurvatureHints"},
                 "model.objective": {"class_path": "normalgan.objectives.Wasserstein"},
+                "model.reconstruction": {"class_path": "normalgan.objectives.L1AndHints"},
                 "trainer.logger": {
                     "class_path": "lightning.pytorch.loggers.TensorBoardLogger",
                     "init_args": {"save_dir": "runs", "name": "", "version": "", "default_hp_metric": False},

@@ -14,11 +14,13 @@ from torch.optim.lr_scheduler import LRScheduler
 
 from normalgan.batch import Batch, Sketches
 from normalgan.errors import InputError
-from normalgan.hints import HintSampler, hints_at
+from normalgan.hints import HintSampler
+from normalgan.hints.draw import draw_hints, draw_hints_by_name
 from normalgan.metrics import StageMetrics, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
-from normalgan.objectives import AdversarialObjective, hint_loss, l1_loss
+from normalgan.models.statistics import average_statistics
+from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.seeds import derive_seed
 
 
@@ -34,7 +36,7 @@ class NormalGAN(LightningModule):
 
     Args:
         generator: paints the map.
-        discriminator: tells painted maps from true ones; None trains on the reconstruction losses alone.
+        discriminator: tells painted maps from true ones; None trains on the reconstruction loss alone.
         hint_sampler: plays the designer who gives hints, in training and testing. A batch that brings hints
             of its own is not asked again; when predicting there are no others.
         objective: what discriminator and generator want of the scores.
@@ -42,8 +44,8 @@ class NormalGAN(LightningModule):
         discriminator_optimizer: optimiser of the discriminator.
         lr_scheduler: schedule of both learning rates, stepped after each epoch; None keeps them constant.
         adversarial_weight: weight of the objective's generator loss.
-        l1_weight: weight of the L1 loss (a mean over pixels and channels).
-        hint_weight: weight of the hint loss (a mean over hints, a sum over channels).
+        reconstruction: what the generator is to be right about, pixel by pixel.
+        gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
@@ -62,8 +64,8 @@ class NormalGAN(LightningModule):
         discriminator_optimizer: OptimizerCallable = _rmsprop,
         lr_scheduler: Callable[[Optimizer], LRScheduler] | None = None,
         adversarial_weight: float = 1.0,
-        l1_weight: float = 500.0,
-        hint_weight: float = 15.0,
+        reconstruction: Reconstruction = L1AndHints(),  # noqa: B008  # frozen
+        gradient_clip: float | None = None,
         n_critic: int = 5,
         noise_at_test: bool = False,
         seed: int = 0,
@@ -71,9 +73,10 @@ class NormalGAN(LightningModule):
         super().__init__()
         if n_critic < 1:
             raise InputError(f"n_critic must be 1 or more, not {n_critic}.")
-        for name, weight in (("adversarial", adversarial_weight), ("l1", l1_weight), ("hint", hint_weight)):
-            if weight < 0:
-                raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
+        if gradient_clip is not None and gradient_clip <= 0:
+            raise InputError(f"gradient_clip must be greater than 0, or null, not {gradient_clip}.")
+        if adversarial_weight < 0:
+            raise InputError(f"adversarial_weight must be 0 or more, not {adversarial_weight}.")
         if discriminator is not None:
             objective.check(discriminator)
         with warnings.catch_warnings():
@@ -89,8 +92,8 @@ class NormalGAN(LightningModule):
         self.discriminator_optimizer = discriminator_optimizer
         self.lr_scheduler = lr_scheduler
         self.adversarial_weight = adversarial_weight
-        self.l1_weight = l1_weight
-        self.hint_weight = hint_weight
+        self.reconstruction = reconstruction
+        self.gradient_clip = gradient_clip
         self.n_critic = n_critic
         self.noise_at_test = noise_at_test
         self.seed = seed
@@ -112,23 +115,23 @@ class NormalGAN(LightningModule):
         if hints is None:
             hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
         painted: Tensor = self.generator(make_condition(sketch, hints))
-        return painted
+        return painted[:, :3]
 
-    def draw_hints(self, batch: Batch, seed: int) -> Tensor:
+    def training_hints(self, batch: Batch, seed: int) -> Tensor:
         """Return the hints (N, 4, H, W) of a batch: its own, or else the sampler's under a seed."""
         if "hints" in batch:
             return batch["hints"]
-        rng = torch.Generator(device=batch["normal"].device).manual_seed(seed)
-        where = self.hint_sampler.sample(batch["normal"], batch["mask"], rng)
-        return hints_at(batch["normal"], where)
+        return draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed)
 
-    def validation_hints(self, batch: Batch, batch_idx: int) -> Tensor:
-        """Return the hints (N, 4, H, W) that validation gives with a batch, the same every epoch."""
-        return self.draw_hints(batch, derive_seed("validate", self.seed, batch_idx, self.global_rank))
+    def measured_hints(self, batch: Batch) -> Tensor:
+        """Return the hints (N, 4, H, W) that validation and testing give with a batch.
 
-    def test_hints(self, batch: Batch, batch_idx: int) -> Tensor:
-        """Return the hints (N, 4, H, W) that testing gives with a batch."""
-        return self.draw_hints(batch, derive_seed("test", self.seed, batch_idx, self.global_rank))
+        A sample always gets the same, whatever the epoch, the size of the batch and the number of processes.
+        """
+        if "hints" in batch:
+            return batch["hints"]
+        names = batch.get("name") or [str(i) for i in range(len(batch["normal"]))]
+        return draw_hints_by_name(self.hint_sampler, batch["normal"], batch["mask"], names, self.seed)
 
     # --- training -------------------------------------------------------------------------------------
 
@@ -137,16 +140,17 @@ class NormalGAN(LightningModule):
         step = self.trainer.fit_loop.total_batch_idx  # goes on counting through epochs; batch_idx does not
         seed = derive_seed("train", self.seed, step, self.global_rank)
         torch.manual_seed(seed)
-        hints = self.draw_hints(batch, seed)
+        hints = self.training_hints(batch, seed)
         condition = make_condition(batch["sketch"], hints)
         generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
         with torch.set_grad_enabled(generates):
             painted: Tensor = self.generator(condition)
-        fake = paste_hints(painted, hints)
+        fake = paste_hints(painted[:, :3], hints)
         if self.discriminator is not None:
             self._step_discriminator(self.discriminator, condition, batch["normal"], fake.detach())
         if generates:
-            self._step_generator(condition, batch["normal"], painted, fake, hints[:, 3:])
+            terms = self.reconstruction.terms(painted, batch["normal"], batch["mask"], hints[:, 3:])
+            self._step_generator(condition, terms, fake)
 
     def _step_discriminator(
         self, discriminator: Discriminator, condition: Tensor, real: Tensor, fake: Tensor
@@ -164,32 +168,32 @@ class NormalGAN(LightningModule):
             self.objective.after_discriminator_step(discriminator)
         self.log("train/discriminator", loss.detach(), prog_bar=True)
 
-    def _step_generator(
-        self, condition: Tensor, real: Tensor, painted: Tensor, fake: Tensor, where: Tensor
-    ) -> None:
+    def _step_generator(self, condition: Tensor, terms: dict[str, Term], fake: Tensor) -> None:
         optimizer = self._optimizers()[0]
         with self.toggled_optimizer(optimizer):
-            losses = {"l1": l1_loss(painted, real), "hint": hint_loss(painted, real, where)}
-            loss = self.l1_weight * losses["l1"] + self.hint_weight * losses["hint"]
             if self.discriminator is not None:
-                losses["adversarial"] = self.objective.generator_loss(self.discriminator(condition, fake))
-                loss = loss + self.adversarial_weight * losses["adversarial"]
+                score = self.objective.generator_loss(self.discriminator(condition, fake))
+                terms = {**terms, "adversarial": Term(score, self.adversarial_weight)}
             optimizer.zero_grad()
-            self.manual_backward(loss)
+            self.manual_backward(torch.stack([term.weight * term.value for term in terms.values()]).sum())
             optimizer.step()
-        self.log_dict({f"train/{name}": value.detach() for name, value in losses.items()})
-        self.log("l1", losses["l1"].detach(), prog_bar=True, logger=False)
+        self.log_dict({f"train/{name}": term.value.detach() for name, term in terms.items()})
+        first = next(iter(terms))
+        self.log(first, terms[first].value.detach(), prog_bar=True, logger=False)
+
+    def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
+        """Clip the generator's gradient: here that of mixed precision is no longer scaled."""
+        if self.gradient_clip is not None and optimizer is self.trainer.optimizers[0]:
+            nn.utils.clip_grad_norm_(self.generator.parameters(), self.gradient_clip)
 
     def on_validation_start(self) -> None:
         """Average the statistics of batch norm over the processes, so that all measure the same network."""
         self._average_statistics()
 
     def _average_statistics(self) -> None:
-        # DistributedDataParallel broadcasts buffers before each step, but never under manual optimisation,
-        # for which Lightning switches require_backward_grad_sync off around the forward pass.
-        for buffer in self.buffers():
-            if buffer.is_floating_point() and self.trainer.world_size > 1:
-                buffer.copy_(cast(Tensor, self.trainer.strategy.reduce(buffer.clone(), reduce_op="mean")))
+        if self.trainer.world_size > 1:
+            strategy = self.trainer.strategy
+            average_statistics(self, lambda buffer: cast(Tensor, strategy.reduce(buffer, reduce_op="mean")))
 
     def on_train_epoch_end(self) -> None:
         """Step the learning rates: Lightning leaves that to manual optimisation."""
@@ -215,7 +219,7 @@ class NormalGAN(LightningModule):
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, the same ones every epoch, and with none."""
         target, mask = batch["normal"], batch["mask"]
-        hints = self.validation_hints(batch, batch_idx)
+        hints = self.measured_hints(batch)
         self.val_metrics.update("hints", self._paint(batch, hints), target, mask)
         self.val_metrics.update("no_hints", self._paint(batch, None), target, mask)
 
@@ -226,7 +230,7 @@ class NormalGAN(LightningModule):
     def test_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, also without the hinted pixels, and with no hints."""
         target, mask = batch["normal"], batch["mask"]
-        hints = self.test_hints(batch, batch_idx)
+        hints = self.measured_hints(batch)
         preds = self._paint(batch, hints)
         self.test_metrics.update("hints", preds, target, mask)
         self.test_metrics.update("unhinted", preds, target, without_hints(mask, hints[:, 3:]))

@@ -13,7 +13,7 @@ from torch.optim.lr_scheduler import LRScheduler
 from normalgan.data.augmentation import Augmentation
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.models import DISCRIMINATORS, GENERATORS
-from normalgan.objectives import ADVERSARIAL_OBJECTIVES
+from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.registry import Registry
 from normalgan.rendering.lines import LINE_DRAWINGS
 from normalgan.rendering.renderers import RENDERERS
@@ -25,6 +25,7 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "generator": GENERATORS,
     "discriminator": DISCRIMINATORS,
     "objective": ADVERSARIAL_OBJECTIVES,
+    "reconstruction": RECONSTRUCTIONS,
 }
 """The registry behind each setting that names a plug-in."""
 

@@ -43,7 +43,7 @@ def test_a_picture_every_n_epochs(meshes: Path, cache: Path, tmp_path: Path) -> 
     ]  # epochs count from 0; the check before training is none
     # After the last epoch the weights are those it was drawn with.
     batch = next(iter(module.val_dataloader()))
-    hints = model.validation_hints(batch, 0)
+    hints = model.measured_hints(batch)
     preds = model.eval()(batch["sketch"], hints)
     expected = draw_gallery([batch_row(batch, i, hints, preds) for i in range(2)])
     with (

@@ -70,13 +70,21 @@ def test_the_checkpoint_wins_and_says_over_what(bench: Bench, trained: Path, tmp
         "fit",
         run,
         *("--ckpt_path", "last", "--trainer.max_epochs", 9, "--trainer.enable_model_summary", "false"),
-        *("--model.generator.width", 8, "--model.objective", "CrossEntropy", "--model.l1_weight", 7),
+        *(
+            "--model.generator.width",
+            8,
+            "--model.objective",
+            "CrossEntropy",
+            "--model.reconstruction.l1_weight",
+            7,
+        ),
         *("--model.hint_sampler.dropout", 0.5),
     )
     assert outcome.code == 0, outcome.err
     assert outcome.err == (
         f"normalgan: warning: {run}/checkpoints/last.ckpt was trained with other settings, and they stay: "
-        "model.generator.width, model.hint_sampler.dropout, model.objective, model.l1_weight.\n"
+        "model.generator.width, model.hint_sampler.dropout, model.objective, "
+        "model.reconstruction.l1_weight.\n"
     )
     first, second = (
         torch.load(folder / "checkpoints" / "last.ckpt", weights_only=True) for folder in (trained, run)

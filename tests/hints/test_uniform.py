@@ -99,3 +99,13 @@ def test_hints_take_the_normals_type_and_hide_what_is_not_a_number() -> None:
     hints = hints_at(normal, where)
     assert hints.dtype == torch.float64
     assert hints.sum() == 4
+
+
+def test_a_share_of_the_samples_gets_none() -> None:
+    normal, mask = torch.zeros(400, 3, 4, 4), torch.ones(400, 1, 4, 4)
+    where = UniformHints(2, 5, none=0.25).sample(normal, mask, torch.Generator().manual_seed(0))
+    counts = where.sum(dim=(1, 2, 3))
+    assert (counts == 0).float().mean() == pytest.approx(0.25, abs=0.06)
+    assert set(counts.tolist()) == {0, 2, 3, 4, 5}
+    with pytest.raises(InputError, match=r"none=1\.5; it is a share, from 0 to 1"):
+        UniformHints(none=1.5)

@@ -46,7 +46,7 @@ class PictureLogger(Callback):
             return
         if not isinstance(pl_module, NormalGAN):
             raise TypeError(f"PictureLogger draws what a NormalGAN paints, not a {type(pl_module).__name__}.")
-        hints = pl_module.validation_hints(batch, batch_idx)
+        hints = pl_module.measured_hints(batch)
         preds = pl_module(batch["sketch"], hints)
         rows = [batch_row(batch, i, hints, preds) for i in range(min(self.samples, len(preds)))]
         with Image.open(BytesIO(draw_gallery(rows))) as png:

@@ -74,7 +74,7 @@ class TestReport(Callback):
         here = [i for i in range(len(target)) if self._seen + i in self._shown]
         self._seen += len(target)
         if here:
-            hints = pl_module.test_hints(batch, batch_idx)
+            hints = pl_module.measured_hints(batch)
             preds: Tensor = pl_module(batch["sketch"], hints)
             self._rows += [batch_row(batch, i, hints, preds) for i in here]
 

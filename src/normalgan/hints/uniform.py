@@ -23,10 +23,12 @@ class UniformHints(HintSampler):
     Args:
         minimum: fewest hints a sample gets.
         maximum: most hints a sample gets; every number between is equally likely.
+        none: share of the samples that get no hint at all, for a generator that is to do without them too.
     """
 
     minimum: int = 10
     maximum: int = 50
+    none: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0 <= self.minimum <= self.maximum:
@@ -34,6 +36,8 @@ class UniformHints(HintSampler):
                 f"UniformHints was given minimum={self.minimum} and maximum={self.maximum}; "
                 "use whole numbers with 0 <= minimum <= maximum."
             )
+        if not 0 <= self.none <= 1:
+            raise InputError(f"UniformHints was given none={self.none}; it is a share, from 0 to 1.")
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
@@ -44,6 +48,8 @@ class UniformHints(HintSampler):
         count = len(normal)
         device = normal.device
         numbers = torch.randint(self.minimum, self.maximum + 1, (count, 1), generator=rng, device=device)
+        if self.none > 0:
+            numbers *= torch.rand((count, 1), generator=rng, device=device) >= self.none
         on_object = mask.flatten(1) > 0.5
         scores = torch.rand(on_object.shape, generator=rng, device=device)
         scores = scores.masked_fill(~on_object, -1.0)

@@ -3,6 +3,7 @@
 from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Discriminator, Generator
 from normalgan.models.global_discriminator import GlobalDiscriminator
 from normalgan.models.patch_discriminator import PatchDiscriminator
+from normalgan.models.residual_generator import ResidualUNetGenerator
 from normalgan.models.unet_discriminator import UNetDiscriminator
 from normalgan.models.unet_generator import UNetGenerator
 
@@ -14,6 +15,7 @@ __all__ = [
     "Generator",
     "GlobalDiscriminator",
     "PatchDiscriminator",
+    "ResidualUNetGenerator",
     "UNetDiscriminator",
     "UNetGenerator",
 ]

@@ -18,6 +18,8 @@ class Generator(nn.Module, ABC):
     def forward(self, condition: Tensor) -> Tensor:
         """Return normals (N, 3, H, W) in [-1, 1], of any length; short vectors mean: no object here.
 
+        A fourth channel, if any, is the confidence κ > 0 in their direction; see `AngularLikelihood`.
+
         Args:
             condition: (N, 4, H, W), the sketch in [-1, 1] (ink -1) with hint normals painted in, then the
                 mask of the hints.

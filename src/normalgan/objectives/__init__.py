@@ -1,16 +1,24 @@
-"""What training minimises: adversarial objectives, each a plug-in, and the reconstruction losses."""
+"""What training minimises: adversarial objectives and reconstruction losses, each a plug-in."""
 
+from normalgan.objectives.angular_likelihood import AngularLikelihood
 from normalgan.objectives.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
 from normalgan.objectives.cross_entropy import CrossEntropy
 from normalgan.objectives.gradient_penalty import WassersteinGradientPenalty
-from normalgan.objectives.reconstruction import hint_loss, l1_loss
+from normalgan.objectives.l1_and_hints import L1AndHints
+from normalgan.objectives.pixel_losses import hint_loss, l1_loss
+from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.objectives.wasserstein import Wasserstein
 
 __all__ = [
     "ADVERSARIAL_OBJECTIVES",
+    "RECONSTRUCTIONS",
     "AdversarialObjective",
+    "AngularLikelihood",
     "CrossEntropy",
+    "L1AndHints",
+    "Reconstruction",
     "Scores",
+    "Term",
     "Wasserstein",
     "WassersteinGradientPenalty",
     "hint_loss",

@@ -1,27 +1,35 @@
-"""The losses that compare a painted map with the true one, pixel by pixel."""
+"""Reconstruction: what the generator is to be right about at every pixel, besides pleasing a critic."""
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
 
 from torch import Tensor
 
-
-def l1_loss(preds: Tensor, target: Tensor) -> Tensor:
-    """Return the mean absolute difference over pixels and channels (He et al. 2021, equation 5).
-
-    Args:
-        preds: painted normals (N, 3, H, W).
-        target: true normals (N, 3, H, W).
-    """
-    return (preds - target).abs().mean()
+from normalgan.registry import Registry
 
 
-def hint_loss(preds: Tensor, target: Tensor, where: Tensor) -> Tensor:
-    """Return the mean over hinted pixels of the channel sum of differences (He et al. 2021, equation 6).
+class Term(NamedTuple):
+    """A part of a loss."""
 
-    To be taken on what the generator painted itself: once the truth has been pasted in at the hints, it
-    is zero whatever the generator does. Without any hint it is 0.
+    value: Tensor
+    """A scalar; logged as it is."""
+    weight: float
+    """How much it counts."""
 
-    Args:
-        preds: painted normals (N, 3, H, W), before the truth is pasted in.
-        target: true normals (N, 3, H, W).
-        where: (N, 1, H, W), 1 at the hints.
-    """
-    return ((preds - target).abs() * where).sum() / where.sum().clamp(min=1)
+
+class Reconstruction(ABC):
+    """Base of the losses that compare a painted map with the true one."""
+
+    @abstractmethod
+    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
+        """Return the parts of the loss by name; their weighted sum is minimised.
+
+        Args:
+            painted: (N, 3 or more, H, W) as the generator returns it, before the truth is pasted in at hints.
+            target: (N, 3, H, W) true unit normals, 0 off the object.
+            mask: (N, 1, H, W), 1 on the object.
+            where: (N, 1, H, W), 1 at the hints.
+        """
+
+
+RECONSTRUCTIONS: Registry[Reconstruction] = Registry(Reconstruction, "normalgan.reconstructions")  # type: ignore[type-abstract]

@@ -1,0 +1,116 @@
+"""ResidualUNetGenerator: ours; unit normals, a presence and a confidence from a residual U-Net."""
+
+from itertools import pairwise
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from normalgan.errors import InputError
+from normalgan.models.base import GENERATORS, Generator
+from normalgan.models.hint_pyramid import hint_pyramid
+from normalgan.models.residual import residual_blocks
+
+_HEADS = 5  # a direction, the presence of an object, the confidence
+_DETAIL = 16  # channels of the two layers at full resolution, which take up the lines' exact place
+
+
+@GENERATORS.register
+class ResidualUNetGenerator(Generator):
+    """A U-Net of residual blocks without norms, most of whose work is done at a fraction of the resolution.
+
+    Squares of pixels are folded into channels, levels go down by halves and up again with skips, and the
+    hints enter at every level, so that few of them reach the whole object. It paints four channels: a normal
+    whose length is how surely there is an object, and the confidence in its direction.
+
+    Args:
+        widths: channels of each level, from the finest to the coarsest.
+        blocks: residual blocks of each level, down and again up.
+        patch: side of the squares of pixels that are folded into channels, a power of two.
+
+    Raises:
+        InputError: if widths and blocks are not as many, or a number cannot be used.
+
+    References:
+        Shi et al. 2016, "Real-Time Single Image and Video Super-Resolution Using an Efficient Sub-Pixel
+        Convolutional Neural Network" (folding); Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the
+        Aleatoric Uncertainty in Surface Normal Estimation" (confidence).
+    """
+
+    def __init__(
+        self,
+        widths: tuple[int, ...] = (32, 64, 128, 192, 256),
+        blocks: tuple[int, ...] = (1, 1, 2, 2, 2),
+        patch: int = 2,
+    ) -> None:
+        super().__init__()
+        _check(widths, blocks, patch)
+        self.patch = patch
+        self.factor = patch * 2 ** (len(widths) - 1)
+        pairs = list(pairwise(widths))
+        self.stem = nn.Conv2d(5 * patch**2, widths[0], 3, padding=1)
+        self.encoder = nn.ModuleList([residual_blocks(*level) for level in zip(widths, blocks, strict=True)])
+        self.downs = nn.ModuleList([nn.Conv2d(fine + 4, coarse, 2, 2) for fine, coarse in pairs])
+        self.ups = nn.ModuleList([nn.ConvTranspose2d(coarse, fine, 2, 2) for fine, coarse in pairs])
+        self.merges = nn.ModuleList([nn.Conv2d(2 * fine + 4, fine, 1) for fine, _ in pairs])
+        self.decoder = nn.ModuleList(
+            [residual_blocks(*level) for level in zip(widths[:-1], blocks[:-1], strict=True)]
+        )
+        self.heads = nn.Conv2d(widths[0], _HEADS * patch**2, 3, padding=1)
+        self.detail = nn.Sequential(
+            nn.Conv2d(_HEADS + 5, _DETAIL, 3, padding=1), nn.SiLU(), nn.Conv2d(_DETAIL, _HEADS, 3, padding=1)
+        )
+
+    def forward(self, condition: Tensor) -> Tensor:
+        """Return (N, 4, H, W): normals as long as an object is probable, and their confidence κ above 0.
+
+        Args:
+            condition: (N, 4, H, W) as `Generator.forward` takes it.
+
+        Raises:
+            InputError: if the sides are no multiples of ``patch`` times two to the number of halvings.
+        """
+        height, width = condition.shape[2:]
+        if height % self.factor or width % self.factor:
+            raise InputError(
+                f"this generator needs sides that are multiples of {self.factor}, "
+                f"not {height} × {width} pixels."
+            )
+        where = condition[:, 3:]
+        hints = torch.cat([condition[:, :3] * where, where], dim=1)
+        # Ink 1 on paper 0, as the padding is; at a hint the sketch is painted over and taken for paper.
+        ink = (1 - condition[:, :1]) / 2 * (1 - where)
+        # The layout in memory that the convolutions of a CPU and of tensor cores are fastest in.
+        given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
+        coarse = F.pixel_shuffle(self._body(given, hints), self.patch)
+        heads = coarse + self.detail(torch.cat([coarse, given], dim=1))
+        direction = F.normalize(heads[:, :3], dim=1, eps=1e-6)
+        presence, confidence = torch.sigmoid(heads[:, 3:4]), 1.01 + F.elu(heads[:, 4:])
+        return torch.cat([direction * presence, confidence], dim=1)
+
+    def _body(self, given: Tensor, hints: Tensor) -> Tensor:
+        """Return the heads with squares of pixels still folded, (N, heads × patch², H / patch, W / patch)."""
+        folds = self.patch.bit_length() - 1
+        pyramid = [hints, *hint_pyramid(hints, folds + len(self.downs))][folds:]
+        features = self.stem(F.pixel_unshuffle(given, self.patch))
+        skips = []
+        for blocks, down, level in zip(self.encoder, self.downs, pyramid, strict=False):
+            features = blocks(features)
+            skips.append(features)
+            features = down(torch.cat([features, level], dim=1))
+        features = self.encoder[-1](features)
+        for i in reversed(range(len(self.ups))):
+            features = self.merges[i](torch.cat([self.ups[i](features), skips[i], pyramid[i]], dim=1))
+            features = self.decoder[i](features)
+        painted: Tensor = self.heads(F.silu(features))
+        return painted
+
+
+def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int) -> None:
+    if len(widths) != len(blocks) or len(widths) < 2 or min(*widths, *blocks) < 1:
+        raise InputError(
+            "ResidualUNetGenerator needs a width and a number of blocks for each of two or more levels, "
+            f"all from 1 on, not {list(widths)} and {list(blocks)}."
+        )
+    if patch < 1 or patch & (patch - 1):
+        raise InputError(f"the patch of ResidualUNetGenerator is a power of two, not {patch}.")

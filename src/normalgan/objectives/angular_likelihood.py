@@ -1,0 +1,77 @@
+"""AngularLikelihood: directions by their likelihood under the painted confidence, the object by its mask."""
+
+import math
+from dataclasses import dataclass
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
+
+_TINY = 1e-6  # of a length or its square: at a right or an opposite direction the angle has no gradient
+
+
+def angular_nll(angle: Tensor, confidence: Tensor) -> Tensor:
+    """Return the negative log-likelihood of an angular error, up to a constant.
+
+    Of the angular von Mises-Fisher distribution, whose density falls by exp(-κ θ): unlike that of the plain
+    one its mode is sharp, so that it is the mean angle that is made small and not its square.
+
+    Args:
+        angle: θ in radians, of any shape.
+        confidence: κ of the same shape, positive; the larger, the surer.
+
+    References:
+        Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the Aleatoric Uncertainty in Surface Normal
+        Estimation", equation 5.
+    """
+    return (
+        torch.log1p(torch.exp(-confidence * math.pi))
+        - torch.log(confidence.square() + 1)
+        + confidence * angle
+    )
+
+
+def smooth_angle(one: Tensor, other: Tensor) -> Tensor:
+    """Return the angles in radians, (N, 1, H, W), between vectors (N, 3, H, W); their gradient is finite."""
+    across = torch.linalg.cross(one, other, dim=1).square().sum(1, keepdim=True)
+    return torch.atan2((across + _TINY**2).sqrt(), (one * other).sum(1, keepdim=True))
+
+
+@RECONSTRUCTIONS.register
+@dataclass(frozen=True)
+class AngularLikelihood(Reconstruction):
+    """Likelihood of the true directions on the object, and cross-entropy of where the object is.
+
+    Needs a generator that paints four channels: a vector whose length is the probability of an object, and
+    the confidence κ in its direction.
+
+    Args:
+        presence_weight: weight of the cross-entropy of the mask, a mean over all pixels.
+
+    Raises:
+        InputError: if the weight is negative, or, when training, the generator paints no confidence.
+    """
+
+    presence_weight: float = 0.5
+
+    def __post_init__(self) -> None:
+        if self.presence_weight < 0:
+            raise InputError(f"presence_weight must be 0 or more, not {self.presence_weight}.")
+
+    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
+        """Return the likelihood and the presence; see `Reconstruction.terms`."""
+        if painted.shape[1] != 4:
+            raise InputError(
+                "AngularLikelihood needs a generator that paints a confidence as its fourth channel, such "
+                f"as ResidualUNetGenerator; this one paints {painted.shape[1]} channels."
+            )
+        painted = painted.float()  # under bf16 a probability near 1 would be rounded to it
+        vectors, confidence = painted[:, :3], painted[:, 3:]
+        length = vectors.square().sum(1, keepdim=True).clamp(min=_TINY**2).sqrt()
+        nll = angular_nll(smooth_angle(vectors / length, target), confidence)
+        likelihood = (nll * mask).sum() / mask.sum().clamp(min=1)
+        presence = F.binary_cross_entropy(length.clamp(max=1 - _TINY), mask)
+        return {"likelihood": Term(likelihood, 1.0), "presence": Term(presence, self.presence_weight)}

@@ -1,0 +1,39 @@
+"""L1AndHints: the paper's reconstruction loss."""
+
+from dataclasses import dataclass
+
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.objectives.pixel_losses import hint_loss, l1_loss
+from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
+
+
+@RECONSTRUCTIONS.register
+@dataclass(frozen=True)
+class L1AndHints(Reconstruction):
+    """The difference to the true map, and once more that at the hints (He et al. 2021, equations 5 and 6).
+
+    Args:
+        l1_weight: weight of the L1 loss (a mean over pixels and channels).
+        hint_weight: weight of the hint loss (a mean over hints, a sum over channels).
+
+    Raises:
+        InputError: if a weight is negative.
+    """
+
+    l1_weight: float = 500.0
+    hint_weight: float = 15.0
+
+    def __post_init__(self) -> None:
+        for name, weight in (("l1", self.l1_weight), ("hint", self.hint_weight)):
+            if weight < 0:
+                raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
+
+    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
+        """Return the L1 loss and the hint loss; see `Reconstruction.terms`."""
+        normals = painted[:, :3]
+        return {
+            "l1": Term(l1_loss(normals, target), self.l1_weight),
+            "hint": Term(hint_loss(normals, target, where), self.hint_weight),
+        }

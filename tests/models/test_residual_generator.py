@@ -1,0 +1,86 @@
+import pytest
+import torch
+
+from normalgan.errors import InputError
+from normalgan.models.condition import make_condition
+from normalgan.models.hint_pyramid import hint_pyramid
+from normalgan.models.residual import residual_blocks
+from normalgan.models.residual_generator import ResidualUNetGenerator
+
+
+def generator(patch: int = 2) -> ResidualUNetGenerator:
+    torch.manual_seed(0)
+    return ResidualUNetGenerator((8, 12, 16), (1, 1, 1), patch)
+
+
+def condition(side: int = 32, count: int = 2) -> torch.Tensor:
+    rng = torch.Generator().manual_seed(1)
+    sketch = (torch.rand(count, 1, side, side, generator=rng) > 0.9).float()
+    hints = torch.zeros(count, 4, side, side)
+    hints[:, :, 5, 7] = torch.tensor([0.6, 0.0, 0.8, 1.0])
+    return make_condition(sketch, hints)
+
+
+def test_blocks_begin_as_the_identity() -> None:
+    features = torch.randn(2, 6, 8, 8)
+    torch.testing.assert_close(residual_blocks(6, 3)(features), features)
+
+
+@pytest.mark.parametrize("patch", [1, 2, 4])
+def test_it_paints_vectors_no_longer_than_1_and_a_positive_confidence(patch: int) -> None:
+    painted = generator(patch)(condition()).detach()
+    assert painted.shape == (2, 4, 32, 32)
+    length = painted[:, :3].norm(dim=1)
+    assert float(length.max()) <= 1 + 1e-6
+    assert float(length.min()) > 0
+    assert float(painted[:, 3].min()) > 0
+
+
+def test_a_picture_is_painted_alike_whatever_the_others_of_its_batch() -> None:
+    network, given = generator(), condition(count=3)
+    torch.testing.assert_close(network(given)[1:2], network(given[1:2]), atol=1e-5, rtol=1e-5)
+
+
+def test_the_hint_pyramid_keeps_the_mean_of_the_hints_of_a_cell() -> None:
+    hints = torch.zeros(1, 4, 8, 8)
+    hints[0, :, 0, 0] = torch.tensor([1.0, 0.0, 0.0, 1.0])
+    hints[0, :, 1, 1] = torch.tensor([0.0, 0.0, 1.0, 1.0])
+    hints[0, :, 7, 7] = torch.tensor([0.0, 1.0, 0.0, 1.0])
+    half, quarter, eighth = hint_pyramid(hints, 3)
+    assert half[0, :, 0, 0].tolist() == [0.5, 0.0, 0.5, 1.0]
+    assert half[0, 3].sum() == 2
+    assert quarter[0, :, 1, 1].tolist() == [0.0, 1.0, 0.0, 1.0]
+    torch.testing.assert_close(
+        eighth[0, :, 0, 0], torch.tensor([1, 1, 1, 3.0]) / 3 * torch.tensor([1, 1, 1, 1.0])
+    )
+
+
+def test_a_hint_reaches_far_pixels_from_the_start() -> None:
+    """Of a fresh network, which three convolutions alone would not let a point cross."""
+    given = condition(64, 1)
+    given.requires_grad_()
+    painted = ResidualUNetGenerator((8,) * 5, (1,) * 5)(given)
+    painted[0, :3, 18, 24].sum().backward()  # some 20 pixels away
+    assert given.grad is not None
+    assert float(given.grad[0, :3, 5, 7].abs().sum()) > 0
+
+
+def test_sides_that_cannot_be_halved_are_refused() -> None:
+    with pytest.raises(InputError, match="multiples of 8, not 36 × 36 pixels"):
+        generator()(condition(36))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (((8,), (1,), 2), "two or more levels"),
+        (((8, 16), (1,), 2), "two or more levels"),
+        (((8, 16), (1, 0), 2), "all from 1 on"),
+        (((8, 16), (1, 1), 3), "a power of two, not 3"),
+    ],
+)
+def test_settings_out_of_range_are_refused(
+    settings: tuple[tuple[int, ...], tuple[int, ...], int], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        ResidualUNetGenerator(*settings)

@@ -1,0 +1,86 @@
+import math
+
+import pytest
+import torch
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.objectives import AngularLikelihood, L1AndHints
+from normalgan.objectives.angular_likelihood import angular_nll, smooth_angle
+from spheres import batch
+
+
+def painted(direction: Tensor, length: float, confidence: float) -> Tensor:
+    return torch.cat([length * direction, torch.full_like(direction[:, :1], confidence)], dim=1)
+
+
+def test_l1_and_hints_are_weighted_apart() -> None:
+    given = batch()
+    where = torch.zeros_like(given["mask"])
+    where[:, :, 16, 16] = 1
+    terms = L1AndHints(7, 3).terms(torch.zeros_like(given["normal"]), given["normal"], given["mask"], where)
+    assert {name: term.weight for name, term in terms.items()} == {"l1": 7, "hint": 3}
+    torch.testing.assert_close(terms["l1"].value, given["normal"].abs().mean())
+    torch.testing.assert_close(terms["hint"].value, given["normal"][:, :, 16, 16].abs().sum(1).mean())
+
+
+@pytest.mark.parametrize("confidence", [0.5, 3.0, 40.0])
+def test_the_likelihood_is_a_density_over_the_sphere(confidence: float) -> None:
+    """∫ exp(-nll) dω is the same for every κ: what is left out is a constant."""
+    angle = torch.linspace(0, math.pi, 20001, dtype=torch.float64)
+    density = torch.exp(-angular_nll(angle, torch.full_like(angle, confidence)))
+    assert torch.trapezoid(2 * math.pi * density * angle.sin(), angle) == pytest.approx(2 * math.pi, rel=1e-4)
+
+
+def test_the_best_confidence_falls_with_the_error() -> None:
+    kappa = torch.linspace(0.1, 200, 20000)
+    best = [float(kappa[angular_nll(torch.tensor(angle), kappa).argmin()]) for angle in (0.02, 0.1, 0.5)]
+    assert best[0] > best[1] > best[2]
+    assert best[1] == pytest.approx(2 / 0.1, rel=0.05)  # 2κ / (κ² + 1) = θ, for large κ
+
+
+def test_angles_have_a_gradient_even_where_they_are_0() -> None:
+    one = torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1).requires_grad_()
+    other = torch.tensor([0.0, 0.6, 0.8]).view(1, 3, 1, 1)
+    angle = smooth_angle(one, other)
+    assert angle.item() == pytest.approx(math.atan2(0.6, 0.8), abs=1e-4)
+    smooth_angle(one, one.detach()).sum().backward()
+    assert one.grad is not None
+    assert one.grad.isfinite().all()
+
+
+def test_the_truth_told_surely_costs_least() -> None:
+    given = batch()
+    normal, mask = given["normal"], given["mask"]
+    where = torch.zeros_like(mask)
+
+    def loss(preds: Tensor) -> float:
+        terms = AngularLikelihood().terms(preds, normal, mask, where)
+        return float(sum(term.weight * term.value for term in terms.values()))
+
+    flat = torch.zeros_like(normal)
+    flat[:, 2] = 1
+    sure = loss(painted(normal, 0.99, 50) + painted(flat, 0.01, 0) * (1 - mask))
+    assert (
+        sure < loss(painted(normal, 0.99, 5)) < loss(painted(flat, 0.99, 5)) < loss(painted(-flat, 0.99, 5))
+    )
+    on, off = (loss(painted(normal * mask + flat * (1 - mask), length, 5)) for length in (0.9, 0.1))
+    share = float(mask.mean())
+    assert (on < off) == (share > 0.5)
+
+
+def test_a_generator_without_confidence_is_refused() -> None:
+    given = batch()
+    with pytest.raises(InputError, match="such as ResidualUNetGenerator; this one paints 3 channels"):
+        AngularLikelihood().terms(given["normal"], given["normal"], given["mask"], given["mask"])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [({"l1_weight": -1}, "l1_weight must be"), ({"hint_weight": -1}, "hint_weight must")],
+)
+def test_negative_weights_are_refused(settings: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        L1AndHints(**settings)
+    with pytest.raises(InputError, match="presence_weight must be 0 or more, not -1"):
+        AngularLikelihood(presence_weight=-1)
