@@ -1,0 +1,61 @@
+"""Variation: how far individuals of one shape differ; and one more individual, drawn at random."""
+
+from dataclasses import dataclass, fields, replace
+
+from normalgan.errors import InputError
+
+MOST = {"bend": 180.0, "twist": 360.0}
+"""Strengths that are no shares; shares go up to 0.9, so that nothing shrinks to nothing."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """How far individuals differ from the mesh that they are made of; without any strength it is the mesh.
+
+    Args:
+        scale: lengthening or shortening along, up and sideways, each by itself: 0.1 is up to a tenth.
+        taper: how much thicker the object becomes towards one end: 0.1 is up to a tenth at either end.
+        bend: up to so many degrees between the directions of the two ends, up or down; sideways it is this
+            times ``asymmetry``.
+        twist: up to so many degrees between the two ends, about the long axis, times ``asymmetry``.
+        limb_length: lengthening or shortening of what lies below the belly: 0.2 is up to a fifth.
+        limb_thickness: thickening or thinning of limbs, ears and tails: 0.2 is up to a fifth.
+        parts: growth or shrinking of three parts anywhere, such as a head or a belly.
+        lattice: random pulls at a lattice of 4 × 4 × 4 points about the object, as a share of its size.
+        bumps: height of a dozen bumps and hollows, as a share of their width.
+        asymmetry: how much left and right differ: 0 mirrors all changes; it alone changes nothing.
+
+    Raises:
+        InputError: if a strength is negative, or so large that nothing recognisable would be left.
+
+    Example:
+        >>> Variation(bend=30.0).times(0.5).bend
+        15.0
+    """
+
+    scale: float = 0.12
+    taper: float = 0.12
+    bend: float = 12.0
+    twist: float = 20.0
+    limb_length: float = 0.2
+    limb_thickness: float = 0.25
+    parts: float = 0.2
+    lattice: float = 0.06
+    bumps: float = 0.15
+    asymmetry: float = 0.4
+
+    def __post_init__(self) -> None:
+        """Refuse what leaves nothing of the shape, or is no number."""
+        for field in fields(self):
+            value, most = getattr(self, field.name), MOST.get(field.name, 0.9)
+            if not 0 <= value <= most:
+                raise InputError(f"{field.name} of Variation is {value}; it must lie from 0 to {most:g}.")
+
+    def times(self, amount: float) -> "Variation":
+        """Return all strengths times ``amount``; the asymmetry, a share of the others, stays."""
+        strengths = {field.name: getattr(self, field.name) * amount for field in fields(self)}
+        return replace(self, **{**strengths, "asymmetry": self.asymmetry})
+
+    def none(self) -> bool:
+        """Return whether no strength is left, so that every individual is the mesh itself."""
+        return not any(getattr(self, field.name) for field in fields(self) if field.name != "asymmetry")

@@ -1,0 +1,63 @@
+"""Varied: an individual of any mesh source, itself a mesh source."""
+
+import hashlib
+import json
+import zlib
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.families import variation_name
+from normalgan.rendering.mesh import Mesh, MeshSource
+from normalgan.rendering.variation.variation import Variation
+from normalgan.rendering.variation.vary import vary
+
+VARIATION_VERSION = 1
+"""Part of every fingerprint; raise it when the same number comes to be another individual."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """An individual of a mesh, drawn by its number; a `MeshSource`.
+
+    Args:
+        source: where the mesh is from.
+        variation: how far individuals differ.
+        number: of the individual, from 0; with the mesh's name it alone draws it.
+
+    Raises:
+        InputError: if the number is negative.
+    """
+
+    source: MeshSource
+    variation: Variation
+    number: int
+
+    def __post_init__(self) -> None:
+        """Refuse a number that cannot seed."""
+        if self.number < 0:
+            raise InputError(f"a variation's number is a whole number from 0 on, not {self.number}.")
+
+    @property
+    def name(self) -> str:
+        """The source's name, and the number."""
+        return variation_name(self.source.name, self.number)
+
+    def fingerprint(self) -> str:
+        """Return a hash of the source's fingerprint, the strengths and the number.
+
+        Raises:
+            InputError: if the source cannot be read.
+        """
+        parts = [VARIATION_VERSION, self.source.fingerprint(), self.name, asdict(self.variation), self.number]
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+    def load(self) -> Mesh:
+        """Return the individual.
+
+        Raises:
+            InputError: if the source cannot be used.
+        """
+        rng = np.random.default_rng([zlib.crc32(self.source.name.encode()), self.number])
+        return replace(vary(self.source.load(), self.variation, rng), name=self.name)
