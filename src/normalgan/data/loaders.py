@@ -1,6 +1,5 @@
 """Loaders: from samples to batches, in this process or in workers beside it."""
 
-import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +10,8 @@ from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.items import Item, collate
 from normalgan.data.shares import EqualShare
-from normalgan.data.stream import FreshViews, StreamDataset
-from normalgan.data.threads import one_thread_each
+from normalgan.data.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
+from normalgan.data.workers import one_thread_each
 
 Samples = SampleDataset | StreamDataset
 
@@ -94,9 +93,5 @@ class Loaders:
             persistent_workers=self.workers > 0,
             pin_memory=torch.cuda.is_available(),
             multiprocessing_context="spawn" if renders and self.workers else None,
-            worker_init_fn=_leave_ctrl_c_to_the_parent if renders else None,
+            worker_init_fn=leave_ctrl_c_to_the_parent if renders else None,
         )
-
-
-def _leave_ctrl_c_to_the_parent(_: int) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

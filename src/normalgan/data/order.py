@@ -54,6 +54,9 @@ def order_of_epoch(
     abreast = LANES * replicas * batch_size
     for start in range(0, len(groups), abreast):
         mesh, part = np.divmod(groups[start : start + abreast], parts)
+        # Groups that have a view more than others come first, so that it stays in its place in the row.
+        place = np.argsort(part >= (views % parts or parts), kind="stable")
+        mesh, part = mesh[place], part[place]
         for offset in range(0, views, parts):
             view = offset + part
             for m, v in zip(mesh[view < views].tolist(), view[view < views].tolist(), strict=True):

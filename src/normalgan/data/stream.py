@@ -1,5 +1,6 @@
 """Samples rendered while training: nothing on disk, and views without end."""
 
+import signal
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
@@ -99,3 +100,8 @@ class FreshViews(DistributedSampler[Ticket]):
             return (few[i % len(few)] for i in range(self.rank, len(self) * replicas, replicas))
         ours = (ticket for i, ticket in enumerate(order) if i // size % replicas == self.rank)
         return islice(ours, len(self))
+
+
+def leave_ctrl_c_to_the_parent(_: int) -> None:
+    """Let a worker, whose number is of no use here, die by its parent's word and not by Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -5,9 +5,11 @@ import json
 from collections.abc import Mapping, Sequence
 
 from normalgan.data.manifest import fingerprints
+from normalgan.data.quarantine import find_troubles
 from normalgan.data.storage import Storage
+from normalgan.data.tasks import MeshTask
 from normalgan.data.workers import Workers
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError
 from normalgan.rendering.mesh import MeshSource
 from normalgan.rendering.samples import RENDERING_VERSION
 
@@ -27,15 +29,17 @@ def find_unusable(cache: str, sources: Sequence[MeshSource], workers: int = 0) -
     Raises:
         InputError: if the cache cannot be written to, or a worker is killed.
     """
-    prints = [RENDERING_VERSION, fingerprints({"": sources})[""]]
-    path = f"{hashlib.sha256(json.dumps(prints).encode()).hexdigest()[:24]}.json"
+    prints = fingerprints({"": sources})[""]
+    key = hashlib.sha256(json.dumps([RENDERING_VERSION, prints]).encode())
+    path = f"{key.hexdigest()[:24]}.json"
     folder = Storage(cache) / "meshes"
     try:
         return dict(json.loads(folder.read(path) or b"")["left_out"])
     except (ValueError, TypeError, KeyError):  # not asked yet, or damaged
         pass
     with Workers(workers) as pool:
-        reasons = {source.name: why for source, why in pool.run(_trouble, sources) if why is not None}
+        tasks = [MeshTask(source, seen) for source, (_, seen) in zip(sources, prints, strict=True)]
+        reasons = find_troubles(pool, tasks)
     left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
     folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
     return left_out
@@ -57,13 +61,3 @@ def leave_out(sources: Sequence[MeshSource], reasons: Mapping[str, str], split: 
         first = reasons[sources[0].name] if sources else "there is none."
         raise InputError(f"none of the {len(sources)} meshes for {split} can be used; the first: {first}")
     return usable
-
-
-def _trouble(source: MeshSource) -> str | None:
-    try:
-        source.load()
-    except InputError as error:
-        return str(error)
-    except Exception as error:  # whatever a source of somebody else's raises
-        return f"{type(error).__name__}: {brief(error)}."
-    return None
