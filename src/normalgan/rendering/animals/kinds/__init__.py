@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from normalgan.rendering.animals.kinds.bipeds import BIPEDS
 from normalgan.rendering.animals.kinds.birds import BIRDS
+from normalgan.rendering.animals.kinds.fish import FISH
 from normalgan.rendering.animals.kinds.insects import INSECTS
 from normalgan.rendering.animals.kinds.quadrupeds import QUADRUPEDS
 from normalgan.rendering.animals.plan import BodyPlan
@@ -12,6 +13,7 @@ from normalgan.rendering.animals.plan import BodyPlan
 _TABLES: Mapping[str, Mapping[str, BodyPlan]] = {
     "quadrupeds": QUADRUPEDS,
     "birds": BIRDS,
+    "fish": FISH,
     "bipeds": BIPEDS,
     "insects": INSECTS,
 }
