@@ -6,9 +6,9 @@ from normalgan.rendering.strokes.curves import resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 
 _SPACING = 1.0  # pixels of the sketch from point to point of a stroke
-_STAIRS = 3.0  # points over which a line known only to pass between two pixels is smoothed
-_JITTER = 1.5  # points over which a line known more precisely is smoothed
+_STAIRS = 4.0  # points over which a line known only to pass between two pixels is smoothed
 _SLACK = 0.5  # pixels from the border of two pixels to their centres: there, or nearer, it passes
+_JITTER = 1.5  # points over which a line known more precisely is smoothed
 
 
 def draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:

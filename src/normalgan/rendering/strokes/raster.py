@@ -1,87 +1,166 @@
 """Rasteriser: strokes to ink, antialiased, width and darkness changing along them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from normalgan.rendering.maps import Floats
+from normalgan.rendering.strokes.chain import Indices
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
 _LONGEST = 2.0  # pixels: longer segments are cut up, so that what lies about each is a small square
+_FAINTEST = 1e-4  # ink less than this is rounding
+_BATCH = 1_000_000  # pixels looked at at a time
 
 
 def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
     """Return the ink of strokes laid one over the other, (``size``, ``size``) in [0, 1].
 
-    A pixel's coverage is that of a bar as wide as the line, at the pixel's distance from it, by a box a
-    pixel wide: exact for upright and level lines, and in total for all. Ends are round. One stroke covers
-    a pixel once, however it winds; two strokes that cross darken each other, as pencil does:
-    ``1 - (1 - a) (1 - b)``. What lies outside the frame is cut off.
+    A pixel's coverage is that of an endless bar as wide as the line is there, at the pixel's distance and
+    slanted as the line: exact along straight lines. Ends are round. One stroke covers a pixel once, however
+    it winds; two strokes that cross darken each other, as pencil does: ``1 - (1 - a) (1 - b)``. What lies
+    outside the frame is cut off.
 
     >>> line = Stroke.even(np.array([[-5.0, 2.0], [9.0, 2.0]]), width=1.0)
-    >>> rasterise([line], 4)[:, 0].tolist()
+    >>> rasterise([line], 4)[:, 0].round(2).tolist()
     [0.0, 0.5, 0.5, 0.0]
     """
     paper = np.ones((size, size), np.float32)
-    for stroke in strokes:
-        _lay(stroke, paper)
-    ink: Floats = 1 - paper
-    return ink
+    segments = _segments(strokes, size)
+    dots = [_dots(alike, size) for alike in segments.batches()]
+    if dots:
+        owner, row, column, ink = (np.concatenate(parts) for parts in zip(*dots, strict=True))
+        _lay(owner, row, column, ink, paper)
+    inked: Floats = np.clip(1 - paper, 0, 1)
+    return inked
 
 
-def _lay(stroke: Stroke, paper: Floats) -> None:
-    """Darken the (H, W) share of ``paper`` that shows, by one stroke."""
-    size = len(paper)
-    bound = stroke.width.max() / 2 + 0.5  # pixels from the line that may get ink
-    points, width, darkness = _cut(stroke)
-    # Only segments near the frame matter.
-    near = ((points > -bound - _LONGEST) & (points < size + bound + _LONGEST)).all(axis=1)
-    chosen = np.flatnonzero(near[:-1] & near[1:])
-    if not len(chosen):
-        return
-    start, step = points[chosen], np.diff(points, axis=0)[chosen]
-    low = np.minimum(start, start + step)
-    corner = np.floor(low - bound).astype(np.int64)
-    side = int(np.ceil(2 * bound + np.abs(step).max())) + 1
-    down, right = np.indices((side, side)).reshape(2, 1, -1)
-    column, row = corner[:, :1] + right, corner[:, 1:] + down
-    # From each segment's start to the pixels' centres; single precision will do from here on.
-    x = (corner[:, :1] - start[:, :1] + 0.5).astype(np.float32) + right.astype(np.float32)
-    y = (corner[:, 1:] - start[:, 1:] + 0.5).astype(np.float32) + down.astype(np.float32)
-    dx, dy = step.astype(np.float32).T[:, :, None]
-    at = np.clip((x * dx + y * dy) / np.maximum(dx * dx + dy * dy, np.float32(1e-12)), 0, 1)
-    distance = np.hypot(x - at * dx, y - at * dy)
-    wide, dark = (_along(values, chosen, at) for values in (width, darkness))
-    # A line thinner than a pixel covers no pixel wholly.
-    ink = np.clip(wide / 2 + 0.5 - distance, 0, np.minimum(wide, 1)) * dark
-    seen = (ink > 0) & (column >= 0) & (column < size) & (row >= 0) & (row < size)
-    row, column, ink = row[seen], column[seen], ink[seen]
-    if not len(ink):
-        return
-    top, left = row.min(), column.min()
-    own = np.zeros((row.max() - top + 1, column.max() - left + 1), np.float32)
-    np.maximum.at(own, (row - top, column - left), ink)
-    paper[top : top + own.shape[0], left : left + own.shape[1]] *= 1 - own
+@dataclass(frozen=True)
+class _Segments:
+    """The straight pieces of strokes, (S,) each, or (S, 2).
+
+    Args:
+        start: where they begin.
+        step: from there to where they end.
+        pen: width and darkness at the start.
+        change: how much of these is added up to the end.
+        owner: number of the stroke.
+        reach: pixels from the segment that may get ink.
+        side: of a square of pixels that holds all that do, wherever the segment lies.
+    """
+
+    start: Doubles
+    step: Doubles
+    pen: Doubles
+    change: Doubles
+    owner: Indices
+    reach: Doubles
+    side: Indices
+
+    def of(self, chosen: NDArray[np.bool_] | Indices) -> "_Segments":
+        return _Segments(*(part[chosen] for part in vars(self).values()))
+
+    def batches(self) -> Iterator["_Segments"]:
+        """Yield segments of one side, few enough at a time for their squares to fit into memory."""
+        for side in np.unique(self.side):
+            alike = np.flatnonzero(self.side == side)
+            count = max(int(_BATCH // side**2), 1)
+            yield from (self.of(alike[k : k + count]) for k in range(0, len(alike), count))
 
 
-def _cut(stroke: Stroke) -> tuple[Doubles, Doubles, Doubles]:
-    """Return points (P, 2), widths (P,) and darknesses (P,) with no segment longer than `_LONGEST`."""
+def _segments(strokes: Sequence[Stroke], size: int) -> _Segments:
+    """Return the segments of strokes that may put ink on a picture of ``size`` pixels."""
+    cut = [_cut(stroke) for stroke in strokes] or [(np.zeros((1, 2)), np.zeros((1, 2)))]
+    points, pens = (np.concatenate(part) for part in zip(*cut, strict=True))
+    number = np.repeat(np.arange(len(cut)), [len(part) for part, _ in cut])
+    reach = np.array([pen[:, 0].max() / 2 + 0.5 for _, pen in cut])[number]
+    step = np.diff(points, axis=0)
+    # As long as the longest of its stroke, so that there are few sizes.
+    longest = np.zeros(len(cut))
+    np.maximum.at(longest, number[:-1], np.where(number[:-1] == number[1:], np.abs(step).max(axis=1), 0))
+    side = (np.ceil(2 * reach + longest[number]) + 1).astype(np.int64)
+    low, high = np.minimum(points[:-1], points[1:]), np.maximum(points[:-1], points[1:])
+    near = ((high > -reach[:-1, None]) & (low < size + reach[:-1, None])).all(axis=1)
+    chosen = np.flatnonzero(near & (number[:-1] == number[1:]))
+    start, pen = points[:-1], pens[:-1]
+    everything = _Segments(start, step, pen, np.diff(pens, axis=0), number[:-1], reach[:-1], side[:-1])
+    return everything.of(chosen)
+
+
+def _cut(stroke: Stroke) -> tuple[Doubles, Doubles]:
+    """Return points (P, 2) and pens (P, 2), no two points farther apart than `_LONGEST`."""
+    pens = np.stack([stroke.width, stroke.darkness], axis=1)
     steps = np.hypot(*np.diff(stroke.points, axis=0).T)
     pieces = np.maximum(np.ceil(steps / _LONGEST), 1).astype(np.int64)
     if (pieces == 1).all():
-        return stroke.points, stroke.width, stroke.darkness
+        return stroke.points, pens
     stops = np.concatenate([[0], np.cumsum(pieces)])
-    place = np.interp(np.arange(stops[-1] + 1), stops, np.arange(len(stops)))
-    known = np.arange(len(stops))
-    x, y, width, darkness = (
-        np.interp(place, known, values) for values in (*stroke.points.T, stroke.width, stroke.darkness)
-    )
-    return np.stack([x, y], axis=1), width, darkness
+    wanted = np.arange(stops[-1] + 1)
+    columns = [np.interp(wanted, stops, values) for values in (*stroke.points.T, *pens.T)]
+    return np.stack(columns[:2], axis=1), np.stack(columns[2:], axis=1)
 
 
-def _along(values: Doubles, chosen: np.ndarray, at: Floats) -> Floats:
-    """Return what the values (P,) at the points are at the shares ``at`` (S, K) of the chosen segments."""
-    start = values[chosen].astype(np.float32)[:, None]
-    step = np.diff(values)[chosen].astype(np.float32)[:, None]
-    mixed: Floats = start + at * step
-    return mixed
+def _dots(segments: _Segments, size: int) -> tuple[Indices, Indices, Indices, Floats]:
+    """Return the stroke, row and column of each pixel that segments put ink on, and how much, (D,) each.
+
+    The segments' squares have one side. A pixel may come several times.
+    """
+    side = int(segments.side[0])
+    low = np.minimum(segments.start, segments.start + segments.step) - segments.reach[:, None]
+    corner = np.floor(low)
+    # From each segment's start to the pixels' centres; single precision will do from here on.
+    offset = (corner - segments.start + 0.5).astype(np.float32)
+    steps = np.arange(side, dtype=np.float32)
+    x, y = offset[:, :1, None] + steps, offset[:, 1:, None] + steps[:, None]
+    dx, dy = segments.step.astype(np.float32).T[:, :, None, None]
+    at = (x * dx + y * dy) / np.maximum(dx * dx + dy * dy, np.float32(1e-12))
+    np.clip(at, 0, 1, out=at)
+    distance = np.sqrt(np.square(x - at * dx) + np.square(y - at * dy))
+    wide, dark = segments.pen.astype(np.float32).T[:, :, None, None]
+    wider, darker = segments.change.astype(np.float32).T[:, :, None, None]
+    width = wide + at * wider
+    half = np.float32(0.5) * width
+    slant = np.abs(segments.step) / np.maximum(np.hypot(*segments.step.T), 1e-12)[:, None]
+    slant[(segments.step == 0).all(axis=1), 0] = 1  # a dot: any direction will do
+    ink = _covered(half - distance, slant) - _covered(-half - distance, slant)
+    ink *= dark + at * darker
+    which, down, right = np.nonzero(ink > _FAINTEST)
+    row, column = corner[which].astype(np.int64).T[::-1] + np.stack([down, right])
+    inside = (row >= 0) & (row < size) & (column >= 0) & (column < size)
+    owner = segments.owner[which]
+    return owner[inside], row[inside], column[inside], ink[which, down, right][inside]
+
+
+def _covered(depth: Floats, slant: Doubles) -> Floats:
+    """Return how much of a pixel lies on one side of a border, given how deep on that side its centre is.
+
+    Seen along the border, a pixel's square is a box as wide as the one part of the border's direction drawn
+    out by a box as wide as the other; the share is the integral of that.
+
+    Args:
+        depth: (S, K, K) in pixels, negative on the other side.
+        slant: (S, 2) both parts of the direction, not negative; (1, 0) or (0, 1) are along the pixels.
+    """
+    # Of a border along the pixels, the smaller part is 0 and the formula void; so little slant is not seen.
+    wide, narrow = np.sort(np.maximum(slant, 0.02), axis=1).astype(np.float32).T[::-1, :, None, None]
+    outer, inner = np.float32(0.5) * (wide + narrow), np.float32(0.5) * (wide - narrow)
+    depth = np.clip(depth, -outer, outer)
+    share: Floats = np.square(depth + outer)
+    share -= np.square(np.maximum(depth + inner, 0))
+    share -= np.square(np.maximum(depth - inner, 0))
+    share /= 2 * wide * narrow
+    return share
+
+
+def _lay(owner: Indices, row: Indices, column: Indices, ink: Floats, paper: Floats) -> None:
+    """Darken the (H, W) share of ``paper`` that shows: of each stroke the most, of all strokes together."""
+    size = len(paper)
+    # A pixel of each stroke has a number of its own; what is inked several times counts once.
+    key = (owner * size + row) * size + column
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]])) if len(key) else key
+    most = np.maximum.reduceat(ink[order], first) if len(key) else ink
+    np.multiply.at(paper.reshape(-1), key[first] % (size * size), 1 - most)
