@@ -35,6 +35,7 @@ def namable() -> dict[str, Registry[Any]]:
     optimizers = _subclasses(Optimizer)
     return {
         **REGISTRIES,
+        "styles": LINE_DRAWINGS,  # of a mixture
         "generator_optimizer": optimizers,
         "discriminator_optimizer": optimizers,
         "lr_scheduler": _subclasses(LRScheduler),
