@@ -64,7 +64,7 @@ def test_a_hidden_outline_ends_on_the_one_that_hides_it(style: LineDrawing) -> N
     assert near.closed
     assert not far.closed
     for end in (far.points[0], far.points[-1]):
-        assert np.hypot(*(resample(near.points, 0.1) - end).T).min() < 0.7  # within the line
+        assert np.hypot(*(resample(near.points, 0.1) - end).T).min() < 0.3
     assert far.length == pytest.approx(0.4 * 64 * 2 * (np.pi - np.arccos(0.25 / 0.4)), rel=0.02)
 
 

@@ -56,7 +56,9 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     # Off the object, where a pixel has no size, nothing can hide anything.
     seen = np.flatnonzero(maps.mask.ravel()[nearer] & (gap > floor.ravel()[nearer]))
     strength, second, first = gap[seen] / size[seen], second[seen], line[2][seen]
-    kept = seen[~_outdone(np.where(second, -strength, strength), first, depth, axis)]
+    # A strong one is a contour of its own, even where a part behind it is about to end.
+    weak = gap[seen] < _MUCH * floor.ravel()[nearer[seen]]
+    kept = seen[~(weak & _outdone(np.where(second, -strength, strength), first, depth, axis))]
     second, share = front[kept] > back[kept], np.full(len(kept), 0.5)
     return rows[kept], columns[kept], share, gap[kept] / size[kept], second
 
@@ -82,7 +84,7 @@ def _foretold(maps: Maps, sight: Sight, pixel: Index, axis: int) -> Floats:
 
 
 def _outdone(falls: Floats, first: Index, depth: Floats, axis: int) -> NDArray[np.bool_]:
-    """Return which jumps are but the beginning or the end of a much larger one, next to them in their row.
+    """Return which jumps may be but the beginning or the end of a much larger one, next to them in their row.
 
     Args:
         falls: (N,) how far the surface jumps back (positive) or forth (negative).
