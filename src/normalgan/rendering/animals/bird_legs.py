@@ -11,7 +11,7 @@ from normalgan.rendering.animals.outline import rounded
 from normalgan.rendering.animals.plan import Rng
 from normalgan.rendering.animals.plate import Plate
 from normalgan.rendering.animals.shapes import hinge
-from normalgan.rendering.animals.sweep import Floats, Sweep
+from normalgan.rendering.animals.sweep import Floats, Sweep, smoothed
 
 TOES = (-34.0, 0.0, 34.0, 180.0)
 
@@ -77,10 +77,9 @@ def legs(shape: LegShape, factor: float, pose: str, body: Frame, rng: Rng) -> li
             foot[2] *= 0.35
         heel = hinge(hip, foot, thigh, shank, (-1.0, -0.25, 0.0))
         knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
-        meat.append(
-            tube([hip, knee, heel], [shape.meat, 0.62 * shape.meat, 1.15 * shape.thick],
-                 [0.8 * shape.meat, 0.55 * shape.meat, 1.15 * shape.thick])
-        )  # fmt: skip
+        thigh_tube = tube([hip, knee, heel], [shape.meat, 0.62 * shape.meat, 1.15 * shape.thick],
+                          [0.8 * shape.meat, 0.55 * shape.meat, 1.15 * shape.thick])  # fmt: skip
+        meat.append(smoothed(thigh_tube, 3))  # or its kinks would show as rings
         bone = tube([heel, foot], [1.05 * shape.thick, 0.95 * shape.thick])
         feet.append(fuse(bone, *_toes(shape, foot, heading, flat, rng), blend=0.01))
         if shape.web:

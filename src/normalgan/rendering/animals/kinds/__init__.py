@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from normalgan.rendering.animals.kinds.bipeds import BIPEDS
 from normalgan.rendering.animals.kinds.birds import BIRDS
+from normalgan.rendering.animals.kinds.dinosaurs import DINOSAURS
 from normalgan.rendering.animals.kinds.fish import FISH
 from normalgan.rendering.animals.kinds.insects import INSECTS
 from normalgan.rendering.animals.kinds.quadrupeds import QUADRUPEDS
@@ -14,6 +15,7 @@ _TABLES: Mapping[str, Mapping[str, BodyPlan]] = {
     "quadrupeds": QUADRUPEDS,
     "birds": BIRDS,
     "fish": FISH,
+    "dinosaurs": DINOSAURS,
     "bipeds": BIPEDS,
     "insects": INSECTS,
 }
