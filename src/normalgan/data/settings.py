@@ -5,11 +5,14 @@ from functools import cached_property
 from lightning.pytorch import LightningDataModule
 
 from normalgan.data.augmentation import Augmentation
-from normalgan.data.sources import find_sources, split_sources
+from normalgan.data.sources import find_sources, join_variants, pose, split_sources
 from normalgan.errors import InputError
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
+from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
+from normalgan.rendering.media import Medium
 from normalgan.rendering.samples import Recipe
+from normalgan.rendering.variation import Variation
 
 
 class DataSettings(LightningDataModule):
@@ -20,6 +23,10 @@ class DataSettings(LightningDataModule):
             embedded procedural animals.
         animals: how many embedded animals there are, if no meshes are given.
         species: groups (such as quadrupeds or birds) and species that the embedded animals are of, in turn.
+        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
+        variants: individuals that join each training mesh, varied at random; those to validate and test stay
+            as they are.
+        variation: how far such individuals differ from the mesh.
         orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
         crease_angle: degrees from which an edge is sharp; None shades everything smooth.
         split_file: JSON file that lists the train, val and test meshes; None splits by fractions.
@@ -28,6 +35,8 @@ class DataSettings(LightningDataModule):
         views: where the objects are looked at from.
         renderer: what turns a mesh and a camera into maps.
         lines: the style of the sketches.
+        hand: how a person would draw these lines; None draws the exact ones.
+        medium: pen, paper and scanner; None is clean ink on white paper.
         size: side of the pictures in pixels.
         train_views: views of each training mesh; on the fly, of each epoch.
         val_views: views of each validation mesh.
@@ -52,14 +61,19 @@ class DataSettings(LightningDataModule):
         meshes: str | list[str] | None = None,
         animals: int = 24,
         species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
+        poses: int = 0,
+        variants: int = 0,
+        variation: Variation = Variation(),  # noqa: B008  # frozen
         orientation: str | None = None,
         crease_angle: float | None = None,
         split_file: str | None = None,
         fractions: tuple[float, float, float] = (0.7, 0.1, 0.2),
         split_seed: int = 0,
-        views: Views = Views(),  # noqa: B008  # frozen
+        views: Views = Views(),  # noqa: B008
         renderer: Renderer = EmbreeRenderer(),  # noqa: B008
         lines: LineDrawing = SuggestiveContours(),  # noqa: B008
+        hand: Hand | None = None,
+        medium: Medium | None = None,
         size: int = 256,
         train_views: int = 100,
         val_views: int = 20,
@@ -79,18 +93,22 @@ class DataSettings(LightningDataModule):
         for name, number in {"animals": animals, "batch_size": batch_size}.items():
             if number < 1:
                 raise InputError(f"data.{name} must be 1 or more, not {number}.")
-        for name, number in {"render_workers": render_workers, "workers": workers, "memory": memory}.items():
+        counts = {"poses": poses, "variants": variants, "memory": memory}
+        for name, number in (counts | {"render_workers": render_workers, "workers": workers}).items():
             if number < 0:
                 raise InputError(f"data.{name} must be 0 or more, not {number}.")
         self.meshes = meshes
         self.animals = animals
         self.species = species
+        self.poses = poses
+        self.variants = variants
+        self.variation = variation
         self.orientation = orientation
         self.crease_angle = crease_angle
         self.split_file = split_file
         self.fractions = fractions
         self.split_seed = split_seed
-        self.recipe = Recipe(views=views, renderer=renderer, lines=lines, size=size, seed=seed)
+        self.recipe = Recipe(views, renderer, lines, size, seed, hand, medium)
         self.views_per_mesh = {"train": train_views, "val": val_views, "test": test_views}
         self.on_the_fly = on_the_fly
         self.cache = cache
@@ -113,7 +131,10 @@ class DataSettings(LightningDataModule):
         found = find_sources(
             self.meshes, self.animals, self.species, self.seed, self.orientation, self.crease_angle
         )
-        return split_sources(found, self.split_file, self.fractions, self.split_seed)
+        split = split_sources(found, self.split_file, self.fractions, self.split_seed)
+        # After the split: poses and variants of one mesh are too much alike to be on both sides of it.
+        posed = {name: pose(part, self.poses) for name, part in split.items()}
+        return posed | {"train": join_variants(posed["train"], self.variation, self.variants)}
 
     @property
     def kept(self) -> dict[str, list[MeshSource]]:

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from normalgan.data.splits import SPLITS, split_by_file, split_by_fractions
-from normalgan.rendering import MeshSource, find_meshes
+from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.animals import herd
+from normalgan.rendering.rigs import find_poses
+from normalgan.rendering.variation import Variation, Varied
 
 
 def find_sources(
@@ -55,3 +57,20 @@ def split_sources(
     else:
         names = split_by_file(Path(split_file), list(by_name))
     return {split: [by_name[name] for name in names[split]] for split in SPLITS}
+
+
+def pose(sources: Sequence[MeshSource], poses: int) -> list[MeshSource]:
+    """Return the meshes with ``poses`` poses in place of each rigged file; 0 leaves all as they are."""
+    posed: list[MeshSource] = []
+    for source in sources:
+        posed += find_poses([source], poses) if isinstance(source, MeshFile) else [source]
+    return posed
+
+
+def join_variants(sources: Sequence[MeshSource], variation: Variation, variants: int) -> list[MeshSource]:
+    """Return each mesh followed by ``variants`` individuals of it that ``variation`` makes."""
+    return [
+        one
+        for source in sources
+        for one in (source, *(Varied(source, variation, number) for number in range(variants)))
+    ]
