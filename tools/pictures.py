@@ -16,7 +16,7 @@ from normalgan.hints import CurvatureHints
 from normalgan.normals import encode, flip_green, paint_flat, write_bytes
 from normalgan.rendering import EmbreeRenderer, Maps
 from normalgan.rendering.animals import GROUPS, Animal
-from normalgan.rendering.lines import LineDrawing, OccludingContours, SuggestiveContours
+from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
@@ -90,22 +90,6 @@ def herd() -> bytes:
         ]
         names += [[animal.name for animal in some], [""] * len(some)]
     return panels(rows, names, size)
-
-
-def styles() -> bytes:
-    """Return the line styles side by side, on two animals."""
-    kinds: dict[str, LineDrawing] = {
-        "OccludingContours": OccludingContours(),
-        "SuggestiveContours, the default": SuggestiveContours(),
-        "strength 6, theta 15": SuggestiveContours(strength=6.0, theta=15.0),
-        "line_width 2.5, interior_width 1.5": SuggestiveContours(line_width=2.5, interior_width=1.5),
-    }
-    size = 240
-    rows = [
-        [colours(render(animal, size)), *(draw(animal, lines, size) for lines in kinds.values())]
-        for animal in (Animal("lion", 3), Animal("cow", 2))
-    ]
-    return panels(rows, [["normal map", *kinds], [""] * (1 + len(kinds))], size)
 
 
 def curvature() -> bytes:
@@ -193,7 +177,7 @@ def _axes(axes: Axes) -> None:
 if __name__ == "__main__":
     torch.set_num_threads(1)
     folder = Path(sys.argv[1]) if len(sys.argv) == 2 else sys.exit("usage: tools/pictures.py FOLDER")
-    for make in (herd, styles, curvature, conventions):
+    for make in (herd, curvature, conventions):
         path = folder / f"{make.__name__}.png"
         write_bytes(path, make())
         print(path, f"{path.stat().st_size // 1024} kB")

@@ -10,7 +10,7 @@ from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.marks import mark
 from normalgan.rendering.lines.occluding import occluding_contours
-from normalgan.rendering.lines.thinning import thin
+from normalgan.rendering.lines.thinning import thin, without_specks
 from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.curves import resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
@@ -20,7 +20,8 @@ _SPACING = 1.0  # pixels of the sketch from point to point of a stroke
 _RATIO = (
     1.6  # of the two blurs: with it their difference comes nearest to a Laplacian's (Marr, Hildreth 1980)
 )
-_TREMBLE = 4.0  # points over which the middle of the ink, which jumps from pixel to pixel, is smoothed
+_SPUR = 1.5  # widths of the ink: shorter strokes are spurs
+_TREMBLE = 7.0  # points over which the middle of the ink, which jumps from pixel to pixel, is smoothed
 _SWELL = 6.0  # points over which its width is
 
 
@@ -43,7 +44,7 @@ class Brush(LineDrawing):
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side; contours are inked wherever they are.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.
-        shortest: strokes shorter than this fraction of the frame's side are left out.
+        shortest: patches of ink that span less than this fraction of the frame's side are left out.
         resolution: side in pixels of the maps that the ink is found in, rounded up to a multiple of the
             sketch's.
 
@@ -53,12 +54,12 @@ class Brush(LineDrawing):
 
     line_width: float = 2.0
     widest: float = 2.0
-    sigma: float = 0.006
+    sigma: float = 0.005
     sharpening: float = 50.0
     threshold: float = 0.0
     gap: float = 0.01
     shortest_contour: float = 0.012
-    shortest: float = 0.03
+    shortest: float = 0.045
     resolution: int = 512
 
     def __post_init__(self) -> None:
@@ -72,11 +73,9 @@ class Brush(LineDrawing):
         contours = mark(occluding_contours(buffers, self.gap, self.shortest_contour), buffers.maps.mask.shape)
         facing = np.where(contours, 0, facing_ratio(buffers))
         sharp = sharpened(facing, self.sigma * buffers.side, self.sharpening)
-        lines = [
-            line
-            for line in thin(contours | (sharp < self.threshold))
-            if len(line[0]) >= max(self.shortest * buffers.side, 2)
-        ]
+        inked = without_specks(contours | (sharp < self.threshold), self.shortest * buffers.side)
+        # Where the ink is uneven its middle has spurs, which do not reach beyond it.
+        lines = [line for line in thin(inked) if len(line[0]) >= max(_SPUR * np.median(line[1]), 2)]
         if not lines:
             return []
         median = float(np.median(np.concatenate([width for _, width in lines])))
@@ -84,7 +83,7 @@ class Brush(LineDrawing):
 
     def _stroke(self, points: Doubles, width: Doubles, buffers: Buffers) -> Stroke:
         """Return the stroke along ``points`` (P, 2) of the buffers, ``width`` (P,) times the usual."""
-        path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.0)), _SPACING)
+        path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.5)), _SPACING)
         closed = bool((points[0] == points[-1]).all())
         number = np.zeros(len(width)) if closed else np.arange(len(width))
         swelling = smooth(np.stack([width, number], axis=1), _SWELL)[:, 0]

@@ -54,10 +54,10 @@ class ObjectSpaceSuggestive(LineDrawing):
     interior_width: float = 0.9
     gap: float = 0.01
     smoothing: float = 0.015
-    strength: float = 40.0
+    strength: float = 35.0
     theta: float = 15.0
     shortest_contour: float = 0.012
-    shortest: float = 0.03
+    shortest: float = 0.045
     bridge: float = 0.02
     apart: float = 0.012
     resolution: int = 512

@@ -79,7 +79,7 @@ class RidgesAndValleys(LineDrawing):
             shape = shape_of(view.mesh, self.smoothing)
             eye = towards_eye(view.camera, shape.surface.vertices)
             pen = Inside(
-                self.interior_width, self.strength, self.shortest, self.bridge, self.apart, smoothing=0.012
+                self.interior_width, self.strength, self.shortest, self.bridge, self.apart, smoothing=0.02
             )
             distance = distance_to(mark(contours, buffers.maps.mask.shape))
             for marks, strength in apparent_ridges(shape, eye, self.sharpness):

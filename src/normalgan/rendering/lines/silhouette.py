@@ -30,7 +30,7 @@ class Silhouette(LineDrawing):
     """
 
     line_width: float = 1.25
-    shortest: float = 0.03
+    shortest: float = 0.05
     resolution: int = 512
 
     def __post_init__(self) -> None:

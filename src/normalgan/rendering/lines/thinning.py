@@ -10,6 +10,21 @@ from normalgan.rendering.strokes.chain import Indices, chain
 from normalgan.rendering.strokes.stroke import Doubles
 
 
+def without_specks(inked: Mark, shortest: float) -> Mark:
+    """Return the inked pixels (H, W) without connected patches that span less than ``shortest`` pixels.
+
+    What a patch spans is the longer side of its bounding box; corners connect.
+
+    >>> without_specks(np.array([[1, 1, 1, 0, 1]], bool), 2).astype(int)
+    array([[1, 1, 1, 0, 0]])
+    """
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(inked.astype(np.uint8), connectivity=8)
+    large = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) >= shortest
+    large[0] = False
+    kept: Mark = large[labels]
+    return kept
+
+
 def thin(inked: Mark) -> list[tuple[Doubles, Doubles]]:
     """Return the lines along the middle of inked areas, and how thick the ink is there.
 
