@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from grids import from_above, height_field, to_plane
@@ -161,3 +163,23 @@ def test_towards_eye_points_at_the_eye() -> None:
 def test_settings_out_of_range_are_refused(setting: str, value: float) -> None:
     with pytest.raises(InputError, match=setting):
         ObjectSpaceSuggestive(**{setting: value})  # type: ignore[arg-type]
+
+
+@both_styles
+def test_torn_meshes_with_loose_points_are_drawn(style: LineDrawing) -> None:
+    field = height_field(roof if isinstance(style, RidgesAndValleys) else waves, points=48)
+    holes = np.random.default_rng(0).random(len(field.faces)) < 0.9
+    torn = replace(field, faces=field.faces[holes])
+    loose = replace(torn, vertices=np.append(torn.vertices, np.array([[0, 0, 0.9]], np.float32), axis=0))
+    loose = replace(loose, normals=np.append(torn.normals, np.array([[0, 0, 1]], np.float32), axis=0))
+    view = from_above(loose)
+    assert len(style.trace(view, np.random.default_rng(0))) > 0
+    assert all(np.isfinite(stroke.points).all() for stroke in strokes_inside(style, view))
+
+
+@both_styles
+def test_a_single_triangle_has_its_outline_alone(style: LineDrawing) -> None:
+    corners = np.array([[-0.6, -0.5, 0.0], [0.6, -0.5, 0.0], [0.0, 0.6, 0.0]])
+    view = from_above(as_mesh("triangle", corners, np.array([[0, 1, 2]])))
+    assert strokes_inside(style, view) == []
+    assert len(style.trace(view, np.random.default_rng(0))) == 1
