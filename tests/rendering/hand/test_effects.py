@@ -100,8 +100,9 @@ def test_short_strokes_inside_are_forgotten_first() -> None:
         left = forget(strokes, interior, 0.8, SIDE, rng(seed))
         kept += [any(stroke is one for one in left) for stroke in strokes]
     assert kept[4] == 400  # the longest
-    assert kept[0] < kept[1] < kept[2] < kept[3]
-    assert kept[0] == pytest.approx(400 * (1 - 0.8 * np.exp(-5 / 128 / 0.3)), abs=40)
+    assert kept[0] < kept[1] < kept[3]
+    assert kept[0] < kept[2] < kept[3]
+    assert kept[0] == pytest.approx(400 * (1 - 0.8 * np.exp(-5 / 128 / 0.4)), abs=40)
 
 
 def test_no_drawing_is_forgotten_whole() -> None:

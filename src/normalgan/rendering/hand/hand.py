@@ -63,21 +63,21 @@ class Hand:
     strength: tuple[float, float] = (0.0, 1.0)
     distortion: float = 0.02
     proportion: float = 0.08
-    cuts: float = 1.0
-    simplification: float = 0.014
-    missed: float = 0.6
-    missed_parts: float = 0.06
-    repeats: float = 0.12
-    drift: float = 0.0045
+    cuts: float = 0.8
+    simplification: float = 0.016
+    missed: float = 0.9
+    missed_parts: float = 0.04
+    repeats: float = 0.1
+    drift: float = 0.004
     wobble: float = 0.0025
     tremor: float = 0.0006
-    overshoot: float = 0.008
-    gaps: float = 0.006
-    pressure: float = 0.16
-    fade: float = 0.2
+    overshoot: float = 0.007
+    gaps: float = 0.004
+    pressure: float = 0.12
+    fade: float = 0.15
     taper: float = 0.4
     slowness: float = 0.2
-    pen: tuple[float, float] = (0.9, 2.4)
+    pen: tuple[float, float] = (0.9, 3.0)
 
     def __post_init__(self) -> None:
         """Refuse what no hand can do."""

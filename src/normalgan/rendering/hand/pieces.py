@@ -13,6 +13,7 @@ from normalgan.rendering.strokes.stroke import Doubles, Stroke
 _CORNER = 0.012  # of the side: how far apart one looks to see that a line turns
 _SHORTEST = 0.04  # of the side: nobody lifts the pen so soon again
 _ANYWHERE = 0.02  # radians²: the weight of a straight piece, so that the pen is lifted there too, seldom
+_LATER = 0.2  # a stroke inside is drawn when those of the outline a fifth as long are
 _RIM = 0.012  # of the side: so near the silhouette a stroke belongs to the outline
 
 
@@ -49,7 +50,7 @@ def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
     """Return of each stroke the share that lies within the object, away from its silhouette."""
     height, width = maps.mask.shape
     deep = cv2.distanceTransform(maps.mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    deep = deep > _RIM * max(height, width)
+    deep = deep > max(1.5, _RIM * max(height, width))  # the outermost pixels are of the outline at any size
     shares = []
     for stroke in strokes:
         x, y = stroke.points.astype(int).T
@@ -60,5 +61,5 @@ def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
 def in_order(strokes: Sequence[Stroke], interior: Doubles) -> tuple[list[Stroke], Doubles]:
     """Return strokes and shares in the order of drawing: the outline first, and the longest first."""
     lengths = np.array([stroke.length for stroke in strokes])
-    order = np.argsort(-lengths * (1 - 0.8 * interior), kind="stable")
+    order = np.argsort(-lengths * np.where(interior > 0.5, _LATER, 1), kind="stable")
     return [strokes[index] for index in order], interior[order]
