@@ -146,8 +146,13 @@ def test_extremes_are_found_whatever_the_sign_of_the_directions() -> None:
 
 def test_a_mesh_is_measured_once_for_all_its_views() -> None:
     mesh = ellipsoid(1, 0.7, 0.5, subdivisions=3)
-    assert shape_of(mesh, 0.02) is shape_of(mesh, 0.02)
-    assert shape_of(mesh, 0.02) is not shape_of(mesh, 0.03)
+    fine, coarse = shape_of(mesh, 0.02), shape_of(mesh, 0.03)
+    assert shape_of(mesh, 0.02) is fine
+    assert shape_of(mesh, 0.03) is coarse
+    assert coarse is not fine
+    other = ellipsoid(1, 0.7, 0.6, subdivisions=3)
+    assert len(shape_of(other, 0.02).surface.vertices) == len(other.vertices)
+    assert shape_of(mesh, 0.02) is not fine  # one mesh is kept, no more
 
 
 def test_towards_eye_points_at_the_eye() -> None:

@@ -7,9 +7,6 @@ from normalgan.rendering.lines.surface_curvature import shape_operators, smooth_
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.strokes.stroke import Doubles
 
-# Views of one mesh follow one another, so one is enough, and memory stays flat. It belongs to the process.
-_last: tuple[Mesh, float, "Shape"] | None = None
-
 
 @dataclass(frozen=True)
 class Shape:
@@ -26,12 +23,18 @@ class Shape:
     operators: Doubles
 
 
+# Views of one mesh follow one another, so one mesh is enough, and memory stays flat; its shapes by their
+# smoothing, because styles that are mixed differ in it. It belongs to the process.
+_last: tuple[Mesh, Surface, dict[float, Shape]] | None = None
+
+
 def shape_of(mesh: Mesh, smoothing: float) -> Shape:
     """Return the shape of a mesh, its curvature smoothed over ``smoothing`` units of the mesh."""
     global _last  # noqa: PLW0603 -- see above
-    if _last is None or _last[0] is not mesh or _last[1] != smoothing:
-        surface = Surface.of(mesh)
+    if _last is None or _last[0] is not mesh:
+        _last = (mesh, Surface.of(mesh), {})
+    _, surface, shapes = _last
+    if smoothing not in shapes:
         normals = smooth_normals(surface, smoothing)
-        operators = shape_operators(surface, normals, smoothing)
-        _last = (mesh, smoothing, Shape(surface, normals, operators))
-    return _last[2]
+        shapes[smoothing] = Shape(surface, normals, shape_operators(surface, normals, smoothing))
+    return shapes[smoothing]
