@@ -40,9 +40,10 @@ def ball(at: ArrayLike, radii: ArrayLike, turn: Floats | None = None) -> Ellipso
     return Ellipsoid(np.array(at, float), np.broadcast_to(np.array(radii, float), 3).copy(), _turn(turn))
 
 
-def block(at: ArrayLike, half: Sequence[float], rounding: float, turn: Floats | None = None) -> Box:
+def block(at: ArrayLike, half: ArrayLike, rounding: float, turn: Floats | None = None) -> Box:
     """Return a box with rounded edges; ``half`` its lengths halved."""
-    return Box(np.array(at, float), np.array(half, float), min(rounding, *half), _turn(turn))
+    sides = np.array(half, float)
+    return Box(np.array(at, float), sides, min(rounding, float(sides.min())), _turn(turn))
 
 
 def ring(at: ArrayLike, major: float, minor: float, turn: Floats | None = None) -> Ring:
@@ -51,7 +52,7 @@ def ring(at: ArrayLike, major: float, minor: float, turn: Floats | None = None) 
 
 
 def tube(
-    points: ArrayLike,
+    points: ArrayLike | Sequence[ArrayLike],
     radii: ArrayLike,
     widths: ArrayLike | None = None,
     side: ArrayLike = SIDE,

@@ -39,7 +39,7 @@ def grasshopper(pose: str, rng: Rng) -> list[Part]:
             blend=0.012,
         ),
         eyes([0.355, 0.085, 0.065], [0.04, 0.05, 0.03]),
-        feelers([0.40, 0.11, 0.03], [[0.5 * long, 0.35 * long, 0.12], [long, 0.42 * long, 0.22]], 0.016),
+        feelers([0.345, 0.10, 0.03], [[0.5 * long, 0.35 * long, 0.12], [long, 0.42 * long, 0.22]], 0.016),
         fuse(*both(hind, shin), blend=0.01),
     ]
     rows = ((0.22, 0.06, 40, 0.26), (0.08, 0.07, 95, 0.26))
