@@ -1,17 +1,20 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from mesh_shapes import ellipsoid
+from mesh_shapes import as_mesh, ellipsoid
 from numpy.typing import NDArray
 from scenes import ink, plane, sphere, view
 
 from normalgan.errors import InputError
-from normalgan.rendering.lines import Brush, Silhouette
+from normalgan.rendering.lines import LINE_DRAWINGS, Brush, LineDrawing, Mixture, Silhouette
 from normalgan.rendering.lines.silhouette import borders
 from normalgan.rendering.lines.thinning import thin
 from normalgan.rendering.renderers import EmbreeRenderer
+from normalgan.rendering.samples import Recipe
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.rendering.views import framed, look_at_origin
+from normalgan.rendering.views import Views, framed, look_at_origin
 
 Doubles = NDArray[np.float64]
 RNG = np.random.default_rng(0)
@@ -116,3 +119,15 @@ def test_an_empty_picture_and_a_single_pixel_have_no_lines() -> None:
 def test_a_pen_without_width_is_refused(style: type[Silhouette | Brush]) -> None:
     with pytest.raises(InputError, match=r"line_width of \w+ is 0; it must be greater than 0"):
         style(line_width=0)
+
+
+@pytest.mark.parametrize("kind", list(LINE_DRAWINGS), ids=lambda kind: kind.__name__)
+def test_a_sheet_seen_edge_on_is_refused_by_name(kind: type[LineDrawing]) -> None:
+    lines = Mixture([Silhouette()]) if kind is Mixture else kind()
+    corners = np.array([[-1.0, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
+    sheet = as_mesh("sheet of paper", corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    edge_on = Views(azimuth=(30, 30), elevation=(0, 0), roll=(5, 5), perspective=0)
+    with pytest.raises(InputError, match=f"{kind.__name__} gets no lines from sheet of paper, view 3; seen"):
+        Recipe(edge_on, EmbreeRenderer(), lines, size=32).render(sheet, 3)
+    from_above = Recipe(replace(edge_on, elevation=(40, 40)), EmbreeRenderer(), lines, size=32)
+    assert from_above.render(sheet, 3).sketch.max() > 100

@@ -70,9 +70,18 @@ class Recipe:
             raise InputError(f"size is {self.size}; it is the side of the pictures in pixels, at least 1.")
 
     def render(self, mesh: Mesh, index: int) -> Sample:
-        """Return view number ``index`` of ``mesh``; it depends on no other view."""
+        """Return view number ``index`` of ``mesh``; it depends on no other view.
+
+        Raises:
+            InputError: if the style gets no lines from it: a blank sheet is no drawing of anything.
+        """
         view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
         maps, strokes = view.maps(), self.lines.trace(view, self._rng(mesh, index, "lines"))
+        if not strokes:
+            raise InputError(
+                f"{type(self.lines).__name__} gets no lines from {mesh.name}, view {index}; seen so, it is "
+                f"thinner than a pixel of {self.size}, or no line is as long as the style asks for."
+            )
         if self.hand is not None:
             strokes, maps = self.hand.draw(strokes, maps, self._rng(mesh, index, "hand"))
         ink = rasterise(strokes, self.size)
