@@ -12,7 +12,7 @@ from normalgan.errors import InputError
 from normalgan.rendering.families import family
 from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.mesh_files import MeshFile
-from normalgan.rendering.repair import shade
+from normalgan.rendering.repair import shade, weld
 from normalgan.rendering.variation import Variation, Varied, vary
 from normalgan.rendering.variation.frame import find_frame
 
@@ -51,7 +51,7 @@ def check_whole(one: Mesh, origin: Mesh) -> None:
 
 
 @settings(max_examples=8, deadline=None)
-@given(st.integers(0, 10_000), st.floats(0, 4))
+@given(st.integers(0, 10_000), st.floats(0, 3.5))
 def test_individuals_are_never_inside_out(seed: int, strength: float) -> None:
     wild = replace(Variation().times(strength), asymmetry=0.9)
     one = individual(blob(), wild, seed)
@@ -67,6 +67,16 @@ def test_too_much_strength_is_halved_until_the_surface_holds() -> None:
         with_less = individual(blob(), torn.times(amount), 3)
         np.testing.assert_array_equal(one.vertices, with_less.vertices)
     assert np.abs(one.vertices - individual(blob(), torn.times(0.02), 3).vertices).max() > 0.02
+
+
+def test_what_is_flat_can_vary_too() -> None:
+    box = trimesh.creation.box(extents=(1, 1, 1)).subdivide().subdivide()
+    flat = as_mesh("flat", *weld(box.vertices * [1, 1, 0], box.faces))  # one square: weld drops the rest
+    flat = replace(flat, vertices=flat.vertices / np.linalg.norm(flat.vertices, axis=1).max())
+    for seed in range(3):
+        one = individual(flat, replace(Variation(), lattice=0.2), seed)
+        assert np.isfinite(one.vertices).all()
+        assert np.isfinite(one.normals).all()
 
 
 def test_normals_follow_exactly_where_the_surface_is_known() -> None:
