@@ -24,6 +24,7 @@ from normalgan.rendering.hand import Hand
 TRAINED: dict[str, Hand | None] = {"exact": None, "hand": Hand()}
 TESTED: dict[str, Hand | None] = {"exact": None, "hand": Hand(strength=(1.0, 1.0))}
 METRIC = "angular_mean"
+_NO_HINTS = "test/no_hints/"
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def run(settings: Settings, trained_on: str, seed: int, cache: str) -> dict[str,
     for name, hand in TESTED.items():
         (found,) = Trainer(**quiet).test(network, datamodule=data(settings, hand, 1, cache), verbose=False)
         tested[name] = {
-            key.removeprefix("test/"): value for key, value in found.items() if key.startswith("test/")
+            key.removeprefix(_NO_HINTS): value for key, value in found.items() if key.startswith(_NO_HINTS)
         }
     return {
         "seed": seed,
