@@ -3,7 +3,6 @@
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from skimage.morphology import skeletonize
 
 from normalgan.rendering.lines.marks import Mark
 from normalgan.rendering.strokes.chain import Indices, chain
@@ -42,6 +41,8 @@ def thin(inked: Mark) -> list[tuple[Doubles, Doubles]]:
     >>> points[5:8].tolist(), width[5:8].tolist()
     ([[11.5, 4.5], [10.5, 4.5], [9.5, 4.5]], [3.0, 3.0, 3.0])
     """
+    from skimage.morphology import skeletonize  # takes half a second: only for who draws with a brush
+
     skeleton: Mark = skeletonize(inked)  # type: ignore[no-untyped-call]
     rows, columns = np.nonzero(skeleton)
     if not len(rows):
