@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from glob import glob
 from itertools import pairwise
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,7 +144,9 @@ def _buffers(path: Path) -> list[Path]:
         names = [buffer.get("uri", "") for buffer in json.loads(_bytes(path))["buffers"]]
     except (ValueError, LookupError, AttributeError, TypeError):
         return []  # broken: `load` says how
-    return [path.parent / name for name in names if name and not name.startswith("data:")]
+    linked = [path.parent / name for name in names if name and not name.startswith("data:")]
+    # A URI writes a space as %20; some exporters do not.
+    return [file if file.exists() else file.parent / unquote(file.name) for file in linked]
 
 
 def _bytes(path: Path) -> bytes:

@@ -166,6 +166,9 @@ def test_a_buffer_that_is_not_there_or_elsewhere(tmp_path: Path, uri: str | None
     tree["buffers"][0]["uri"] = "a%20b.bin"
     path.write_text(json.dumps(tree))
     assert len(read_rig(path).pieces) == 1
+    before = RiggedFile(MeshFile(str(path)), 0).fingerprint()
+    (tmp_path / "in" / "a b.bin").write_bytes(gltf.data + b"more")
+    assert RiggedFile(MeshFile(str(path)), 0).fingerprint() != before
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
