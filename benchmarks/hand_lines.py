@@ -103,7 +103,7 @@ def main() -> None:
     one.set_defaults(run=stats)
     two = commands.add_parser("train", help="train on exact and on the hand's lines, test on both")
     two.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
-    two.add_argument("--epochs", type=int, default=12)
+    two.add_argument("--epochs", type=int, default=10)
     two.add_argument("--animals", type=int, default=30)
     two.add_argument("--train_views", type=int, default=40)
     two.add_argument("--test_views", type=int, default=20)
