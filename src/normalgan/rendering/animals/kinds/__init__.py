@@ -5,19 +5,25 @@ from types import MappingProxyType
 
 from normalgan.rendering.animals.kinds.bipeds import BIPEDS
 from normalgan.rendering.animals.kinds.birds import BIRDS
+from normalgan.rendering.animals.kinds.blobs import BLOBS
 from normalgan.rendering.animals.kinds.dinosaurs import DINOSAURS
 from normalgan.rendering.animals.kinds.fish import FISH
 from normalgan.rendering.animals.kinds.insects import INSECTS
+from normalgan.rendering.animals.kinds.plush import PLUSH
 from normalgan.rendering.animals.kinds.quadrupeds import QUADRUPEDS
+from normalgan.rendering.animals.kinds.reptiles import REPTILES
 from normalgan.rendering.animals.plan import BodyPlan
 
 _TABLES: Mapping[str, Mapping[str, BodyPlan]] = {
     "quadrupeds": QUADRUPEDS,
     "birds": BIRDS,
     "fish": FISH,
+    "reptiles": REPTILES,
     "dinosaurs": DINOSAURS,
     "bipeds": BIPEDS,
     "insects": INSECTS,
+    "plush": PLUSH,
+    "blobs": BLOBS,
 }
 
 GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType({name: tuple(t) for name, t in _TABLES.items()})
