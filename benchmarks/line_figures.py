@@ -61,8 +61,10 @@ def measure(ink: NDArray[np.floating]) -> Figures:
     part = cv2.resize(window, None, fx=_FINER, fy=_FINER, interpolation=cv2.INTER_CUBIC) > _INK
     height, width = (side - 4 * _FINER for side in part.shape)
     unit = max(height, width)
-    distance = cv2.distanceTransform(part.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    bones = without_spurs(skeletonize(part), distance)
+    distance = cv2.distanceTransform(part.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE).astype(
+        np.float32
+    )
+    bones = without_spurs(thinned(part), distance)
     widths = 2 * distance[bones]
     low, median, high = np.percentile(widths, [25, 50, 75])
     paths = [path for path in chains(bones) if len(path) >= _SHORTEST]
@@ -116,6 +118,12 @@ def _walk(pixels: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.array(path)
 
 
+def thinned(ink: Marks) -> Marks:
+    """Return the middle of the lines, a pixel wide."""
+    bones: Marks = skeletonize(ink)  # type: ignore[no-untyped-call]
+    return bones
+
+
 def without_spurs(bones: Marks, distance: NDArray[np.float32]) -> Marks:
     """Return a skeleton without the whiskers that thinning leaves on thick or rough lines.
 
@@ -128,7 +136,7 @@ def without_spurs(bones: Marks, distance: NDArray[np.float32]) -> Marks:
         at_end, at_junction = _ends(bones)[rows, columns].any(), junctions[rows, columns].any()
         if at_end and at_junction and len(path) < 2 * distance[rows, columns].max() + 1:
             kept[rows, columns] = False
-    return skeletonize(kept)
+    return thinned(kept)
 
 
 def bone_length(bones: Marks) -> float:
