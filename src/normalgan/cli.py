@@ -35,9 +35,16 @@ SECTIONS = ("trainer", "model", "data", "checkpoint", "pictures", "report", "out
 class RenderingTrainer(Trainer):
     """How and where to train: Lightning's Trainer."""
 
-    def render(self, model: NormalGAN, datamodule: MeshDataModule) -> None:
-        """Render the samples of every split to disk, and stop there."""
-        datamodule.prepare_data()
+    def render(self, model: NormalGAN, datamodule: MeshDataModule, cluster: str | None = None) -> None:
+        """Render the samples of every split to disk, and stop there.
+
+        Args:
+            model: not used.
+            datamodule: which samples.
+            cluster: a Dask cluster to render on instead of this machine: tcp://host:port, a scheduler file
+                (.json), local:N, or a YAML file with class_path and init_args of a cluster class.
+        """
+        datamodule.render(cluster)
 
 
 class SaveConfig(SaveConfigCallback):

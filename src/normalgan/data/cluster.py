@@ -6,15 +6,13 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import ExitStack
 from itertools import count
-from pathlib import Path
 from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from normalgan.data.cluster_address import connect
-from normalgan.data.cluster_worker import Unfit, flaws, pack, perform
+from normalgan.data.cluster_worker import Unfit, flaws, order
 from normalgan.data.pool import Killed, no_kin
-from normalgan.data.versions import versions
 from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
@@ -92,8 +90,7 @@ class Cluster:
                         yield task, Killed()
                         continue
                     key = f"normalgan-{function.__name__}-{id(under_way)}-{next(number)}"
-                    arguments = pack(function, task), versions(), str(Path.cwd())
-                    future = self._client.submit(perform, *arguments, key=key, pure=False)
+                    future = self._client.submit(eval, *order(function, task), key=key, pure=False)
                     under_way[key] = future, task
                     future.add_done_callback(ended.put)
                 future = _next(ended)

@@ -10,8 +10,9 @@ from typing import Any
 
 import yaml
 
+from normalgan.data.remote import reason
 from normalgan.data.workers import one_thread_each
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError
 
 TIMEOUT = 10.0
 """Seconds in which a scheduler must answer."""
@@ -19,6 +20,12 @@ TIMEOUT = 10.0
 _FORMS = "tcp://host:port, a scheduler file (.json), local:N or a YAML file that names a cluster class"
 _KEYS = {"class_path", "init_args", "scale", "adapt", "patience"}
 _PATIENCE = 60.0
+_LOCAL = {
+    # A mesh that kills is tried again alone, so a second death is enough here, instead of a fourth.
+    "distributed.scheduler.allowed-failures": 1,
+    # LocalCluster gives a worker up for good that is not back in time; on a busy machine 15 s are too few.
+    "distributed.deploy.lost-worker-timeout": "10 minutes",
+}
 
 
 def connect(where: str, stack: ExitStack) -> tuple[Any, float]:
@@ -45,18 +52,16 @@ def connect(where: str, stack: ExitStack) -> tuple[Any, float]:
     if found := re.fullmatch(r"local:(\d+)", where):
         if int(found[1]) < 1:
             raise InputError(f"the cluster {where} has no worker; local:2 has two.")
-        # A mesh that kills is tried again alone, so a second death is enough here, instead of a fourth.
-        with one_thread_each(), dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+        stack.enter_context(dask.config.set(_LOCAL))
+        with one_thread_each():
             made: Any = LocalCluster(  # type: ignore[no-untyped-call]
-                n_workers=int(found[1]), threads_per_worker=1, processes=True, dashboard_address=None
+                n_workers=int(found[1]), threads_per_worker=1, processes=True, dashboard_address=":0"
             )
         address = stack.enter_context(made)
     elif where.endswith((".yaml", ".yml")):
         content = _read(Path(where))
-        address, patience = (
-            stack.enter_context(_make(where, content)),
-            float(content.get("patience", _PATIENCE)),
-        )
+        patience = float(content.get("patience", _PATIENCE))
+        address = _make(where, content, stack)
     elif where.endswith(".json"):
         if not Path(where).is_file():
             raise InputError(
@@ -73,7 +78,7 @@ def _client(client: Callable[..., Any], address: Any, where: str, settings: dict
         return client(address, timeout=TIMEOUT, set_as_default=False, **settings)
     except (OSError, ValueError) as error:  # no answer; no such protocol, no scheduler file
         raise InputError(
-            f"no scheduler answers at {where} within {TIMEOUT:.0f} seconds ({brief(error)}); is it running, "
+            f"no scheduler answers at {where} within {TIMEOUT:.0f} seconds ({reason(error)}); is it running, "
             "and is the address right?"
         ) from error
 
@@ -96,7 +101,7 @@ def _read(file: Path) -> dict[str, Any]:
     try:
         content = yaml.safe_load(file.read_text(encoding="utf-8"))
     except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"the cluster file {file} cannot be read: {brief(error)}.") from error
+        raise InputError(f"the cluster file {file} cannot be read: {reason(error)}.") from error
     if not isinstance(content, dict) or "class_path" not in content or set(content) - _KEYS:
         raise InputError(
             f"the cluster file {file} must hold class_path and may hold init_args, scale, adapt and "
@@ -105,22 +110,22 @@ def _read(file: Path) -> dict[str, Any]:
     return content
 
 
-def _make(file: str, content: dict[str, Any]) -> Any:
-    """Return the cluster that a YAML file describes."""
+def _make(file: str, content: dict[str, Any], stack: ExitStack) -> Any:
+    """Return the cluster that a YAML file describes; ``stack`` ends it."""
     module, _, name = str(content["class_path"]).rpartition(".")
     try:
         kind = getattr(importlib.import_module(module), name)
     except (ImportError, AttributeError, ValueError) as error:
         raise InputError(
-            f"{content['class_path']} in the cluster file {file} cannot be imported: {brief(error)}."
+            f"{content['class_path']} in the cluster file {file} cannot be imported: {reason(error)}."
         ) from error
     try:
-        cluster = kind(**(content.get("init_args") or {}))
+        cluster = stack.enter_context(kind(**(content.get("init_args") or {})))
         for method in ("scale", "adapt"):
             if method in content:
                 getattr(cluster, method)(**content[method])
     except Exception as error:  # whatever a queue or a cloud answers
         raise InputError(
-            f"{content['class_path']} in the cluster file {file} cannot be started: {brief(error)}."
+            f"{content['class_path']} in the cluster file {file} cannot be started: {reason(error)}."
         ) from error
     return cluster

@@ -10,6 +10,7 @@ from typing import Any
 from normalgan.data.versions import difference, versions
 from normalgan.errors import InputError, brief
 
+_DO = "__import__('normalgan.data.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
 _ASK = "__import__('normalgan.data.versions', fromlist=['versions']).versions()"
 
 
@@ -24,16 +25,21 @@ class Unfit:
     worker: str
 
 
-def pack(function: Callable[[Any], Any], task: object) -> bytes:
-    """Return work to be handed to `perform`; unpacked only where the versions are right."""
-    return pickle.dumps((function, task), protocol=5)
+def order(function: Callable[[Any], Any], task: object) -> tuple[str, dict[str, Any]]:
+    """Return the arguments with which `eval` calls `perform` in a worker.
+
+    Nothing of normalgan is unpacked before the versions are seen to be right; and a worker that has none
+    of it must fail at the task: if it failed while unpacking what to call, Dask would take it for dead.
+    """
+    work = pickle.dumps((function, task), protocol=5)
+    return _DO, {"work": work, "ours": versions(), "folder": str(Path.cwd())}
 
 
 def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
     """Do a task in a worker and return what comes of it.
 
     Args:
-        work: what `pack` returned.
+        work: function and task, pickled.
         ours: the versions where the work is handed out.
         folder: the working directory there; relative paths refer to it, if there is such a folder here.
 

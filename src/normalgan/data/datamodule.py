@@ -34,11 +34,23 @@ class MeshDataModule(DataSettings):
 
     def prepare_data(self) -> None:
         """Render what is to be kept and is not in the cache yet; go on where it was interrupted."""
-        if self.trainer is not None and self.trainer.predicting:
-            return
+        if self.trainer is None or not self.trainer.predicting:
+            self.render(thorough=False)
+
+    def render(self, cluster: str | None = None, thorough: bool = True) -> None:
+        """Render as `prepare_data` does.
+
+        Args:
+            cluster: a Dask cluster to render on instead of this machine.
+            thorough: whether to check every byte in a distant store too, and to try failed meshes once more.
+        """
         views_by_split(self.views_per_mesh, self.sources)  # refuses now what training would stumble over
         if any(self.kept.values()):
-            render_samples(self.cache, self.kept, self.views_per_mesh, self.recipe, self.render_workers)
+            render_samples(
+                *(self.cache, self.kept, self.views_per_mesh, self.recipe, self.render_workers),
+                cluster=cluster,
+                thorough=thorough,
+            )
         if self.on_the_fly:
             reasons = find_unusable(self.cache, self.sources["train"], self.render_workers)
             for name, reason in reasons.items():
@@ -77,7 +89,7 @@ class MeshDataModule(DataSettings):
         return self._open("test")
 
     def _open(self, split: str) -> SampleDataset:
-        stores = open_samples(self.cache, self.kept, self.views_per_mesh, self.recipe)
+        stores = open_samples(self.cache, self.kept, self.views_per_mesh, self.recipe, self.nearby)
         return SampleDataset(stores[split], self.memory)
 
     # --- from samples to batches ----------------------------------------------------------------------

@@ -63,7 +63,7 @@ class LocalCache:
             InputError: if the folder cannot be written to, or a bucket has no room for such an object.
         """
         path = self._path(key)
-        with suppress(FileNotFoundError), path.open("rb") as file:
+        with suppress(FileNotFoundError, NotADirectoryError), path.open("rb") as file:
             status = os.fstat(file.fileno())
             if time.time() - status.st_mtime > _FRESH:
                 with suppress(

@@ -41,9 +41,11 @@ def reason(error: BaseException) -> str:
     >>> reason(OSError(28, "No space left on device"))
     'No space left on device'
     >>> reason(PermissionError("The access key is unknown."))
-    'The access key is unknown'
+    'The access key is unknown (are the credentials right?)'
     """
-    return ((error.strerror if isinstance(error, OSError) else None) or brief(error)).rstrip(".")
+    text = ((error.strerror if isinstance(error, OSError) else None) or brief(error)).rstrip(".")
+    distant = isinstance(error, PermissionError) and not isinstance(error.errno, int)
+    return f"{text} (are the credentials right?)" if distant else text
 
 
 def no_bucket(error: BaseException) -> bool:

@@ -5,6 +5,7 @@ from functools import cached_property
 from lightning.pytorch import LightningDataModule
 
 from normalgan.data.augmentation import Augmentation
+from normalgan.data.local_cache import LocalCache
 from normalgan.data.sources import find_sources, join_variants, pose, split_sources
 from normalgan.errors import InputError
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
@@ -44,6 +45,9 @@ class DataSettings(LightningDataModule):
         on_the_fly: render training samples while training, in ``workers``, other views every epoch, and
             keep none; if not, they are rendered once and kept, as those to validate and test always are.
         cache: folder or URL where rendered samples are kept.
+        local_cache: folder on this machine for shards of a cache behind a URL, so that each is fetched once;
+            None fetches what is wanted each time. A cache on this machine needs none.
+        local_cache_size: bytes that may be used there.
         render_workers: processes that render what is kept, side by side; 0 renders in this one.
         batch_size: samples a batch.
         workers: processes that load samples, or render them on the fly; 0 does it in this one: enough for
@@ -80,6 +84,8 @@ class DataSettings(LightningDataModule):
         test_views: int = 20,
         on_the_fly: bool = False,
         cache: str = "cache",
+        local_cache: str | None = None,
+        local_cache_size: int = 20 * 10**9,
         render_workers: int = 2,
         batch_size: int = 8,
         workers: int = 0,
@@ -112,6 +118,7 @@ class DataSettings(LightningDataModule):
         self.views_per_mesh = {"train": train_views, "val": val_views, "test": test_views}
         self.on_the_fly = on_the_fly
         self.cache = cache
+        self.nearby = LocalCache(local_cache, local_cache_size) if local_cache else None
         self.render_workers = render_workers
         self.batch_size = batch_size
         self.workers = workers

@@ -1,0 +1,177 @@
+import os
+import signal
+import threading
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from dask_processes import SOURCES, VIEWS, Cast, cast, finished, render, wait_for
+from toys import Octahedron, contents, recipe
+
+from normalgan.data.cluster import Cluster
+from normalgan.data.layout import Layout
+from normalgan.data.render import render_samples
+from normalgan.data.shards import ShardedSamples
+from normalgan.data.tasks import MeshTask, ShardTask, render_shard
+from normalgan.data.workers import Workers
+from normalgan.errors import InputError, RunError
+
+
+@pytest.fixture(scope="module", name="pair")
+def make_pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cast]:
+    """A scheduler and two workers that live as long as the tests of this file."""
+    with cast(tmp_path_factory.mktemp("pair")) as made:
+        made.start_worker()
+        made.start_worker()
+        yield made
+
+
+def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: Cast) -> None:
+    alone = render(tmp_path / "0")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        together = render(tmp_path / "1", pair.address)
+    assert alone.name == together.name
+    assert contents(alone) == contents(together)
+    assert finished(tmp_path / "1") == 4
+
+
+def test_damage_is_found_side_by_side_and_mended(tmp_path: Path, pair: Cast) -> None:
+    folder = render(tmp_path)
+    whole = contents(folder)
+    path = folder / "samples.zarr" / "train" / "sketch" / "c" / "1" / "0" / "0"
+    content = bytearray(path.read_bytes())
+    content[7] ^= 1
+    path.write_bytes(content)
+    with pytest.warns(UserWarning, match=r"damaged, and rendered again: shard 1 of train in "):
+        render(tmp_path, pair.address)
+    assert contents(folder) == whole
+
+
+def test_relative_paths_refer_to_where_the_command_was_given(
+    tmp_path: Path, pair: Cast, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert finished(render(Path("cache"), pair.address).parent) == 4
+    assert (tmp_path / "cache").is_dir()
+
+
+def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: Path) -> None:
+    slow: dict[str, Any] = {"seconds": 0.04}
+    with cast(tmp_path / "dask") as troupe:
+        doomed = troupe.start_worker()
+        died_at = []
+
+        def meddle() -> None:
+            wait_for(lambda: finished(tmp_path / "cache") > 0)
+            troupe.start_worker()
+            os.kill(doomed.pid, signal.SIGKILL)
+            died_at.append(finished(tmp_path / "cache"))
+
+        thread = threading.Thread(target=meddle)
+        thread.start()
+        folder = render(tmp_path / "cache", troupe.address, **slow)
+        thread.join()
+    assert doomed.wait() == -signal.SIGKILL
+    assert 0 < died_at[0] < 4
+    assert contents(folder) == contents(render(tmp_path / "alone", **slow))
+
+
+def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
+    preload = tmp_path / "other.py"
+    preload.write_text("import normalgan.rendering.samples as s\ns.RENDERING_VERSION = -7\n")
+    with cast(tmp_path / "dask") as troupe:
+        other = troupe.start_worker("--preload", str(preload))
+        with pytest.raises(
+            InputError,
+            match=r"^the worker tcp://\S+ of .* is not fit for this: it has the rendering -7, not \d+\.$",
+        ):
+            render(tmp_path / "cache", troupe.address)
+        assert not (tmp_path / "cache").exists()
+        other.kill()
+        troupe.start_worker()
+
+        def meddle() -> None:
+            wait_for(lambda: finished(tmp_path / "cache") > 0)
+            troupe.start_worker("--preload", str(preload))
+
+        thread = threading.Thread(target=meddle)
+        thread.start()
+        with pytest.warns(
+            UserWarning, match=r"tcp://\S+ has joined but is not fit: it has the rendering -7, not "
+        ):
+            folder = render(tmp_path / "cache", troupe.address, seconds=0.12)
+        thread.join()
+    assert contents(folder) == contents(render(tmp_path / "alone", seconds=0.12))
+
+
+def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path) -> None:
+    blocker = tmp_path / "block.py"
+    blocker.write_text("import sys\nsys.modules['normalgan.data.versions'] = None\n")
+    with cast(tmp_path / "dask") as troupe:
+        bare = troupe.start_worker("--preload", str(blocker))
+        with pytest.raises(InputError, match="is not fit for this: it has no normalgan, or an older one"):
+            render(tmp_path / "cache", troupe.address)
+        bare.kill()
+        troupe.start_worker(threads=2)
+        with pytest.raises(InputError, match="it has 2 threads, not 1: a renderer belongs to one"):
+            render(tmp_path / "cache", troupe.address)
+
+
+def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: Path) -> None:
+    with cast(tmp_path / "dask") as troupe:
+        troupe.start_worker()
+
+        def meddle() -> None:
+            wait_for(lambda: finished(tmp_path / "cache") > 0)
+            troupe.processes[0].kill()
+
+        thread = threading.Thread(target=meddle)
+        thread.start()
+        with pytest.raises(RunError, match=r"^the scheduler at .* is gone; what is finished is kept"):
+            render(tmp_path / "cache", troupe.address, seconds=0.1)
+        thread.join()
+    assert 0 < finished(tmp_path / "cache") < 4
+
+
+def test_memory_is_not_shared_with_a_cluster() -> None:
+    with pytest.raises(InputError, match="memory://x cannot be seen by other processes"):
+        render_samples("memory://x", SOURCES, VIEWS, recipe(), progress=False, cluster="local:1")
+
+
+@dataclass(frozen=True)
+class Local(Octahedron):
+    """A mesh that is another one in every process, as a file may be on another machine."""
+
+    def fingerprint(self) -> str:
+        return f"{super().fingerprint()} {os.getpid()}"
+
+
+def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(tmp_path: Path, pair: Cast) -> None:
+    sources = {"train": [Local("a")]}
+    with pytest.raises(
+        InputError, match=r"^the mesh a is another one on \S+, or .* machine \(worker tcp://\S+\)\.$"
+    ):
+        render_samples(str(tmp_path), sources, 2, recipe(), progress=False, cluster=pair.address)
+    assert finished(tmp_path) == 0
+
+
+def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
+    shard = Layout(("a",), 2, 16).shard("train", 0)
+    source = Octahedron("a")
+    task = ShardTask(str(tmp_path), shard, recipe(), {"a": MeshTask(source, source.fingerprint())})
+    with pytest.raises(
+        InputError, match=rf"does not see {tmp_path}; the cache must be a folder that all machines"
+    ):
+        render_shard(task)
+    ShardedSamples(str(tmp_path), "train", Layout(("a",), 2, 16)).create()
+    assert render_shard(task) == {}
+
+
+def test_workers_and_clusters_are_asked_alike(pair: Cast) -> None:
+    with Workers(0) as alone, Cluster(pair.address) as many:
+        for pool in (alone, many):
+            assert sorted(pool.run(abs, [-1, 2, -3])) == [(-3, 3), (-1, 1), (2, 2)]

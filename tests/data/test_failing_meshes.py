@@ -1,0 +1,78 @@
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from dask_processes import HERE, SOURCES, VIEWS, MoodyRenderer, finished, render
+from toys import contents, recipe
+
+from normalgan.data.render import open_samples, render_samples
+from normalgan.errors import InputError
+
+MOODY = replace(recipe(), renderer=MoodyRenderer(fails_at="b"))
+
+
+@pytest.mark.parametrize("where", ["here", "pool", "cluster"])
+def test_a_mesh_that_fails_only_when_rendered_fails_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(HERE), prepend=os.pathsep)
+    mended = tmp_path / "mended"
+    moody = replace(MOODY, renderer=MoodyRenderer(fails_at="b", mended=str(mended)))
+    ways: dict[str, dict[str, Any]] = {"here": {}, "pool": {"workers": 1}, "cluster": {"cluster": "local:1"}}
+    cache = str(tmp_path / "cache")
+    for _ in range(2):  # rendered, then found
+        with pytest.warns(UserWarning, match=r"^the mesh b is left out: ArithmeticError: b has no inside\.$"):
+            stores = render_samples(cache, SOURCES, VIEWS, moody, progress=False, **ways[where])
+    store = open_samples(cache, SOURCES, VIEWS, moody)["train"]
+    for train in (store, stores["train"]):
+        assert [train.name(i) for i in range(len(train))] == [f"{m}/{v}" for m in "acd" for v in range(VIEWS)]
+    assert [list(store.indices(shard)) for shard in range(3)] == [
+        [*range(18)],  # 18 of a, then b
+        [*range(18, 46)],  # four of b, 18 of c, ten of d
+        [*range(46, 54)],
+    ]
+    for shard in range(3):
+        stacked = store.read_shard(shard)
+        assert len(stacked["mask"]) == len(store.indices(shard))
+        for index, sketch in zip(store.indices(shard), stacked["sketch"], strict=True):
+            mesh, view = store.name(index).split("/")
+            source = {s.name: s for s in SOURCES["train"]}[mesh]
+            assert (sketch == moody.render(source.load(), int(view)).sketch).all()
+            assert (store.read(index).sketch == sketch).all()
+    if where != "here":
+        with pytest.warns(UserWarning, match="the mesh b is left out"):
+            render_samples(str(tmp_path / "alone"), SOURCES, VIEWS, moody, progress=False)
+        assert contents(tmp_path / "cache") == contents(tmp_path / "alone")
+    mended.touch()  # what was wrong with it is right now: only a thorough run tries it again
+    with pytest.warns(UserWarning, match="the mesh b is left out"):
+        render_samples(cache, SOURCES, VIEWS, moody, progress=False)
+    whole = render_samples(cache, SOURCES, VIEWS, moody, progress=False, thorough=True)["train"]
+    assert len(whole) == 72
+    assert whole.read(20).mask.any()
+    assert whole.failures() == {}
+
+
+def test_a_split_of_which_no_mesh_can_be_rendered_is_refused(tmp_path: Path) -> None:
+    moody = replace(MOODY, renderer=MoodyRenderer(fails_at="e"))
+    with pytest.raises(
+        InputError, match="none of the 1 meshes for test could be rendered; the first: e: Arith"
+    ):
+        render_samples(str(tmp_path), SOURCES, VIEWS, moody, progress=False)
+    assert finished(tmp_path) == 4
+
+
+@pytest.mark.slow  # every death costs the start of a process
+def test_a_mesh_that_kills_its_worker_again_and_again_fails_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(HERE), prepend=os.pathsep)
+    with pytest.warns(UserWarning, match="^the mesh b is left out: it kills the process that works on it"):
+        folder = render(tmp_path / "cache", "local:2", dies_at="b")
+    harmless = replace(recipe(dies_at="b"), renderer=MoodyRenderer(fails_at="b"))
+    with pytest.warns(UserWarning, match="the mesh b is left out"):
+        other = render(tmp_path / "other", made_by=harmless)
+    for name in ("train/normal/c/0/0/0/0", "train/normal/c/1/0/0/0", "test/sketch/c/0/0/0"):
+        assert (folder / "samples.zarr" / name).read_bytes() == (other / "samples.zarr" / name).read_bytes()
+    assert finished(tmp_path / "cache") == 4
