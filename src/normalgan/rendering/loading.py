@@ -79,12 +79,14 @@ def _placed(mesh: "Trimesh", matrix: NDArray[np.float64]) -> Triangles:
 @contextmanager
 def _silence() -> Iterator[None]:
     """Keep what trimesh and the parsers under it warn and log out of the user's sight."""
-    logger = logging.getLogger("trimesh")
-    level = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
+    loggers = [logging.getLogger(name) for name in ("trimesh", "charset_normalizer", "chardet")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             yield
     finally:
-        logger.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
