@@ -121,11 +121,13 @@ def seen_in(module: MeshDataModule, folder: Path, epochs: int = 1, checkpoint: P
     return seen
 
 
-def test_training_order_goes_on_when_resumed(meshes: Path, cache: Path, tmp_path: Path) -> None:
-    unbroken = seen_in(data(meshes, cache), tmp_path / "a", epochs=2)
-    seen_in(data(meshes, cache), tmp_path / "b", epochs=1)
+@pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")
+@pytest.mark.parametrize("workers", [0, 1])  # a worker is asked for samples before Lightning sets the epoch
+def test_training_order_goes_on_when_resumed(meshes: Path, cache: Path, tmp_path: Path, workers: int) -> None:
+    unbroken = seen_in(data(meshes, cache, workers=workers), tmp_path / "a", epochs=2)
+    seen_in(data(meshes, cache, workers=workers), tmp_path / "b", epochs=1)
     torch.manual_seed(99)
-    resumed = seen_in(data(meshes, cache), tmp_path / "b", 2, tmp_path / "b" / "last.ckpt")
+    resumed = seen_in(data(meshes, cache, workers=workers), tmp_path / "b", 2, tmp_path / "b" / "last.ckpt")
     listed = [[name for batch in seen.training for name in batch["name"]] for seen in (unbroken, resumed)]
     assert len(listed[0]) == 12
     assert listed[1] == listed[0][6:] != listed[0][:6]
