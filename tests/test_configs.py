@@ -21,7 +21,15 @@ Settings = dict[str, Any]
 
 ROOT = Path(__file__).parents[1]
 METHODS = ("paper", "sketch2normal", "pix2pix")
-OVERLAYS = ((), ("cpu",), ("gpu",), ("gpu", "ddp"), ("fourleg/meshes",), ("cpu", "fourleg/meshes"))
+OVERLAYS = (
+    (),
+    ("cpu",),
+    ("gpu",),
+    ("gpu", "ddp"),
+    ("gpu", "on_the_fly"),
+    ("fourleg/meshes",),
+    ("cpu", "fourleg/meshes"),
+)
 DIFFER = {
     "sketch2normal": {
         "trainer.default_root_dir",
