@@ -9,7 +9,7 @@ from normalgan.rendering.animals.kinds import SPECIES
 from normalgan.rendering.animals.meshing import to_mesh
 from normalgan.rendering.mesh import Mesh
 
-COARSE = 9_000  # faces of the quick tests
+COARSE = 6_000  # faces of the quick tests
 
 
 def coarse(species: str, seed: int, pose: str | None = None) -> Mesh:
@@ -28,14 +28,12 @@ def check_closed(mesh: Mesh) -> trimesh.Trimesh:
 
 
 def check_individuals(species: str) -> None:
-    """Check that two seeds are two closed bodies, and the same seed twice the same to the byte."""
-    first, again, other = coarse(species, 1), coarse(species, 1), coarse(species, 2)
+    """Check that two seeds in one pose are two closed bodies, and one seed twice the same to the byte."""
+    pose = SPECIES[species].poses[0]
+    first, again, other = (coarse(species, seed, pose) for seed in (1, 1, 2))
     assert first.vertices.tobytes() == again.vertices.tobytes()
     assert first.faces.tobytes() == again.faces.tobytes()
     one, two = check_closed(first), check_closed(other)
-    pose = SPECIES[species].poses[0]
-    posed = [check_closed(coarse(species, seed, pose)).volume for seed in (1, 2)]
-    assert abs(posed[0] - posed[1]) > 1e-4 * posed[0]
     assert abs(one.volume - two.volume) > 1e-4 * one.volume
 
 

@@ -48,7 +48,7 @@ def tree(pose: str, rng: Rng) -> list[Part]:
 def fir(pose: str, rng: Rng) -> list[Part]:
     """Return a fir: cones on a trunk, one over the other."""
     f = factors(rng, 0.2, "wide", "trunk", "gap")
-    count = int(rng.integers(2, 6))
+    count = int(rng.integers(3, 6))
     wide = 0.36 * f["wide"]
     parts = []
     step = 0.75 / count
@@ -56,7 +56,7 @@ def fir(pose: str, rng: Rng) -> list[Part]:
     for i in reversed(range(count)):
         low, big = 0.22 + i * step, wide * (1 - 0.75 * i / count)
         tip = min(low + 2.1 * step * f["gap"], 1.12)
-        skirt = tube([[0, tip, 0], [0, (tip + low) / 2, 0], [0, low, 0]], [0.02, 0.45 * big, big])
+        skirt = tube([[0, tip, 0], [0, low - 0.5 * big, 0]], [0.02, 1.25 * big])
         parts += [fuse(skirt, blend=0.015), level(low)]
     parts.append(fuse(tube([[0, 0.9, 0], [0, 0.0, 0]], 0.07 * f["trunk"], flat=True)))
     if rng.uniform() < 0.4:

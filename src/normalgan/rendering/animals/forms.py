@@ -72,6 +72,10 @@ def tube(
     thick = np.broadcast_to(np.array(radii, float), count)
     wide = thick if widths is None else np.broadcast_to(np.array(widths, float), count)
     sides = np.broadcast_to(np.array(side, float), (count, 3))
+    if flat and count == 2:  # only the last third of a sweep is cut: two points have none
+        ends = np.column_stack([curve, thick, wide, sides])
+        rows = np.linspace(ends[0], ends[1], 4)
+        curve, thick, wide, sides = rows[:, :3], rows[:, 3], rows[:, 4], rows[:, 5:]
     last = curve[-1] - curve[-2]
     cut = (curve[-1], last / np.linalg.norm(last)) if flat else None
     return Sweep(curve, thick, wide, sides, cut)

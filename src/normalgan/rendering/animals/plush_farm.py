@@ -4,7 +4,7 @@ import numpy as np
 
 from normalgan.rendering.animals.chain import yaw
 from normalgan.rendering.animals.field import Part
-from normalgan.rendering.animals.forms import ball, both, fuse, roll, tube
+from normalgan.rendering.animals.forms import ball, block, both, fuse, roll, tube
 from normalgan.rendering.animals.plan import Rng
 from normalgan.rendering.animals.plush import Toy, buttons, sewn, skull, smile
 
@@ -13,19 +13,16 @@ def pig(pose: str, rng: Rng) -> list[Part]:
     """Return a pig: a flat snout, folded ears, a curl."""
     wide = float(rng.uniform(0.38, 0.48))
     fold = float(rng.uniform(0.2, 0.5))
-    ear = tube(
-        [[0.02, 0.62, 0.56], [0.06, 0.98, 0.76], [0.2 + 0.5 * fold, 1.2 - 0.6 * fold, 0.86]],
-        [0.12, 0.10, 0.06],
-        [0.40, 0.34, 0.05],
-    )
+    tip = [0.2 + 0.35 * fold, 1.12 - 0.3 * fold, 0.84]
+    ear = tube([[0.02, 0.58, 0.56], tip], [0.15, 0.05], [0.42, 0.05])
+    disc = block([1.62, -0.12, 0], [0.4, 0.48, 0.5], 0.05)
     face = [
         *skull(0.3),
         fuse(
-            tube(
-                [[0.7, -0.12, 0], [1.22, -0.12, 0]], [0.9 * wide, 0.85 * wide], [1.1 * wide, wide], flat=True
-            ),
+            tube([[0.7, -0.12, 0], [1.22, -0.12, 0]], [0.9 * wide, 0.85 * wide], [1.1 * wide, wide]),
             blend=0.06,
         ),
+        fuse(disc, carve=True),  # flat in front; the arms of one that hugs are below
         fuse(*both(ball([1.24, -0.12, 0.42 * wide], [0.12, 0.3 * wide, 0.2 * wide])), blend=0.03, carve=True),
         smile(22, -38, 9, 1.0),
         buttons(34, 22, 0.09),
