@@ -1,4 +1,4 @@
-"""Compares drawings traced in maps of 512 pixels with those traced in 1024: benchmarks/tracing.py [ANIMALS]."""
+"""Compares drawings traced in maps of 512 pixels with those traced in 1024: tracing.py [ANIMALS]."""
 
 import dataclasses
 import sys
