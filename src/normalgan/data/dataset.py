@@ -33,6 +33,11 @@ class SampleDataset(Dataset[Item]):
         if len(store) * bytes_per_sample(store.layout.size) <= memory:
             self._held = _read_all(store)
 
+    @property
+    def distant(self) -> bool:
+        """Whether a sample that is asked for has to come from another machine."""
+        return self._held is None and not self.store.local
+
     def __len__(self) -> int:
         return len(self.store)
 

@@ -9,6 +9,7 @@ from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.items import Item, collate
+from normalgan.data.shard_order import ShardOrder
 from normalgan.data.shares import EqualShare
 from normalgan.data.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
 from normalgan.data.workers import one_thread_each
@@ -54,9 +55,11 @@ class Loaders:
             epoch: the one that training is in; later ones are set by Lightning. It sets this one too late
                 for workers, which begin as soon as there is an iterator.
         """
-        sampler: FreshViews | DistributedSampler[Item]
+        sampler: FreshViews | ShardOrder | DistributedSampler[Item]
         if isinstance(dataset, StreamDataset):
             sampler = FreshViews(dataset, seed, self.batch_size, self.replicas, self.rank)
+        elif dataset.distant:
+            sampler = ShardOrder(dataset.store, self.replicas, self.rank, seed)
         else:
             # Serves a single process too: its order does not come from global state, which a resumed run
             # does not have.

@@ -60,6 +60,11 @@ class ShardedSamples:
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_opened": None}  # open arrays belong to the process
 
+    @property
+    def local(self) -> bool:
+        """Whether the folder is on a disk of this machine."""
+        return self._storage.local
+
     @cached_property
     def _served(self) -> NDArray[np.int64]:
         return np.array(
