@@ -55,8 +55,8 @@ def sickles(rng: Rng, factor: float) -> list[Part]:
 def tufts(rng: Rng, _: float) -> list[Part]:
     """Return an owl's veil of feathers round the eyes, and the ears of some."""
     parts = [fuse(*both(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24)), blend=0.03),
-             fuse(*both(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.165)), blend=0.05, carve=True),
-             fuse(*both(tube([(0.41, 0.08, 0.19), (0.42, 0.08, 0.195)], 0.115)))]  # fmt: skip
+             fuse(*both(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18)), blend=0.05, carve=True),
+             fuse(*both(tube([(0.30, 0.08, 0.18), (0.31, 0.08, 0.185)], 0.155)))]  # fmt: skip
     if rng.uniform() < 0.6:
         ears = tube(
             [(0.16, 0.34, 0.22), (0.10, 0.52, 0.33), (0.02, 0.72, 0.42)],

@@ -109,7 +109,7 @@ def _scutes(radii: Floats, rim: float, bumpy: float) -> list[Sweep]:
 
 
 def _bulge(radii: Floats, rim: float, x: float, z: float, bumpy: float) -> Sweep:
-    inner, outer = _on(radii, rim, x, z, -0.10), _on(radii, rim, x, z, bumpy - 0.12)
+    inner, outer = _on(radii, rim, x, z, -0.10), _on(radii, rim, x, z, bumpy - 0.14)
     return tube([inner, outer], [0.14, 0.07])
 
 
