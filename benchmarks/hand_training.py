@@ -20,6 +20,7 @@ from normalgan.hints import NoHints
 from normalgan.models import UNetDiscriminator, UNetGenerator
 from normalgan.objectives import Wasserstein
 from normalgan.rendering.hand import Hand
+from normalgan.rendering.lines import SuggestiveContours
 
 TRAINED: dict[str, Hand | None] = {"exact": None, "hand": Hand()}
 TESTED: dict[str, Hand | None] = {"exact": None, "hand": Hand(strength=(1.0, 1.0))}
@@ -57,6 +58,7 @@ def data(settings: Settings, hand: Hand | None, train_views: int, cache: str) ->
         val_views=1,
         test_views=settings.test_views,
         hand=hand,
+        lines=SuggestiveContours(resolution=256),  # as configs/quickstart.yaml has it
         cache=cache,
         batch_size=settings.batch_size,
         # Whole samples are moved about, lines are not roughened: that is what the hand is compared with.

@@ -103,8 +103,8 @@ def complete() -> set[str]:
 
 def test_every_file_is_known_here() -> None:
     files = {str(p.relative_to(ROOT / "configs").with_suffix("")) for p in (ROOT / "configs").rglob("*.yaml")}
-    assert files == {"quickstart", "lines_varied", *METHODS, *itertools.chain(*OVERLAYS)}
-    assert complete() == {"quickstart", *METHODS}
+    assert files == {"quickstart", "ours", "lines_varied", *METHODS, *itertools.chain(*OVERLAYS)}
+    assert complete() == {"quickstart", "ours", *METHODS}
 
 
 @pytest.mark.parametrize("method", METHODS)

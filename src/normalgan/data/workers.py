@@ -22,6 +22,7 @@ R = TypeVar("R")
 # counts the threads it starts besides its caller's.
 _ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
+    "OPENCV_FOR_THREADS_NUM": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
     "NUMEXPR_NUM_THREADS": "1",
