@@ -7,6 +7,7 @@ from command import Bench
 from fixtures_of_commands import make_bench  # noqa: F401
 
 from normalgan.data import cluster_address
+from s3_server import fresh_bucket, s3_server
 
 
 def test_render_takes_a_cluster(bench: Bench, tmp_path: Path) -> None:
@@ -31,3 +32,18 @@ def test_a_cluster_that_cannot_be_had_is_one_sentence(
         "no scheduler answers at tcp://127"
     )
     bench.run("render", tmp_path, "--cluster", "nowhere").refused("'nowhere' names no cluster; give tcp://")
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # see test_s3.py
+def test_training_streams_from_s3_with_a_cache_nearby(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with s3_server() as endpoint:
+        bucket = fresh_bucket(endpoint, monkeypatch)
+        settings = ("--data.cache", bucket, "--data.memory", 0, "--data.local_cache", tmp_path / "nearby")
+        trained = bench.run("fit", tmp_path / "run", *settings, "--trainer.max_epochs", 1)
+        assert trained.code == 0, trained.err
+        kept = [path for path in (tmp_path / "nearby").rglob("*") if path.is_file() and path.stat().st_size]
+        assert len(kept) == 2 * 3  # the shard to train on and that to validate, three objects each
+        small = bench.run("fit", tmp_path / "small", *settings, "--data.local_cache_size", 0)
+        small.refused("the local cache's size is 0; it must be 1 byte or more.")

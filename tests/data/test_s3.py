@@ -1,14 +1,11 @@
-import logging
 import time
 import urllib.request
-import uuid
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
 import fsspec  # type: ignore[import-untyped]
 import pytest
-from moto.server import ThreadedMotoServer
 from torch.utils.data import DataLoader
 from toys import Octahedron, assert_same, contents, recipe
 
@@ -19,6 +16,7 @@ from normalgan.data.remote import options
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.storage import Storage
 from normalgan.errors import InputError
+from s3_server import forget, fresh_bucket, s3_server
 
 # Tests that change the credentials drop file systems, whose connections close when the garbage is collected.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
@@ -30,31 +28,14 @@ VIEWS = 18  # 36 samples to train on are two shards, 18 to test on are one
 @pytest.fixture(scope="module", name="endpoint")
 def make_endpoint() -> Iterator[str]:
     """The address of an S3 server in this process."""
-    logging.getLogger("werkzeug").setLevel(logging.ERROR)
-    server = ThreadedMotoServer(ip_address="127.0.0.1", port=0)
-    server.start()
-    host, port = server.get_host_and_port()
-    yield f"http://{host}:{port}"
-    server.stop()
+    with s3_server() as address:
+        yield address
 
 
 @pytest.fixture(name="bucket")
 def make_bucket(endpoint: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    """The URL of a fresh bucket; environment variables, as workers inherit them."""
-    monkeypatch.setenv("AWS_ENDPOINT_URL", endpoint)
-    monkeypatch.setenv("AWS_ACCESS_KEY_ID", "somebody")
-    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "secret")
-    monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
-    monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
-    forget()
-    name = f"bucket-{uuid.uuid4().hex}"
-    fsspec.filesystem("s3").mkdir(name)
-    return f"s3://{name}"
-
-
-def forget() -> None:
-    """Make fsspec open its file systems anew: they keep the credentials they were opened with."""
-    fsspec.get_filesystem_class("s3").clear_instance_cache()
+    """The URL of a fresh bucket."""
+    return fresh_bucket(endpoint, monkeypatch)
 
 
 def download(url: str, folder: Path) -> dict[str, bytes]:
