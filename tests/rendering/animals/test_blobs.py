@@ -5,6 +5,8 @@ from sound import check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.rendering.animals import Animal
 from normalgan.rendering.animals.blobs_vessels import turned
+from normalgan.rendering.animals.field import Part
+from normalgan.rendering.animals.forms import ball
 from normalgan.rendering.animals.kinds.blobs import BLOBS
 from normalgan.rendering.animals.meshing import to_mesh
 
@@ -40,6 +42,12 @@ def test_a_turned_vessel_is_open_and_as_thick_as_its_wall() -> None:
     axis = np.hypot(mesh.vertices[:, 0], mesh.vertices[:, 2]) < 0.05
     floor = mesh.vertices[axis, 1].max()
     assert top - floor > 0.7 * height
+
+
+def test_hollow_and_nested_bodies_get_the_faces_asked_for() -> None:
+    nested = [Part((), 0.0, solids=tuple(ball([0.1 * i, 0, 0], 1.0) for i in range(6)))]
+    for parts in (turned([0.0, 0.05, 0.5, 1.0], [0.3, 0.3, 0.3, 0.3], 0.06), nested):
+        assert 14_000 <= len(to_mesh("body", parts, 20_000).faces) <= 26_000
 
 
 def test_blobs_without_a_name_have_from_round_to_long_outlines() -> None:

@@ -46,7 +46,9 @@ def _grown(rng: Rng, both_sides: bool) -> list[Part]:
         parent = pieces[int(rng.integers(len(pieces)))]
         root = parent.roots[int(rng.integers(len(parent.roots)))]
         size = float(rng.uniform(0.5, 1.0)) * 0.85 ** (len(pieces) // 3)
-        piece = _piece(str(rng.choice(KINDS)), root, size, both_sides, rng)
+        # Only of the core is a root that is brought to the middle still inside.
+        middle = both_sides and parent is core and bool(rng.uniform() < 0.45)
+        piece = _piece(str(rng.choice(KINDS)), root * [1, 1, 0] if middle else root, size, middle, rng)
         shapes = both(piece.shape) if both_sides else (piece.shape,)
         parts.append(fuse(*shapes, blend=soft * size * float(rng.uniform(0.4, 1.2))))
         pieces.append(piece)
@@ -78,11 +80,11 @@ def _dents(core: Piece, both_sides: bool, rng: Rng) -> Part:
     return fuse(*(both(*dents) if both_sides else dents), blend=0.06, carve=True)
 
 
-def _piece(kind: str, root: Floats, size: float, both_sides: bool, rng: Rng) -> Piece:
+def _piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) -> Piece:
     """Return a piece that holds its root and grows out of it in some direction."""
     way = rng.normal(size=3)
-    if both_sides and rng.uniform() < 0.35:
-        way[2], root = 0.0, root * [1.0, 1.0, 0.0]  # one in the middle: its own mirror image
+    if middle:
+        way[2] = 0.0  # along the mirror
     way /= np.linalg.norm(way)
     turn = yaw(float(rng.uniform(0, 360))) @ roll(float(rng.uniform(0, 360)))
     if kind == "ball":
