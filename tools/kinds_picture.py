@@ -16,7 +16,7 @@ from normalgan.rendering import EmbreeRenderer
 from normalgan.rendering.animals import GROUPS, Animal, herd
 from normalgan.rendering.views import framed, look_at_origin
 
-SIDE, COLUMNS, COUNT = 94, 8, 64
+SIDE, COLUMNS, COUNT = 88, 8, 64
 AZIMUTH, ELEVATION = 32.0, 16.0  # from the right and a little above, so that rays and lizards show as well
 
 

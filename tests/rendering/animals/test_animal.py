@@ -124,8 +124,8 @@ def test_names_of_groups_and_species_are_told_apart() -> None:
 
 
 def test_what_is_not_known_is_said_with_the_nearest_that_is() -> None:
-    with pytest.raises(InputError, match=r"no species named 'hose'\. Did you mean horse\? Known: bear, "):
-        Animal("hose", 0)
+    with pytest.raises(InputError, match=r"no species named 'girafe'\. Did you mean giraffe\? Known: bear, "):
+        Animal("girafe", 0)
     with pytest.raises(InputError, match=r"no pose of horse named 'walking'\. Did you mean walk\?"):
         Animal("horse", 0, "walking")
     with pytest.raises(InputError, match="from 0 on, not -1"):
