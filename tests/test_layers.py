@@ -13,6 +13,7 @@ LAYERS = (
     {"normals", "registry", "seeds"},
     {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
     | {"checkpoints", "mistakes", "quiet"},
+    {"painter"},
     {"data", "gan"},
     {"callbacks", "plugins"},
     {"parser"},
@@ -20,8 +21,7 @@ LAYERS = (
     {"__main__"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
-LIGHT = ("errors", "normals", "registry", "rendering", "drawings", "framing", "gallery", "mistakes")
-LIGHT += ("commands",)
+LIGHT = "errors normals registry rendering drawings framing gallery mistakes commands".split()
 """Rooms that never import torch."""
 
 
