@@ -21,7 +21,10 @@ LAYERS = (
     {"__main__"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
-LIGHT = "errors normals registry rendering drawings framing gallery mistakes commands".split()
+LIGHT = (
+    *("errors", "normals", "registry", "rendering", "drawings"),
+    *("framing", "gallery", "mistakes", "commands"),
+)
 """Rooms that never import torch."""
 
 
