@@ -9,6 +9,7 @@ from normalgan.rendering.strokes.stroke import Doubles
 
 Indices = NDArray[np.int64]
 Piece = list[int]
+Neighbours = tuple[list[int], list[int]]
 End = tuple[int, int]  # a piece and which of its ends: 0 or -1
 
 
@@ -31,42 +32,49 @@ def chain(points: Doubles, links: Indices, reach: float = 6.0, sharpest: float =
     >>> [path.tolist() for path in chain(points, np.array([[0, 1], [2, 1], [1, 3]]))]
     [[0, 1, 2], [1, 3]]
     """
-    neighbours: list[list[int]] = [[] for _ in range(len(points))]
-    for one, other in links.tolist():
-        neighbours[one].append(other)
-        neighbours[other].append(one)
-    pieces = _pieces(neighbours)
-    partner = _straight_on(points, pieces, neighbours, reach, np.cos(np.deg2rad(sharpest)))
+    degree = np.bincount(links.ravel(), minlength=len(points))
+    pieces = _pieces(_neighbours(links, degree), degree)
+    partner = _straight_on(points, pieces, degree, reach, np.cos(np.deg2rad(sharpest)))
     return [np.array(path, np.int64) for path in _joined(pieces, partner)]
 
 
-def _pieces(neighbours: list[list[int]]) -> list[Piece]:
+def _neighbours(links: Indices, degree: Indices) -> Neighbours:
+    """Return the neighbours of all points one after the other, and where those of each point begin.
+
+    Two flat lists, not a list a point: thousands of small ones would keep the garbage collector busy.
+    """
+    both = np.concatenate([links, links[:, ::-1]])
+    near = both[np.argsort(both[:, 0], kind="stable"), 1]
+    return near.tolist(), np.append(0, np.cumsum(degree)).tolist()
+
+
+def _pieces(neighbours: Neighbours, degree: Indices) -> list[Piece]:
     """Return the paths from junction or end to junction or end, then the loops that meet neither."""
-    inner = [len(near) == 2 for near in neighbours]
-    walked = [False] * len(neighbours)
+    near, begin = neighbours
+    inner = (degree == 2).tolist()
+    walked = [False] * len(inner)
     pieces = []
-    for start, near in enumerate(neighbours):
-        if inner[start]:
-            continue
-        for first in near:
+    for start in np.flatnonzero((degree > 0) & (degree != 2)).tolist():
+        for first in near[begin[start] : begin[start + 1]]:
             if not inner[first]:
                 if start < first:
                     pieces.append([start, first])
             elif not walked[first]:
                 pieces.append(_walk([start, first], neighbours, inner, walked))
-    for start in range(len(neighbours)):
-        if inner[start] and not walked[start]:
+    for start in np.flatnonzero(degree == 2).tolist():
+        if not walked[start]:
             walked[start] = True
-            pieces.append([*_walk([start, neighbours[start][0]], neighbours, inner, walked), start])
+            pieces.append([*_walk([start, near[begin[start]]], neighbours, inner, walked), start])
     return pieces
 
 
-def _walk(path: Piece, neighbours: list[list[int]], inner: list[bool], walked: list[bool]) -> Piece:
+def _walk(path: Piece, neighbours: Neighbours, inner: list[bool], walked: list[bool]) -> Piece:
     """Return ``path`` continued to the next point that is no inner one, or has been walked on."""
+    near, begin = neighbours
     before, here = path
     while inner[here]:
         walked[here] = True
-        one, other = neighbours[here]
+        one, other = near[begin[here]], near[begin[here] + 1]
         before, here = here, other if one == before else one
         if walked[here]:
             break
@@ -75,13 +83,13 @@ def _walk(path: Piece, neighbours: list[list[int]], inner: list[bool], walked: l
 
 
 def _straight_on(
-    points: Doubles, pieces: list[Piece], neighbours: list[list[int]], reach: float, least: float
+    points: Doubles, pieces: list[Piece], degree: Indices, reach: float, least: float
 ) -> dict[End, End]:
     """Return for each end of a piece that goes on through a junction, the end it goes on at."""
     meeting: dict[int, list[End]] = defaultdict(list)
     for number, piece in enumerate(pieces):
         for side in (0, -1):
-            if len(neighbours[piece[side]]) > 2:
+            if degree[piece[side]] > 2:
                 meeting[piece[side]].append((number, side))
     partner: dict[End, End] = {}
     for ends in meeting.values():
