@@ -18,6 +18,7 @@ LAYERS = (
     {"callbacks", "plugins"},
     {"parser"},
     {"cli", "commands"},
+    {"benchmark"},
     {"__main__"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""

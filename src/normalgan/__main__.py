@@ -24,13 +24,14 @@ Commands:
   predict    paint normal maps for sketches of your own
   render     only render the training samples to disk
   sketch     draw a mesh from a view, as SVG or PNG
+  benchmark  train and measure the methods of a plan on one split, or a model of yours
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
 """
 TRAINING = ("fit", "validate", "test", "predict", "render")
-LIGHT = {"sketch": "normalgan.commands.sketch"}
-"""The commands that need neither torch nor Lightning, and the module of each, which has a ``run``."""
-COMMANDS = (*TRAINING, *LIGHT)
+OTHERS = {"sketch": "normalgan.commands.sketch", "benchmark": "normalgan.benchmark.command"}
+"""The commands that are not the Trainer's, and the module of each, which has a ``run``."""
+COMMANDS = (*TRAINING, *OTHERS)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -49,8 +50,8 @@ def main(arguments: list[str] | None = None) -> int:
     if arguments[0] not in COMMANDS:
         return _fail(_unknown(arguments[0]), 2)
     try:
-        if arguments[0] in LIGHT:
-            return int(import_module(LIGHT[arguments[0]]).run(arguments[1:]))
+        if arguments[0] in OTHERS:
+            return int(import_module(OTHERS[arguments[0]]).run(arguments[1:]))
         from normalgan.cli import run  # late: lightning takes seconds to import
 
         return run(arguments)

@@ -1,7 +1,9 @@
 """What happens beside training: pictures for the logger, the test report, the maps on disk."""
 
+from normalgan.callbacks.learning_curve import LearningCurve
 from normalgan.callbacks.pictures import PictureLogger
 from normalgan.callbacks.report import TestReport
+from normalgan.callbacks.wall_clock import WallClockSchedule
 from normalgan.callbacks.writer import NormalMapWriter
 
-__all__ = ["NormalMapWriter", "PictureLogger", "TestReport"]
+__all__ = ["LearningCurve", "NormalMapWriter", "PictureLogger", "TestReport", "WallClockSchedule"]

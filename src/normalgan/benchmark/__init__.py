@@ -1,0 +1,1 @@
+"""The comparison of methods: one split, one renderer, one budget, the same hints for all."""

@@ -1,0 +1,131 @@
+"""normalgan benchmark: trains and measures every method of a plan, or measures a model as the plan does."""
+
+import warnings
+from pathlib import Path
+
+from jsonargparse import Namespace
+
+from normalgan.benchmark.plan import Plan, Row, is_plan, read_plan
+from normalgan.benchmark.scale import Scale, read_budget, read_scale
+from normalgan.commands.light_parser import LightParser
+from normalgan.errors import InputError
+from normalgan.quiet import be_quiet
+
+
+def run(arguments: list[str]) -> int:
+    """Do what the arguments ask for and return the exit code: 1 if a run failed.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+        KeyboardInterrupt: if it was stopped.
+    """
+    try:
+        options = build_parser().parse_args(arguments)
+    except SystemExit as stop:  # --help
+        return int(stop.code or 0)
+    plan, scale = _read(options)
+    with warnings.catch_warnings():
+        be_quiet()
+        if options.evaluate is not None:
+            return evaluate(plan, scale, Path(options.evaluate))
+        chosen = options.rows.split(",") if options.rows else [row.name for row in plan.rows]
+        for name in chosen:
+            plan.row(name)
+        return compare(plan, scale, Path(options.output), chosen, options.seeds or plan.seeds)
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan benchmark",
+        usage="%(prog)s --config PLAN --config OVERLAY... [-o FOLDER] [--rows NAME,...] [--seeds N...]",
+        description="Train and measure every method of a plan; go on where it was interrupted.",
+    )
+    parser.add_argument(
+        "-c",
+        "--config",
+        action="append",
+        type=str,
+        help="the plan, which has rows, and overlays of `normalgan fit`, which make the scale; repeats",
+    )
+    parser.add_argument("-o", "--output", default="runs/benchmark", help="where runs and report go")
+    parser.add_argument("--rows", type=str | None, help="names of rows, with commas; null takes all")
+    parser.add_argument("--seeds", type=int, nargs="+", help="seeds in place of the plan's")
+    parser.add_argument(
+        "--budget", type=str | None, help="wall-clock time of each run in place of the images, such as 8m"
+    )
+    parser.add_argument(
+        "--set",
+        type=str,
+        nargs="+",
+        help="settings of data or trainer that win over all: data.size=64",
+    )
+    parser.add_argument(
+        "--evaluate", type=str | None, help="a checkpoint to measure as the plan does, and train nothing"
+    )
+    return parser
+
+
+def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[int]) -> int:
+    """Train and measure rows of a plan, report, and return the exit code: 1 if a run failed.
+
+    Args:
+        plan: what is compared.
+        scale: at which.
+        out: folder of the runs and the report.
+        rows: names of those to train; others are reported if they are there.
+        seeds: of the runs.
+    """
+    # Here, so that --help needs no torch.
+    from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.report import Report
+    from normalgan.benchmark.runs import plan_runs, shared_settings
+    from normalgan.benchmark.training import fit, read_state, run_all
+
+    every = plan_runs(plan, scale, out, sorted({*plan.seeds, *seeds}))
+    runs = [r for r in every if r.row.name in rows and (r.seed is None or r.seed in seeds)]
+    evaluation = Evaluation(plan, shared_settings(plan, scale))
+    for one in runs:  # before anything is trained
+        read_state(one, evaluation.hash)
+    report = Report(plan, scale, every, evaluation, out)
+    failures = run_all(runs, evaluation.hash, fit, evaluation.of_run, report.write, _say)
+    report.write()
+    _say(f"\n{(out / 'table.md').read_text(encoding='utf-8')}")
+    _say(f"Report: {out.resolve()}")
+    for failure in failures:
+        _say(failure)
+    return 1 if failures else 0
+
+
+def evaluate(plan: Plan, scale: Scale, checkpoint: Path) -> int:
+    """Measure a model on the plan's test split, print its tables, and return the exit code."""
+    from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.methods import trained_method
+    from normalgan.benchmark.runs import shared_settings
+    from normalgan.benchmark.table import markdown
+    from normalgan.checkpoints import check_size, read_settings
+
+    evaluation = Evaluation(plan, shared_settings(plan, scale))
+    check_size(checkpoint, read_settings(checkpoint), evaluation.data.recipe.size)
+    figures = evaluation.of_method(trained_method(checkpoint, evaluation.device))
+    model = Row("model", str(checkpoint), configs=["–"])
+    one = Plan(plan.name, plan.images, [model], hints=plan.hints, hint_counts=plan.hint_counts)
+    _say(markdown(one, scale, {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}))
+    return 0
+
+
+def _read(options: Namespace) -> tuple[Plan, Scale]:
+    files = options.config or []
+    plans = [path for path in files if is_plan(path)]
+    if len(plans) != 1:
+        raise InputError(
+            f"benchmark takes one plan, a --config file with rows, but was given {len(plans)}; "
+            "such as configs/benchmark/fourlegs.yaml."
+        )
+    seconds = read_budget(options.budget) if options.budget else None
+    overlays = [path for path in files if path not in plans]
+    return read_plan(plans[0]), read_scale(overlays, options.set or (), seconds)
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)

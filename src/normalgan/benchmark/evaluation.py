@@ -1,0 +1,135 @@
+"""Evaluation: a trained run, or a model of any origin, measured on the test split that all rows share."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from normalgan.batch import Batch
+from normalgan.benchmark.cost import flops, images_per_second, parameters
+from normalgan.benchmark.machine import commit, describe_machine, describe_versions
+from normalgan.benchmark.measure import measure, moved
+from normalgan.benchmark.methods import (
+    Method,
+    constant_method,
+    inflation_method,
+    mean_method,
+    trained_method,
+)
+from normalgan.benchmark.plan import Plan, Settings
+from normalgan.benchmark.points import hint_points
+from normalgan.benchmark.runs import Run, build_data
+from normalgan.benchmark.settings import digest
+from normalgan.benchmark.training import Result, best_checkpoint
+from normalgan.callbacks.rows import spread
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.items import collate
+from normalgan.hints import hints_at
+from normalgan.normals import Floats, write_bytes
+
+_BATCH = 16  # of all methods alike: noise that is kept at test depends on it
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Measures methods on one test split with the same hints.
+
+    Args:
+        plan: which hints.
+        shared: settings with the data of all rows.
+    """
+
+    plan: Plan
+    shared: Settings
+
+    @property
+    def hash(self) -> str:
+        """Stands for all that decides on the figures of a given model, but for the data."""
+        plan = self.plan
+        return digest(
+            {"counts": plan.counts, "seed": plan.hint_seed, "which": plan.checkpoint}
+            | {"shown": plan.gallery, "hints": plan.hints, "batch": _BATCH}
+        )
+
+    @cached_property
+    def device(self) -> torch.device:
+        """Where the methods are measured: a GPU if the scale allows one and it is there."""
+        allowed = self.shared["trainer"]["accelerator"] in {"auto", "gpu", "cuda"}
+        return torch.device("cuda" if allowed and torch.cuda.is_available() else "cpu")
+
+    @cached_property
+    def data(self) -> MeshDataModule:
+        """The shared data, rendered if it is not yet."""
+        data = build_data(self.shared, batch_size=_BATCH, workers=0)
+        data.render(thorough=False)
+        return data
+
+    @cached_property
+    def shown(self) -> Batch:
+        """The samples of the gallery, spread over the test split."""
+        samples = self.data.test_dataset
+        return collate([samples[i] for i in spread(len(samples), self.plan.gallery)])
+
+    def of_run(self, run: Run) -> Result:
+        """Return the result of a trained run, and leave its maps of the gallery's samples in its folder."""
+        result: Result = {"row": run.row.name, "label": run.row.label, "group": run.row.group}
+        result |= {"seed": run.seed, "images": 0, "checkpoint": None, "curve": []}
+        if run.row.classical:
+            method = self._classical(run.row.classical)
+        else:
+            checkpoint = best_checkpoint(run, self.plan.checkpoint)
+            method = trained_method(checkpoint, self.device)
+            curve = json.loads((run.folder / "curve.json").read_text(encoding="utf-8"))
+            result |= {"checkpoint": checkpoint.name, "curve": curve, "images": curve[-1]["images"]}
+        maps = BytesIO()
+        np.savez_compressed(maps, preds=self.paint_shown(method).astype(np.float16))
+        write_bytes(run.folder / "maps.npz", maps.getbuffer())
+        return {**result, **self.of_method(method)}
+
+    def of_method(self, method: Method) -> dict[str, Any]:
+        """Return the figures of a method, what it costs, and on what machine."""
+        plan, device = self.plan, self.device
+        figures = measure(method, self.batches(), plan.counts, plan.hint_seed, device)
+        network, size = method.generator, self.data.recipe.size
+        cost = {
+            "parameters": parameters(network) if network else 0,
+            "flops": flops(network, size, device) if network else 0,
+            "images_per_second": images_per_second(method, next(self.batches()), device),
+        }
+        where = {"machine": describe_machine(device), "versions": describe_versions(), "commit": commit()}
+        return {"figures": figures, "cost": cost, **where}
+
+    def paint_shown(self, method: Method) -> Floats:
+        """Return what a method paints of the gallery's samples with the hints of table 1, (K, 3, H, W)."""
+        batch = moved(self.shown, self.device)
+        hints = None
+        if method.takes_hints:
+            where = hint_points(batch["mask"], batch["name"], self.plan.hint_seed, self.plan.hints)
+            hints = hints_at(batch["normal"], where)
+        painted: Floats = method.paint(batch, hints).cpu().numpy()
+        return painted
+
+    def batches(self) -> Iterator[Batch]:
+        """Yield the test split in order."""
+        yield from self.data.test_dataloader()
+
+    def _classical(self, kind: str) -> Method:
+        match kind:
+            case "constant":
+                return constant_method()
+            case "mean":
+                return mean_method(self.data.mean_normal_map())
+            case _:
+                return inflation_method()
+
+
+def maps_of(folder: Path) -> Floats:
+    """Return what a run painted of the gallery's samples, (K, 3, H, W)."""
+    with np.load(folder / "maps.npz") as file:
+        return np.asarray(file["preds"], np.float32)

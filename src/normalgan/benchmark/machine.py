@@ -1,0 +1,60 @@
+"""What a result was made on and with: machine, versions, commit."""
+
+import os
+import platform
+import subprocess
+from importlib.metadata import version
+from pathlib import Path
+
+import torch
+
+from normalgan import __version__
+
+_PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
+
+
+def describe_machine(device: torch.device) -> dict[str, str | int]:
+    """Return what the speed depends on; no name of the machine."""
+    described: dict[str, str | int] = {
+        "system": platform.system(),
+        "processor": _processor(),
+        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1,
+        "threads": torch.get_num_threads(),
+    }
+    if device.type == "cuda":
+        described["gpu"] = torch.cuda.get_device_name(device)
+    return described
+
+
+def describe_versions() -> dict[str, str]:
+    """Return the versions of Python, normalgan and the packages that figures depend on."""
+    found = {name: version(name) for name in _PACKAGES}
+    return {"python": platform.python_version(), "normalgan": __version__, **found}
+
+
+def commit() -> str | None:
+    """Return the commit of the code, with a ``+`` if it was changed since; None outside a repository."""
+    folder = Path(__file__).parent
+    head = _git(folder, "rev-parse", "HEAD")
+    if head is None:
+        return None
+    return head + ("+" if _git(folder.parent, "status", "--porcelain", "--", ".") else "")
+
+
+def _git(folder: Path, *arguments: str) -> str | None:
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return done.stdout.strip()
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.machine()

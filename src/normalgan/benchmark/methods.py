@@ -1,0 +1,89 @@
+"""Method: whatever paints a normal map, trained or not, as the benchmark measures it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from torch import Tensor, nn
+
+from normalgan.batch import Batch
+from normalgan.benchmark.inflation import inflated_normals
+from normalgan.checkpoints import read_settings
+from normalgan.gan import NormalGAN
+from normalgan.hints import HintSampler, NoHints
+from normalgan.seeds import derive_seed
+
+Paint = Callable[[Batch, Tensor | None], Tensor]
+"""From a batch and hints (N, 4, H, W), or none, to normals (N, 3, H, W)."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """What paints, and what is said of it.
+
+    Args:
+        paint: paints a batch; it must not look at the truth, but for what is told of a classical method.
+        sampler: gives the hints that it was trained for.
+        generator: its network; None if it has none.
+    """
+
+    paint: Paint
+    sampler: HintSampler = NoHints()  # noqa: RUF009  # frozen
+    generator: nn.Module | None = None
+
+    @property
+    def takes_hints(self) -> bool:
+        """Whether it was made to be given hints; one that was not is given none."""
+        return not isinstance(self.sampler, NoHints)
+
+
+def constant_method() -> Method:
+    """Return the method that takes every surface to face the viewer."""
+    facing = torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1)
+    return Method(lambda batch, hints: facing.to(batch["normal"]).expand_as(batch["normal"]))
+
+
+def mean_method(mean_map: Tensor) -> Method:
+    """Return the method that always paints the mean map (3, H, W) of the training split."""
+    return Method(lambda batch, hints: mean_map.to(batch["normal"]).expand_as(batch["normal"]))
+
+
+def inflation_method() -> Method:
+    """Return the method that inflates the silhouette, which is told: the true mask, which no other sees."""
+
+    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+        masks = batch["mask"][:, 0].cpu().numpy() > 0.5
+        normals = [torch.from_numpy(inflated_normals(mask)).permute(2, 0, 1) for mask in masks]
+        return torch.stack(normals).to(batch["normal"])
+
+    return Method(paint)
+
+
+def trained_method(checkpoint: Path, device: torch.device) -> Method:
+    """Return the model of a checkpoint, in float32, ready to paint.
+
+    Raises:
+        InputError: if it is missing, damaged or not one of ours.
+    """
+    read_settings(checkpoint)
+    model = NormalGAN.load_from_checkpoint(checkpoint, map_location="cpu", weights_only=True)
+    return model_method(model.to(device))
+
+
+def model_method(model: NormalGAN) -> Method:
+    """Return a model as a method; what noise it keeps when tested depends on the samples alone."""
+    model.eval()
+    if model.noise_at_test:
+        for module in model.generator.modules():
+            if isinstance(module, nn.Dropout):
+                module.train()
+
+    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+        devices = [] if batch["sketch"].device.type == "cpu" else [batch["sketch"].device]
+        with torch.random.fork_rng(devices), torch.no_grad():
+            torch.manual_seed(derive_seed("noise", *batch["name"]))
+            painted: Tensor = model(batch["sketch"], hints)
+        return painted.float()
+
+    return Method(paint, model.hint_sampler, model.generator)

@@ -1,0 +1,166 @@
+"""Plan: what a benchmark compares, read from a YAML file and checked."""
+
+import re
+from collections import Counter
+from copy import deepcopy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+import yaml
+
+from normalgan.commands.light_parser import LightParser
+from normalgan.errors import InputError
+from normalgan.mistakes import check_config, refusal
+
+Settings = dict[str, Any]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table: a method with no learning, or one that is trained.
+
+    A method that is trained is put together like the settings of `normalgan fit`, later ones winning: its
+    configs, its changes, the data of the plan, the overlays of the scale, its settings.
+
+    Args:
+        name: of its folder.
+        label: in tables and pictures.
+        group: heading that it stands under.
+        classical: a method with no learning.
+        configs: files that it is put together from; relative to the working directory.
+        changes: settings, in dots, before the overlays of the scale.
+        settings: settings, in dots, that win over these.
+        takes: parts of the overlays, in dots, that it takes; None takes all.
+    """
+
+    name: str
+    label: str
+    group: str = ""
+    classical: Literal["constant", "mean", "inflation"] | None = None
+    configs: list[str] = field(default_factory=list)
+    changes: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+    takes: list[str] | None = None
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"[\w-]+", self.name):
+            raise InputError(f"a row is named {self.name!r}; use letters, digits, - and _.")
+        if (self.classical is None) == (not self.configs):
+            raise InputError(f"the row {self.name} must have either configs or classical.")
+        if self.classical and (self.changes or self.settings or self.takes is not None):
+            raise InputError(f"the row {self.name} is classical and has no settings, changes or takes.")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A benchmark.
+
+    Args:
+        name: in reports.
+        images: how many each generator learns from, repetitions counted.
+        rows: what is compared.
+        data: settings of the data that all rows share.
+        seeds: of initialisation, training hints and dropout; a run for each.
+        hints: how many hints table 1 gives.
+        hint_counts: of the curve; 0 and ``hints`` are always measured.
+        hint_seed: of the test hints.
+        checkpoint: which one is measured: the ``best`` on the validation split, or the ``last``.
+        gallery: test samples in the gallery.
+        reference: name of the row that every panel of the curves shows.
+    """
+
+    name: str
+    images: int
+    rows: list[Row]
+    data: dict[str, Any] = field(default_factory=dict)
+    seeds: list[int] = field(default_factory=lambda: [0])
+    hints: int = 15
+    hint_counts: list[int] = field(default_factory=lambda: [0, 5, 10, 20, 50])
+    hint_seed: int = 0
+    checkpoint: Literal["best", "last"] = "best"
+    gallery: int = 4
+    reference: str | None = None
+
+    def __post_init__(self) -> None:
+        for name, least in {"images": 1, "hints": 1, "gallery": 1, "hint_seed": 0}.items():
+            if getattr(self, name) < least:
+                raise InputError(f"{name} must be {least} or more in a plan, not {getattr(self, name)}.")
+        for name in ("rows", "seeds"):
+            if not getattr(self, name):
+                raise InputError(f"a plan needs {name}, but its list of them is empty.")
+        for name in ("seeds", "hint_counts"):
+            if min(getattr(self, name), default=0) < 0:
+                raise InputError(f"{name} must all be 0 or more in a plan, not {getattr(self, name)}.")
+        twice = [name for name, times in Counter(row.name for row in self.rows).items() if times > 1]
+        if twice:
+            raise InputError(f"two rows of the plan are named {twice[0]}; each needs a name of its own.")
+        if self.reference is not None:
+            self.row(self.reference)
+
+    @property
+    def counts(self) -> list[int]:
+        """The numbers of hints that are measured, rising."""
+        return sorted({0, self.hints, *self.hint_counts})
+
+    def row(self, name: str) -> Row:
+        """Return the row of a name.
+
+        Raises:
+            InputError: if there is none.
+        """
+        for row in self.rows:
+            if row.name == name:
+                return row
+        raise InputError(f"the plan has no row {name}; it has {', '.join(row.name for row in self.rows)}.")
+
+
+def is_plan(path: str | Path) -> bool:
+    """Return whether a configuration is a plan: it has rows.
+
+    Raises:
+        InputError: if it cannot be read as a configuration.
+    """
+    return "rows" in read_yaml(path)
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Return the plan of a file.
+
+    Raises:
+        InputError: if something in it cannot be used; the sentence names the file and the row.
+    """
+    content = read_yaml(path)
+    rows = content.pop("rows", None)
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise InputError(f"the rows of the plan {path} are no list of settings.")
+    read = [
+        _read(Row, row, f"the row {row.get('name', i + 1)} of the plan {path}") for i, row in enumerate(rows)
+    ]
+    return _read(Plan, content, f"the plan {path}", rows=read)
+
+
+def read_yaml(path: str | Path) -> Settings:
+    """Return the settings of a configuration file.
+
+    Raises:
+        InputError: if it cannot be read as one.
+    """
+    check_config(path, ())
+    content: Settings = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    return content
+
+
+def _read(kind: type[T], content: Settings, where: str, **given: Any) -> T:
+    """Build a dataclass from what a file says and what is known already."""
+    parser = LightParser()
+    parser.add_class_arguments(kind, skip=set(given))
+    try:
+        # A copy: the parser changes what it parses.
+        checked = parser.parse_object(deepcopy(content))
+        return kind(**given, **{name: getattr(checked, name) for name in vars(checked)})
+    except InputError as error:
+        raise InputError(f"{where} cannot be used: {error}") from error
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{where} cannot be used: {refusal(error)}") from error

@@ -1,0 +1,182 @@
+"""Runs: a row of the plan under one seed, with all its settings worked out before anything is trained."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from jsonargparse import ArgumentParser
+
+from normalgan.benchmark.plan import Plan, Row, Settings, read_yaml
+from normalgan.benchmark.scale import Scale
+from normalgan.benchmark.settings import MACHINE, compose, differences, digest, nest, part, without
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError
+
+OWN_DATA = (
+    *("augmentation", "batch_size", "local_cache", "local_cache_size", "memory", "on_the_fly"),
+    *("render_workers", "variants", "variation", "workers"),
+)
+"""Settings of the data that are a method's own affair; all others are the same for every row."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A row under one seed.
+
+    Args:
+        row: of the plan.
+        seed: of initialisation, training hints and dropout; None if nothing is learnt.
+        folder: where it is kept.
+        settings: all of `normalgan fit`; of a row that learns nothing, those of its data count.
+        images: that the generator is to learn from; 0 if the clock decides or nothing is learnt.
+    """
+
+    row: Row
+    seed: int | None
+    folder: Path
+    settings: Settings
+    images: int = 0
+
+    @property
+    def title(self) -> str:
+        """The run in messages."""
+        return self.row.name if self.seed is None else f"{self.row.name}, seed {self.seed}"
+
+    @cached_property
+    def identity(self) -> Settings:
+        """All that decides on what is learnt: runs of equal identity give equal models on one machine."""
+        settings = without(self.settings, MACHINE)
+        if self.row.classical:
+            settings = {"data": settings["data"], "classical": self.row.classical}
+        data = build_data(self.settings)
+        meshes = {split: [source.name for source in found] for split, found in data.sources.items()}
+        return {**settings, "meshes": meshes}
+
+    @cached_property
+    def hash(self) -> str:
+        """The identity in a few letters."""
+        return digest(self.identity)
+
+
+def build_data(settings: Settings, **changes: Any) -> MeshDataModule:
+    """Return the data of a run.
+
+    Args:
+        settings: all of `normalgan fit`.
+        changes: settings of the data that win over these.
+    """
+    parser = ArgumentParser(exit_on_error=False)
+    parser.add_class_arguments(MeshDataModule, "data")
+    parsed = parser.parse_object({"data": {**settings["data"], **changes}})
+    data: MeshDataModule = parser.instantiate(parsed).data
+    return data
+
+
+def shared_settings(plan: Plan, scale: Scale) -> Settings:
+    """Return the settings with the data that all rows share, and which need no row.
+
+    Raises:
+        InputError: if they cannot be used.
+    """
+    overlays = [part(overlay, ["data"]) for overlay in scale.overlays]
+    return compose([{"data": nest(plan.data)}, *overlays, scale.given or {}])
+
+
+def row_settings(plan: Plan, row: Row, scale: Scale) -> Settings:
+    """Return all settings of a row that is trained, but for the seed and the span.
+
+    Raises:
+        InputError: if they cannot be used; the sentence names the row.
+    """
+    layers = [read_yaml(path) for path in row.configs]
+    layers += [nest(row.changes), {"data": nest(plan.data)}]
+    layers += [part(overlay, row.takes) for overlay in scale.overlays]
+    try:
+        return compose([*layers, nest(row.settings), scale.given or {}])
+    except InputError as error:
+        raise InputError(f"the row {row.name} cannot be put together: {error}") from error
+
+
+def check_shared(row: Row, settings: Settings, shared: Settings) -> None:
+    """Make sure that a row is trained and tested on the data that all share.
+
+    Raises:
+        InputError: if it is not.
+    """
+    own = [f"data.{name}" for name in OWN_DATA]
+    differing = [
+        name
+        for name in differences({"data": settings["data"]}, {"data": shared["data"]})
+        if not any(name == known or name.startswith(f"{known}.") for known in own)
+    ]
+    if differing:
+        raise InputError(
+            f"the row {row.name} has data of its own ({', '.join(differing[:4])}), but a comparison "
+            "needs the same for all; write them in the plan's data."
+        )
+
+
+def timed(settings: Settings, images: int, samples: int, seconds: float | None) -> Settings:
+    """Return settings under which the generator learns from a number of images, or for a span of time.
+
+    Epochs are rounded to whole ones; with ``n_critic`` n it takes n batches until the generator steps. A
+    cosine schedule ends with the run. Under a budget of time the schedule is that of the clock.
+
+    Args:
+        settings: of a row.
+        images: the number; batches that the discriminator alone sees do not count.
+        samples: in the training split.
+        seconds: the span; None goes by the images.
+    """
+    model, trainer, batch = settings["model"], dict(settings["trainer"]), settings["data"]["batch_size"]
+    callbacks = [*(trainer["callbacks"] or []), {"class_path": "normalgan.callbacks.LearningCurve"}]
+    schedule = model["lr_scheduler"]
+    if seconds is not None:
+        trainer["max_epochs"], schedule = -1, None
+        clock = {"class_path": "normalgan.callbacks.WallClockSchedule", "init_args": {"seconds": seconds}}
+        callbacks.append(clock)
+    else:
+        whole = samples // batch * batch if samples >= batch else samples  # a last batch that is not full
+        trainer["max_epochs"] = max(1, round(images * _batches_a_step(settings) / whole))
+        if schedule is not None and "T_max" in schedule.get("init_args", {}):
+            arguments = {**schedule["init_args"], "T_max": trainer["max_epochs"]}
+            schedule = {**schedule, "init_args": arguments}
+    trainer |= {"callbacks": callbacks, "max_steps": -1, "max_time": None, "check_val_every_n_epoch": 1}
+    return {**settings, "trainer": trainer, "model": {**model, "lr_scheduler": schedule}}
+
+
+def plan_runs(plan: Plan, scale: Scale, out: Path, seeds: Sequence[int]) -> list[Run]:
+    """Return all runs of a plan, those that learn nothing first, then seed by seed.
+
+    Raises:
+        InputError: if a row cannot be trained as it is written, or not compared with the others.
+    """
+    shared = shared_settings(plan, scale)
+    runs = [Run(row, None, out / row.name, shared) for row in plan.rows if row.classical]
+    settings: dict[str, Settings] = {}
+    for row in plan.rows:
+        if not row.classical:
+            composed = row_settings(plan, row, scale)
+            check_shared(row, composed, shared)
+            data = build_data(composed)
+            samples = len(data.sources["train"]) * data.views_per_mesh["train"]
+            settings[row.name] = timed(composed, plan.images, samples, scale.seconds)
+    for seed in seeds:
+        for row in plan.rows:
+            if not row.classical:
+                folder = out / row.name / f"seed{seed}"
+                seeded = _seeded(settings[row.name], seed, folder)
+                runs.append(Run(row, seed, folder, seeded, 0 if scale.seconds else plan.images))
+    return runs
+
+
+def _seeded(settings: Settings, seed: int, folder: Path) -> Settings:
+    trainer = {**settings["trainer"], "default_root_dir": str(folder), "enable_progress_bar": False}
+    model = {**settings["model"], "seed": seed}
+    return {**settings, "seed_everything": seed, "trainer": trainer, "model": model}
+
+
+def _batches_a_step(settings: Settings) -> int:
+    return int(settings["model"]["n_critic"]) if settings["model"]["discriminator"] is not None else 1

@@ -1,0 +1,150 @@
+"""Training the runs of a benchmark, one after the other; what is done already is not done again."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, Literal
+
+import yaml
+
+from normalgan.benchmark.runs import Run
+from normalgan.benchmark.settings import differences
+from normalgan.errors import InputError, RunError, brief
+from normalgan.normals import write_bytes
+
+Result = dict[str, Any]
+"""What a run ends with; see `normalgan.benchmark.evaluation`."""
+
+State = Literal["new", "begun", "trained", "done"]
+
+
+def read_state(run: Run, evaluation: str) -> State:
+    """Return how far a run is.
+
+    Args:
+        run: which one.
+        evaluation: the hash of how it is to be measured; a result of another one does not count.
+
+    Raises:
+        InputError: if its folder holds a run with other settings.
+    """
+    record = _read(run.folder / "run.json")
+    if record is None:
+        return "new"
+    if record["hash"] != run.hash:
+        names = differences(record["identity"], run.identity)
+        raise InputError(
+            f"{run.folder} was made with other settings ({', '.join(names[:4])}); "
+            "give another --output, or delete the folder."
+        )
+    if not record["trained"]:
+        return "begun"
+    return "done" if read_result(run, evaluation) else "trained"
+
+
+def read_result(run: Run, evaluation: str) -> Result | None:
+    """Return the result of a run as it is planned now; None if there is none."""
+    result = _read(run.folder / "result.json")
+    return result if result and (result["hash"], result["evaluation"]) == (run.hash, evaluation) else None
+
+
+def run_all(
+    runs: Iterable[Run],
+    evaluation: str,
+    train: Callable[[Run], None],
+    evaluate: Callable[[Run], Result],
+    report: Callable[[], None],
+    say: Callable[[str], None],
+) -> list[str]:
+    """Train and measure what is not yet, and return a sentence for each run that failed.
+
+    Args:
+        runs: in this order.
+        evaluation: the hash of how they are measured.
+        train: trains a run, or goes on with it, in its folder.
+        evaluate: measures a trained run.
+        report: writes what there is so far; called after each run.
+        say: tells the user.
+    """
+    failures = []
+    for run in runs:
+        try:
+            state = read_state(run, evaluation)
+            if state == "done":
+                say(f"{run.title}: done already")
+                continue
+            if state in {"new", "begun"}:
+                say(f"{run.title}: {'training' if state == 'new' else 'going on'}")
+                _write(run, trained=False)
+                if not run.row.classical:
+                    train(run)
+                _write(run, trained=True)
+            say(f"{run.title}: measuring")
+            result = evaluate(run)
+            write_json(run.folder / "result.json", {**result, "hash": run.hash, "evaluation": evaluation})
+        except InputError as error:
+            failures.append(f"{run.title} failed: {error}")
+        except Exception as error:  # the other runs go on, whatever befell this one
+            failures.append(f"{run.title} failed: {type(error).__name__}: {brief(error)}")
+        else:
+            report()
+            continue
+        say(failures[-1])
+    return failures
+
+
+def fit(run: Run) -> None:
+    """Train a run by `normalgan fit` in a process of its own; go on if it was interrupted.
+
+    Raises:
+        RunError: if it fails; what it said is in ``train.log``.
+        KeyboardInterrupt: if it was stopped.
+    """
+    settings, log = run.folder / "settings.yaml", run.folder / "train.log"
+    write_bytes(settings, yaml.safe_dump(run.settings).encode())
+    command = [sys.executable, "-m", "normalgan", "fit", "--config", str(settings)]
+    last = run.folder / "checkpoints" / "last.ckpt"
+    if last.is_file():
+        command += ["--ckpt_path", str(last)]
+    with log.open("a", encoding="utf-8") as lines:
+        done = subprocess.run(command, stdout=lines, stderr=subprocess.STDOUT, check=False)
+    if done.returncode == 130:
+        raise KeyboardInterrupt
+    if done.returncode:
+        said = log.read_text(encoding="utf-8").strip().splitlines()
+        raise RunError(f"its training ended with code {done.returncode}: {said[-1] if said else 'no word'}")
+
+
+def best_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
+    """Return the checkpoint that is measured.
+
+    Raises:
+        RunError: if training has left none.
+    """
+    folder = run.folder / "checkpoints"
+    last = folder / "last.ckpt"
+    best = sorted((p for p in folder.glob("*.ckpt") if p != last), key=lambda path: path.stat().st_mtime)
+    found = best[-1] if best and which == "best" else last
+    if not found.is_file():
+        raise RunError(f"training has left no checkpoint in {folder}.")
+    return found
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write a file whole or not at all."""
+    write_bytes(path, (json.dumps(content, indent=1) + "\n").encode())
+
+
+def _write(run: Run, trained: bool) -> None:
+    write_json(run.folder / "run.json", {"hash": run.hash, "trained": trained, "identity": run.identity})
+
+
+def _read(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except ValueError as error:
+        raise InputError(f"{path} is damaged: {brief(error)}; delete the folder of the run.") from error

@@ -1,0 +1,68 @@
+"""LearningCurve: the validation figures against the images that the generator has learnt from, as a file."""
+
+import json
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from lightning.pytorch import Callback, LightningModule, Trainer
+
+from normalgan.batch import Batch
+from normalgan.gan import NormalGAN
+from normalgan.normals import write_bytes
+
+
+class LearningCurve(Callback):
+    """Writes ``curve.json`` in the folder of the run, a record for each validation.
+
+    A record holds ``images``, ``epoch``, ``seconds`` of training so far, and the validation figures. Images
+    are those of the batches with which the generator stepped, on all processes; a batch for the
+    discriminator alone does not count. The records lie in the checkpoint: a run that is resumed goes on.
+    """
+
+    def __init__(self) -> None:
+        self.images = 0
+        self.records: list[dict[str, float | None]] = []
+        self._seconds = 0.0
+        self._start: float | None = None
+
+    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Start the clock."""
+        self._start = monotonic()
+
+    def on_train_batch_start(
+        self, trainer: Trainer, pl_module: LightningModule, batch: Batch, batch_idx: int
+    ) -> None:
+        """Count the batch, if the generator steps with it."""
+        if not isinstance(pl_module, NormalGAN):
+            raise TypeError(f"LearningCurve counts steps of a NormalGAN, not a {type(pl_module).__name__}.")
+        step = trainer.fit_loop.total_batch_idx
+        if pl_module.discriminator is None or step % pl_module.n_critic == 0:
+            self.images += len(batch["sketch"]) * trainer.world_size
+
+    def on_validation_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Add a record."""
+        if trainer.sanity_checking or trainer.state.fn != "fit":
+            return
+        figures = {
+            name: float(value) if value.isfinite() else None  # JSON has no nan
+            for name, value in trainer.callback_metrics.items()
+            if name.startswith("val/")
+        }
+        now = {"images": self.images, "epoch": trainer.current_epoch, "seconds": round(self._spent(), 1)}
+        self.records.append({**now, **figures})
+        if trainer.is_global_zero:
+            text = json.dumps(self.records, indent=1) + "\n"
+            write_bytes(Path(trainer.default_root_dir) / "curve.json", text.encode())
+
+    def _spent(self) -> float:
+        return self._seconds + (monotonic() - self._start if self._start is not None else 0.0)
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return what the checkpoint keeps."""
+        return {"images": self.images, "records": self.records, "seconds": self._spent()}
+
+    def load_state_dict(self, state_dict: dict[str, Any]) -> None:
+        """Go on where the checkpoint was saved."""
+        self.images, self.records = state_dict["images"], state_dict["records"]
+        self._seconds = state_dict["seconds"]

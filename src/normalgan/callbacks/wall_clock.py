@@ -1,0 +1,102 @@
+"""WallClockSchedule: learning rates that fall with the clock, for runs that may take so long only."""
+
+import math
+from time import monotonic
+from typing import Any
+
+from lightning.pytorch import Callback, LightningModule, Trainer
+
+from normalgan.batch import Batch
+from normalgan.errors import InputError
+
+
+def cosine_factor(progress: float, warmup: float) -> float:
+    """Return what a learning rate is multiplied by: up a straight line, then down half a cosine to 0.
+
+    Args:
+        progress: share of the budget that is spent, 0 or more; beyond 1 nothing is left.
+        warmup: share of the budget in which the rate rises, at least 0 and below 1.
+
+    >>> [round(cosine_factor(p, warmup=0.2), 3) for p in (0.0, 0.1, 0.2, 0.6, 1.0, 1.5)]
+    [0.0, 0.5, 1.0, 0.5, 0.0, 0.0]
+    """
+    if progress < warmup:
+        return progress / warmup
+    fallen = min((progress - warmup) / (1 - warmup), 1.0)
+    return 0.5 * (1 + math.cos(math.pi * fallen))
+
+
+class WallClockSchedule(Callback):
+    """Spreads the learning rates of all optimisers over a span of time, and stops training at its end.
+
+    The rates are set at every batch; the time is that since training began, validation included. What is
+    spent lies in the checkpoint: a run that is resumed has the rest. Lightning's ``max_epochs`` has to be
+    -1, or large enough not to be reached before.
+
+    Args:
+        seconds: the budget.
+        warmup: share of it in which the rates rise from 0.
+
+    Raises:
+        InputError: if one of them cannot be used.
+    """
+
+    def __init__(self, seconds: float, warmup: float = 0.03) -> None:
+        if not 0 < seconds < math.inf:
+            raise InputError(f"WallClockSchedule was given seconds={seconds}; use a time greater than 0.")
+        if not 0 <= warmup < 1:
+            raise InputError(f"WallClockSchedule was given warmup={warmup}; use a share from 0 to below 1.")
+        self.seconds = seconds
+        self.warmup = warmup
+        self._before = 0.0  # seconds spent by the runs that this one resumes
+        self._start: float | None = None
+        self._rates: list[list[float]] = []
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds spent so far, those before an interruption included."""
+        return self._before + (monotonic() - self._start if self._start is not None else 0.0)
+
+    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Start the clock.
+
+        Raises:
+            InputError: if there is another schedule of the learning rates.
+        """
+        if trainer.lr_scheduler_configs:
+            raise InputError(
+                "WallClockSchedule sets the learning rates itself; give model.lr_scheduler null."
+            )
+        if not self._rates:  # in a checkpoint's optimisers they are scaled already
+            self._rates = [[group["lr"] for group in o.param_groups] for o in trainer.optimizers]
+        self._start = monotonic()
+        self._stop_when_spent(trainer)
+
+    def on_train_batch_start(
+        self, trainer: Trainer, pl_module: LightningModule, batch: Batch, batch_idx: int
+    ) -> None:
+        """Set the learning rates."""
+        factor = cosine_factor(self.elapsed / self.seconds, self.warmup)
+        for optimizer, rates in zip(trainer.optimizers, self._rates, strict=True):
+            for group, rate in zip(optimizer.param_groups, rates, strict=True):
+                group["lr"] = factor * rate
+
+    def on_train_batch_end(
+        self, trainer: Trainer, pl_module: LightningModule, outputs: object, batch: Batch, batch_idx: int
+    ) -> None:
+        """Stop when the time is spent."""
+        self._stop_when_spent(trainer)
+
+    def _stop_when_spent(self, trainer: Trainer) -> None:
+        # Clocks of several processes differ; one that stopped alone would leave the others waiting for it.
+        spent = trainer.strategy.reduce_boolean_decision(self.elapsed >= self.seconds, all=False)
+        trainer.should_stop = trainer.should_stop or spent
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return what the checkpoint keeps: the time that is spent, and the rates that are scaled."""
+        return {"elapsed": self.elapsed, "rates": self._rates}
+
+    def load_state_dict(self, state_dict: dict[str, Any]) -> None:
+        """Take up the clock of the run that is resumed."""
+        self._before = float(state_dict["elapsed"])
+        self._rates = state_dict["rates"]
