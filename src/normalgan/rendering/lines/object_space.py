@@ -5,23 +5,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
+from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.inside import Inside
-from normalgan.rendering.lines.marks import distance_to, mark
-from normalgan.rendering.lines.occluding import occluding_contours
-from normalgan.rendering.lines.pens import draw_border
+from normalgan.rendering.lines.outlined import OutlinedDrawing
 from normalgan.rendering.lines.projection import towards_eye
 from normalgan.rendering.lines.shapes import Shape, shape_of
 from normalgan.rendering.lines.surface_lines import zero_marks
+from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 from normalgan.rendering.view import View
 
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
-class ObjectSpaceSuggestive(LineDrawing):
+class ObjectSpaceSuggestive(OutlinedDrawing):
     """Occluding contours, and suggestive contours found on the mesh instead of in the picture.
 
     They are where the radial curvature, the curvature along the direction of the eye, changes from
@@ -67,23 +66,14 @@ class ObjectSpaceSuggestive(LineDrawing):
         if not 0 <= self.theta < 90:
             raise InputError(f"theta is {self.theta}; it is an angle from 0 to below 90 degrees.")
 
-    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the strokes; see `LineDrawing.trace`."""
-        buffers = Buffers.of(view, self.resolution)
-        if buffers is None:
-            return []
-        contours = occluding_contours(buffers, self.gap, self.shortest_contour)
-        strokes = [draw_border(line, buffers, self.line_width) for line in contours]
-        if self.interior_width > 0:
-            shape = shape_of(view.mesh, self.smoothing)
-            facing, radial, rise = radial_curvature(shape, towards_eye(view.camera, shape.surface.vertices))
-            turned = (facing > 0) & (facing < np.cos(np.deg2rad(self.theta)))
-            marks = zero_marks(shape.surface, radial, turned)
-            strength = marks.take(shape.surface, rise)
-            distance = distance_to(mark(contours, buffers.maps.mask.shape))
-            pen = Inside(self.interior_width, self.strength, self.shortest, self.bridge, self.apart)
-            strokes += pen.draw(shape.surface, view, buffers, distance, marks, strength)
-        return strokes
+    def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
+        """Return the suggestive contours; see `OutlinedDrawing._draw_inside`."""
+        shape = shape_of(view.mesh, self.smoothing)
+        facing, radial, rise = radial_curvature(shape, towards_eye(view.camera, shape.surface.vertices))
+        turned = (facing > 0) & (facing < np.cos(np.deg2rad(self.theta)))
+        marks = zero_marks(shape.surface, radial, turned)
+        pen = Inside(self.interior_width, self.strength, self.shortest, self.bridge, self.apart)
+        return pen.draw(shape.surface, view, buffers, distance, marks, marks.take(shape.surface, rise))
 
 
 def radial_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles, Doubles]:

@@ -5,16 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.rendering.lines.apparent_ridges import apparent_curvature, extremes
-from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
+from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.inside import Inside
-from normalgan.rendering.lines.marks import distance_to, mark
-from normalgan.rendering.lines.occluding import occluding_contours
-from normalgan.rendering.lines.pens import draw_border
+from normalgan.rendering.lines.outlined import OutlinedDrawing
 from normalgan.rendering.lines.projection import towards_eye
 from normalgan.rendering.lines.shapes import Shape, shape_of
 from normalgan.rendering.lines.surface_lines import EdgeMarks
+from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 from normalgan.rendering.view import View
 
@@ -23,7 +22,7 @@ _FACING = 0.15  # n·v below which a ridge is as good as a contour
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
-class RidgesAndValleys(LineDrawing):
+class RidgesAndValleys(OutlinedDrawing):
     """Occluding contours, and the ridges and valleys between them.
 
     Ridges and valleys here are apparent ones (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing",
@@ -68,23 +67,18 @@ class RidgesAndValleys(LineDrawing):
     def __post_init__(self) -> None:
         check_settings(self, positive=("line_width", "gap", "strength", "resolution"))
 
-    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the strokes; see `LineDrawing.trace`."""
-        buffers = Buffers.of(view, self.resolution)
-        if buffers is None:
-            return []
-        contours = occluding_contours(buffers, self.gap, self.shortest_contour)
-        strokes = [draw_border(line, buffers, self.line_width) for line in contours]
-        if self.interior_width > 0:
-            shape = shape_of(view.mesh, self.smoothing)
-            eye = towards_eye(view.camera, shape.surface.vertices)
-            pen = Inside(
-                self.interior_width, self.strength, self.shortest, self.bridge, self.apart, smoothing=0.02
-            )
-            distance = distance_to(mark(contours, buffers.maps.mask.shape))
-            for marks, strength in apparent_ridges(shape, eye, self.sharpness):
-                strokes += pen.draw(shape.surface, view, buffers, distance, marks, strength)
-        return strokes
+    def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
+        """Return the ridges and valleys; see `OutlinedDrawing._draw_inside`."""
+        shape = shape_of(view.mesh, self.smoothing)
+        eye = towards_eye(view.camera, shape.surface.vertices)
+        pen = Inside(
+            self.interior_width, self.strength, self.shortest, self.bridge, self.apart, smoothing=0.02
+        )
+        return [
+            stroke
+            for marks, strength in apparent_ridges(shape, eye, self.sharpness)
+            for stroke in pen.draw(shape.surface, view, buffers, distance, marks, strength)
+        ]
 
 
 def apparent_ridges(shape: Shape, eye: Doubles, sharpness: float) -> list[tuple[EdgeMarks, Doubles]]:

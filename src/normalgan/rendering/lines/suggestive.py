@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
+from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.crossings import Line
-from normalgan.rendering.lines.marks import distance_to, mark
-from normalgan.rendering.lines.occluding import occluding_contours
-from normalgan.rendering.lines.pens import draw_border, draw_curve
+from normalgan.rendering.lines.outlined import OutlinedDrawing
+from normalgan.rendering.lines.pens import draw_curve
 from normalgan.rendering.lines.valleys import smooth_normals, valley_depth, zero_crossings
 from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Stroke
@@ -22,7 +21,7 @@ _BAND = 0.003  # of the frame's side: normals so near a contour are half seen, a
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
-class SuggestiveContours(LineDrawing):
+class SuggestiveContours(OutlinedDrawing):
     """Occluding contours and few, confident strokes inside, the most like an artist's of the styles.
 
     The strokes are the suggestive contours of DeCarlo et al. 2003, found in the picture: zero crossings
@@ -65,22 +64,13 @@ class SuggestiveContours(LineDrawing):
         if not 0 <= self.theta < 90:
             raise InputError(f"theta is {self.theta}; it is an angle from 0 to below 90 degrees.")
 
-    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the strokes; see `LineDrawing.trace`."""
-        buffers = Buffers.of(view, self.resolution)
-        if buffers is None:
-            return []
-        contours = occluding_contours(buffers, self.gap, self.shortest_contour)
-        strokes = [draw_border(line, buffers, self.line_width) for line in contours]
-        if self.interior_width > 0:
-            distance = distance_to(mark(contours, buffers.maps.mask.shape))
-            inside = [
-                line
-                for line in self._inside(buffers, distance)
-                if self._says_more(line, distance, buffers.side)
-            ]
-            strokes += [draw_curve(line, buffers, self.interior_width) for line in inside]
-        return strokes
+    def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
+        """Return the suggestive contours; see `OutlinedDrawing._draw_inside`."""
+        return [
+            draw_curve(line, buffers, self.interior_width)
+            for line in self._inside(buffers, distance)
+            if self._says_more(line, distance, buffers.side)
+        ]
 
     def _inside(self, buffers: Buffers, distance: Floats) -> list[Line]:
         """Return the lines inside, given each pixel's ``distance`` to the contours."""
