@@ -13,7 +13,7 @@ LAYERS = (
     {"normals", "registry", "seeds"},
     {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
     | {"checkpoints", "mistakes", "quiet"},
-    {"painter"},
+    {"painter", "inference"},
     {"data", "gan"},
     {"callbacks", "plugins"},
     {"parser"},
@@ -24,7 +24,7 @@ LAYERS = (
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 LIGHT = (
     *("errors", "normals", "registry", "rendering", "drawings"),
-    *("framing", "gallery", "mistakes", "commands"),
+    *("framing", "gallery", "mistakes", "commands", "inference"),
 )
 """Rooms that never import torch."""
 

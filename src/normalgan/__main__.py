@@ -24,12 +24,17 @@ Commands:
   predict    paint normal maps for sketches of your own
   render     only render the training samples to disk
   sketch     draw a mesh from a view, as SVG or PNG
+  generate   paint normal maps for drawings with an exported model, without torch
   benchmark  train and measure the methods of a plan on one split, or a model of yours
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
 """
 TRAINING = ("fit", "validate", "test", "predict", "render")
-OTHERS = {"sketch": "normalgan.commands.sketch", "benchmark": "normalgan.benchmark.command"}
+OTHERS = {
+    "sketch": "normalgan.commands.sketch",
+    "generate": "normalgan.commands.generate",
+    "benchmark": "normalgan.benchmark.command",
+}
 """The commands that are not the Trainer's, and the module of each, which has a ``run``."""
 COMMANDS = (*TRAINING, *OTHERS)
 

@@ -1,5 +1,6 @@
 """Drawings of the user's own: finding and reading them, and the hints painted for them."""
 
+import io
 from collections.abc import Sequence
 from glob import glob
 from pathlib import Path
@@ -13,13 +14,23 @@ from normalgan.normals import normalize
 
 Floats = NDArray[np.float32]
 
-SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
+SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg")
+SVG_SIDE = 1024
+"""Longer side in pixels that an SVG, which has none, is drawn with."""
 SMALLEST, LARGEST = 8, 8192
 """Least and greatest side in pixels: less holds no line, more is a mistake or a decompression bomb."""
 
 
-def find_drawings(source: str | Sequence[str]) -> list[Path]:
+def find_drawings(
+    source: str | Sequence[str], ending: str = "_normal.png", companions: Sequence[str] = ()
+) -> list[Path]:
     """Return the drawings in a folder, matched by a glob, or listed, in order of their names.
+
+    Args:
+        source: folder, glob, file or a list of them.
+        ending: what is written for a drawing is named its stem with this.
+        companions: what lies beside a drawing in a folder or a glob and is named its stem with one of these,
+            such as ``_hints``, is no drawing.
 
     Raises:
         InputError: if something named is missing, or nothing is found, or two have one name.
@@ -36,21 +47,45 @@ def find_drawings(source: str | Sequence[str]) -> list[Path]:
             raise InputError(
                 f"no sketch found at {entry!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
             )
+        if not Path(entry).is_file():
+            found = _without_companions(found, companions)
         paths += sorted(path for path in found if path not in paths)  # patterns may overlap
     by_name: dict[str, Path] = {}
     for path in paths:
         other = by_name.setdefault(path.stem, path)
         if other is not path:
-            raise InputError(
-                f"{other} and {path} would both be written as {path.stem}_normal.png; rename one."
-            )
+            raise InputError(f"{other} and {path} would both be written as {path.stem}{ending}; rename one.")
     return paths
 
 
-def _open(path: Path) -> Image.Image:
-    """Open an image upright, its pixels loaded; `InputError` if it is none or of no possible size."""
+def _without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list[Path]:
+    stems = {path.with_suffix("") for path in paths}
+    return [
+        path
+        for path in paths
+        if not any(
+            path.stem.endswith(each) and path.with_name(path.stem.removesuffix(each)) in stems
+            for each in companions
+        )
+    ]
+
+
+def open_image(path: Path, content: bytes | None = None, svg_side: int = SVG_SIDE) -> Image.Image:
+    """Open an image upright, its pixels loaded; an SVG is drawn, transparent where it has nothing.
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+        svg_side: longer side in pixels that an SVG is drawn with.
+
+    Raises:
+        InputError: if it is missing, no image, or of no possible size.
+    """
     try:
-        with Image.open(path) as image:
+        data = path.read_bytes() if content is None else content
+        if b"<svg" in data[:4096]:
+            data = _draw_svg(path, data, svg_side)
+        with Image.open(io.BytesIO(data)) as image:
             if not SMALLEST <= min(image.size) <= max(image.size) <= LARGEST:
                 is_now = f"{image.width} × {image.height} pixels"
                 raise InputError(f"{path} is {is_now}; a drawing has {SMALLEST} to {LARGEST} a side.")
@@ -66,6 +101,22 @@ def _open(path: Path) -> Image.Image:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{path} cannot be read as an image: {brief(error)}.") from None
+
+
+def _draw_svg(path: Path, data: bytes, side: int) -> bytes:
+    """Return an SVG as PNG."""
+    from resvg_py import svg_to_bytes  # here: few drawings are SVG
+
+    try:
+        text = data.decode("utf-8-sig")
+        # Without fonts: what is drawn must not depend on those that a machine has.
+        small = bytes(svg_to_bytes(svg_string=text, width=64, skip_system_fonts=True))
+        with Image.open(io.BytesIO(small)) as image:
+            wide = image.height <= image.width
+        width, height = (side, None) if wide else (None, side)
+        return bytes(svg_to_bytes(svg_string=text, width=width, height=height, skip_system_fonts=True))
+    except ValueError as error:
+        raise InputError(f"{path} cannot be drawn as SVG: {brief(error)}.") from None
 
 
 def _brightness(image: Image.Image) -> Floats:
@@ -92,7 +143,7 @@ def read_drawing(path: str | Path) -> Floats:
         InputError: if it is missing, no image, of no possible size, or holds no line.
     """
     path = Path(path)
-    ink: Floats = np.float32(1) - _brightness(_open(path))
+    ink: Floats = np.float32(1) - _brightness(open_image(path))
     if ink.max() < 0.1:
         raise InputError(f"{path} is all white; a sketch needs dark lines on light paper.")
     return ink
@@ -108,7 +159,7 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
         InputError: if the picture is missing, opaque or of another size, or a colour is no normal.
     """
     path = Path(path)
-    image = _open(path)
+    image = open_image(path)
     if (image.height, image.width) != shape:
         raise InputError(
             f"the hints {path} are {image.width} × {image.height} pixels, "

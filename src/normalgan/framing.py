@@ -44,28 +44,41 @@ class Frame:
 
     def cut(self, ink: Floats) -> Floats:
         """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1]."""
+        shown = self.shrink(ink)
+        # Averaging makes thin lines pale; training samples have lines as dark as ink, so the darker half of
+        # the lines is brought back to that.
+        lines = shown[shown > 0.1]
+        return np.minimum(shown / max(float(np.median(lines)), 0.1), 1) if lines.size else shown
+
+    def shrink(self, picture: Floats) -> Floats:
+        """Return the frame's part of a picture (H, W) at the model's size, (size, size), zero beyond it."""
         # Averaging over areas keeps thin lines; it needs whole pixels, so first the square is cut out.
         side = round(self.side)
         left, top = round(self.left), round(self.top)
         square = np.zeros((side, side), np.float32)
         h, w = self.shape
         x0, y0, x1, y1 = max(left, 0), max(top, 0), min(left + side, w), min(top + side, h)
-        square[y0 - top : y1 - top, x0 - left : x1 - left] = ink[y0:y1, x0:x1]
+        square[y0 - top : y1 - top, x0 - left : x1 - left] = picture[y0:y1, x0:x1]
         method = cv2.INTER_AREA if side > self.size else cv2.INTER_LINEAR
-        shown = np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
-        # Averaging makes thin lines pale; training samples have lines as dark as ink, so the darker half of
-        # the lines is brought back to that.
-        lines = shown[shown > 0.1]
-        return np.minimum(shown / max(float(np.median(lines)), 0.1), 1) if lines.size else shown
+        return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
 
     def cut_hints(self, normals: Floats, where: NDArray[np.bool_]) -> Floats:
         """Return hints (4, size, size) for the model: unit normals, averaged where they meet, and where."""
         rows, columns = np.nonzero(where)
-        x = np.floor((columns + 0.5 - round(self.left)) * self.size / round(self.side)).astype(int)
-        y = np.floor((rows + 0.5 - round(self.top)) * self.size / round(self.side)).astype(int)
+        return self.cut_points(np.stack([columns, rows], axis=1) + 0.5, normals[rows, columns])
+
+    def cut_points(self, points: NDArray[np.floating], normals: Floats) -> Floats:
+        """Return hints (4, size, size) for the model, as `cut_hints` does.
+
+        Args:
+            points: (K, 2), x right and y down in pixels of the drawing, whose first has its middle at 0.5.
+            normals: (K, 3), unit.
+        """
+        corner = np.array([round(self.left), round(self.top)])
+        x, y = np.floor((points - corner) * self.size / round(self.side)).astype(int).T
         inside = (x >= 0) & (x < self.size) & (y >= 0) & (y < self.size)
         total = np.zeros((self.size, self.size, 3), np.float32)
-        np.add.at(total, (y[inside], x[inside]), normals[rows[inside], columns[inside]])
+        np.add.at(total, (y[inside], x[inside]), normals[inside])
         unit = normalize(total)
         hinted = (np.abs(unit).sum(-1, keepdims=True) > 0).astype(np.float32)
         return np.concatenate([unit, hinted], axis=-1).transpose(2, 0, 1)

@@ -6,6 +6,7 @@ the colour (n + 1) / 2. Outside the object a map in memory is zero; a file holds
 
 import os
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 import numpy as np
@@ -70,12 +71,54 @@ def write_png(path: str | Path, normals: NDArray[np.floating], bits: Bits = 8) -
     Raises:
         OSError: if it cannot be written.
     """
+    write_bytes(path, encode_png(normals, bits))
+
+
+def encode_png(
+    normals: NDArray[np.floating], bits: Bits = 8, alpha: NDArray[np.floating] | None = None
+) -> bytes:
+    """Return a normal map (H, W, 3) as a PNG, with an alpha channel (H, W) in [0, 1] if given."""
+    colours = encode(normals, bits)[..., ::-1]
+    if alpha is not None:
+        colours = np.dstack([colours, np.rint(alpha * (2**bits - 1)).astype(colours.dtype)])
+    return _encoded(".png", colours)
+
+
+def encode_tiff(normals: Floats, alpha: Floats | None = None) -> bytes:
+    """Return a normal map as a TIFF of 32-bit floats: colours (n + 1) / 2 in [0, 1], and alpha if given."""
+    return _encoded(".tiff", _float_colours(normals, alpha)[..., [2, 1, 0, 3][: 3 + (alpha is not None)]])
+
+
+def encode_exr(normals: Floats, alpha: Floats | None = None) -> bytes:
+    """Return a normal map as an EXR of 32-bit floats: colours (n + 1) / 2 in [0, 1], and alpha if given."""
+    import OpenEXR
+
+    colours = _float_colours(normals, alpha)
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    names = "RGBA"[: colours.shape[2]]
+    with TemporaryDirectory() as folder:  # it writes to files only
+        path = Path(folder) / "map.exr"
+        OpenEXR.File(header, {names: colours}).write(str(path))
+        return path.read_bytes()
+
+
+def encode_grey(picture: Floats) -> bytes:
+    """Return a grey picture (H, W) in [0, 1] as a PNG of 8 bits."""
+    return _encoded(".png", np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8))
+
+
+def _float_colours(normals: Floats, alpha: Floats | None) -> Floats:
+    colours = (normals + 1) / 2
+    return np.ascontiguousarray(colours if alpha is None else np.dstack([colours, alpha]), np.float32)
+
+
+def _encoded(suffix: str, pixels: NDArray[Any]) -> bytes:
     import cv2  # here, because decoding and encoding in memory does not need it
 
-    done, buffer = cv2.imencode(".png", encode(normals, bits)[..., ::-1])
+    done, buffer = cv2.imencode(suffix, pixels)
     if not done:
-        raise OSError(f"the normal map for {path} could not be encoded as PNG.")
-    write_bytes(path, buffer.tobytes())
+        raise OSError(f"a normal map of {pixels.shape[1]} × {pixels.shape[0]} could not be encoded.")
+    return buffer.tobytes()
 
 
 def write_bytes(path: str | Path, content: bytes | memoryview) -> None:

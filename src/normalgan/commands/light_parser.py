@@ -1,5 +1,6 @@
 """LightParser: for the commands that need no Lightning; it answers mistakes as those do that train."""
 
+from collections.abc import Mapping
 from typing import Any, NoReturn
 
 from jsonargparse import ArgumentParser
@@ -7,18 +8,18 @@ from jsonargparse import ArgumentParser
 from normalgan.errors import InputError
 from normalgan.mistakes import explain
 from normalgan.registry import Registry
-from normalgan.rendering.lines import LINE_DRAWINGS
-from normalgan.rendering.renderers import RENDERERS
-
-PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS}
-"""The registry behind each setting that names a plug-in."""
 
 
 class LightParser(ArgumentParser):
     """Says a mistake in one sentence, and names what a typo may have meant."""
 
+    plugins: Mapping[str, Registry[Any]] = {}
+    """The registry behind each setting that names a plug-in."""
+
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
         """Raise `InputError` in place of a usage page."""
         if self.exit_on_error:
-            raise InputError(explain(message, PLUGINS, [action.dest for action in self._actions])) from ex
+            raise InputError(
+                explain(message, self.plugins, [action.dest for action in self._actions])
+            ) from ex
         super().error(message, ex)

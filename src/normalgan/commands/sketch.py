@@ -2,26 +2,32 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 from jsonargparse import Namespace
 
-from normalgan.commands.light_parser import PLUGINS, LightParser
+from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, unwritable
 from normalgan.mistakes import did_you_mean, refusal
 from normalgan.normals import paint_flat, write_bytes, write_png
+from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
 from normalgan.rendering.animals import SPECIES, Animal
 from normalgan.rendering.hand import Hand
-from normalgan.rendering.lines import LineDrawing, SuggestiveContours
+from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, SuggestiveContours
 from normalgan.rendering.loading import SUFFIXES
 from normalgan.rendering.maps import Floats
 from normalgan.rendering.media import Medium
+from normalgan.rendering.renderers import RENDERERS
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
+
+PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS}
+"""The registry behind each setting that names a plug-in."""
 
 
 def run(arguments: list[str]) -> int:
@@ -52,6 +58,7 @@ def build_parser() -> LightParser:
         usage="%(prog)s MESH [-o FILE.svg|FILE.png] [--SETTING VALUE]...",
         description="Draw a mesh from a view in a style.",
     )
+    parser.plugins = PLUGINS
     parser.add_argument(
         "mesh",
         help="a mesh file, or an embedded animal: a species such as horse, or one of its kind: horse-7",

@@ -1,0 +1,194 @@
+"""normalgan generate: from drawings to normal maps by a model as ONNX, without torch."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal
+
+from jsonargparse import Namespace
+
+from normalgan.commands.light_parser import LightParser
+from normalgan.errors import InputError, unwritable
+from normalgan.inference.hint_files import load_hints
+from normalgan.inference.jobs import MODEL, OUTLINE, STDIN, Format, Job, plan
+from normalgan.inference.masks import load_mask
+from normalgan.inference.painting import Painted, Prepared, finish, prepare
+from normalgan.inference.picture import read_picture
+from normalgan.inference.pipeline import stream
+from normalgan.inference.session import Model, find_model
+from normalgan.normals import (
+    Bits,
+    Floats,
+    encode_exr,
+    encode_grey,
+    encode_png,
+    encode_tiff,
+    flip_green,
+    paint_flat,
+    write_bytes,
+)
+
+
+def run(arguments: list[str]) -> int:
+    """Paint what the arguments ask for and return the exit code.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+    """
+    try:
+        settings = build_parser().parse_args(arguments)
+    except SystemExit as stop:  # --help
+        return int(stop.code or 0)
+    return generate(settings)
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan generate",
+        usage="%(prog)s SKETCH... [-o FOLDER] [--SETTING VALUE]...",
+        description="Paint normal maps for drawings.",
+    )
+    parser.add_argument(
+        "sketches", nargs="+", help="files, folders or globs of drawings; - reads one from standard input"
+    )
+    parser.add_argument("-o", "--output", default="normals", help="folder where the maps go")
+    parser.add_argument(
+        "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
+    )
+    parser.add_argument(
+        "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
+    )
+    parser.add_argument(
+        "--mask",
+        type=str | None,
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill the drawing's own, "
+        "or model to leave it to the model; null is its opacity if that tells, else outline",
+    )
+    parser.add_argument(
+        "--size",
+        type=int | None,
+        help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
+    )
+    parser.add_argument("--format", type=Format, default="png", help="of the map; exr and tiff hold floats")
+    parser.add_argument("--bits", type=Literal[8, 16], default=8, help="of each channel of a PNG")
+    parser.add_argument(
+        "--y", type=Literal["up", "down"], default="up", help="of green: up is OpenGL, down DirectX"
+    )
+    parser.add_argument("--suffix", default="_normal", help="of the map's name, after the drawing's")
+    parser.add_argument("--alpha", action="store_true", help="write the object's mask as alpha channel")
+    parser.add_argument(
+        "--show-input", action="store_true", help="write what the model saw, <sketch>_input.png"
+    )
+    parser.add_argument("--dry-run", action="store_true", help="only say what would be read and written")
+    return parser
+
+
+def generate(settings: Namespace) -> int:
+    """Paint and write the maps; return the exit code, 1 if some of several drawings could not be used.
+
+    Raises:
+        InputError: if nothing can be done: a setting or the only drawing cannot be used.
+    """
+    _check(settings)
+    ending = f"{settings.suffix}.{settings.format}"
+    others = ["_input.png"] if settings.show_input else []
+    content = sys.stdin.buffer.read() if STDIN in settings.sketches and not settings.dry_run else None
+    jobs = plan(
+        settings.sketches, Path(settings.output), ending, settings.hints, settings.mask, content, others
+    )
+    path = find_model(settings.model)
+    if settings.dry_run:
+        for job in jobs:
+            extras = [f" with {each}" for each in (job.hints, job.mask) if each is not None]
+            print(f"{job.drawing}{''.join(extras)} -> {job.target}")
+        return 0
+    model = Model(path)
+    written = stream(
+        jobs,
+        lambda job: _prepared(job, settings, model.size),
+        lambda prepared: model.paint(prepared.seen, prepared.hints),
+        lambda job, prepared, painted: _write(job, finish(prepared, *painted), settings),
+    )
+    failed = 0
+    with _progress(len(jobs)) as advance:
+        for job, outcome in written:
+            if isinstance(outcome, Exception):
+                sentence = _sentence(job, outcome)
+                if len(jobs) == 1:
+                    raise sentence from outcome
+                failed += 1
+                print(f"normalgan: {sentence}", file=sys.stderr)
+            elif outcome:
+                print(f"normalgan: warning: {job.drawing}: {outcome}.", file=sys.stderr)
+            advance()
+            if not isinstance(outcome, Exception):
+                print(job.target)
+    if failed:
+        print(f"normalgan: {failed} of {len(jobs)} sketches could not be used.", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _prepared(job: Job, settings: Namespace, size: int) -> Prepared:
+    picture = read_picture(job.drawing, job.content, settings.size)
+    mask = None if job.mask is None else load_mask(job.mask, picture.shape)
+    hints = None if job.hints is None else load_hints(job.hints, picture.shape)
+    source = settings.mask if settings.mask in {OUTLINE, MODEL} else None
+    return prepare(picture, size, mask, hints, settings.size, source)
+
+
+def _write(job: Job, painted: Painted, settings: Namespace) -> str:
+    """Write what belongs to one drawing and return what is to be said of it."""
+    shown = painted.alpha > 0 if settings.alpha else painted.mask
+    normals = paint_flat(painted.normals, shown)
+    if settings.y == "down":
+        normals = flip_green(normals)
+    alpha = painted.alpha if settings.alpha else None
+    write_bytes(job.target, _encode(normals, settings.format, settings.bits, alpha))
+    if settings.show_input:
+        write_bytes(job.beside("_input.png"), encode_grey(1 - painted.seen))
+    return painted.warning
+
+
+def _encode(normals: Floats, kind: Format, bits: Bits, alpha: Floats | None) -> bytes:
+    match kind:
+        case "png":
+            return encode_png(normals, bits, alpha)
+        case "exr":
+            return encode_exr(normals, alpha)
+        case "tiff":
+            return encode_tiff(normals, alpha)
+
+
+def _check(settings: Namespace) -> None:
+    if settings.size is not None and not 8 <= settings.size <= 8192:
+        raise InputError(f"size is {settings.size}; a map has 8 to 8192 pixels a side.")
+    if settings.bits == 16 and settings.format != "png":
+        raise InputError(f"bits are of a PNG; a map as {settings.format} always has floats of 32 bits.")
+    if Path(settings.suffix).name != settings.suffix and settings.suffix:
+        raise InputError(f"the suffix {settings.suffix!r} is no part of a file's name; it is like _normal.")
+
+
+def _sentence(job: Job, error: Exception) -> InputError:
+    """Return an error in a sentence that names the drawing; raise it again if it is a mistake of ours."""
+    if isinstance(error, OSError):
+        return unwritable(f"the normal map cannot be written to {job.target}: {error.strerror}.", error)
+    if not isinstance(error, InputError):
+        raise error
+    text = str(error)
+    return type(error)(text if str(job.drawing) in text else f"{job.drawing}: {text}")
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[], None]]:
+    """Give what moves a bar on standard error on; there is none for one drawing, or if nobody watches."""
+    if total < 2 or not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True)) as progress:
+        task = progress.add_task("painting", total=total)
+        yield lambda: progress.advance(task)

@@ -1,0 +1,95 @@
+"""Line width: a drawing's lines as wide as those that the model was trained on."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.framing import Frame
+from normalgan.normals import Floats
+
+KNOWN_WIDTH = 1.25
+"""Pixels of the model that the lines of training samples are wide."""
+_LEFT_ALONE = (0.8, 1.9)
+"""Lines from and to as many pixels of the model are not drawn anew: anew they lose some of their hand."""
+_FINER = 4
+"""Lines are thinned with as many pixels a side for each of the model."""
+Mark = NDArray[np.bool_]
+
+
+def show(ink: Floats, frame: Frame) -> Floats:
+    """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1].
+
+    Lines much wider or narrower than `KNOWN_WIDTH` are drawn anew along their middle; areas, whose width is
+    no line's, are drawn as their outline.
+    """
+    fine = Frame(frame.shape, frame.left, frame.top, frame.side, frame.size * _FINER)
+    inked = fine.cut(ink) > 0.5
+    width = line_width(inked) / _FINER
+    if _LEFT_ALONE[0] <= width <= _LEFT_ALONE[1] and not areas(inked, width * _FINER).any():
+        return frame.cut(ink)
+    lines = middle(inked, width * _FINER)
+    away = cv2.distanceTransform((~lines).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    drawn = np.clip(KNOWN_WIDTH * _FINER / 2 + 0.5 - away, 0, 1).astype(np.float32)
+    shown = cv2.resize(drawn, (frame.size, frame.size), interpolation=cv2.INTER_AREA)
+    return np.asarray(shown, np.float32)
+
+
+def line_width(inked: Mark) -> float:
+    """Return how wide most of the lines of a drawing (H, W) are in pixels, by the length of their edges.
+
+    >>> inked = np.zeros((60, 60), bool)
+    >>> inked[10:15] = inked[30:35] = True
+    >>> round(line_width(inked))
+    5
+    """
+    depth = _depth(inked)
+    # Pixels as far inside as their neighbours or farther lie on the middle of a line.
+    ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - 1e-4)
+    return float(np.median(2 * depth[ridge] - 1)) if ridge.any() else 0.0
+
+
+def areas(inked: Mark, width: float) -> Mark:
+    """Return the parts of a drawing (H, W) too thick for a line, when most lines are ``width`` wide.
+
+    A patch that is thick for the most part is an area with all its thin parts: a silhouette's legs.
+    """
+    side = max(inked.shape)
+    thickest = min(max(1.5 * width, 0.02 * side), 0.035 * side)  # half the width that is none of a line
+    core: Mark = _depth(inked) > thickest
+    if not core.any():
+        return core
+    away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
+    thick: Mark = inked & np.asarray(away <= 1.2 * thickest)
+    count, labels = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)
+    share = np.bincount(labels[thick], minlength=count) / np.bincount(labels.ravel(), minlength=count)
+    found: Mark = thick | (inked & (share > 0.5)[labels])
+    return found
+
+
+def middle(inked: Mark, width: float) -> Mark:
+    """Return lines one pixel wide: the middle of the lines of a drawing (H, W), the outline of its areas.
+
+    Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns", 1984, as scikit-image has it.
+
+    Args:
+        inked: (H, W).
+        width: of most lines in pixels.
+    """
+    from skimage.morphology import skeletonize  # takes half a second, and most drawings do without
+
+    thick = areas(inked, width)
+    blur = max(width / 4, 0.5)  # a line's rough edges would grow hairs
+    smooth = cv2.GaussianBlur(inked.astype(np.float32), (0, 0), blur) > 0.5
+    lines: Mark = skeletonize(smooth & ~thick)  # type: ignore[no-untyped-call]
+    inner = cv2.erode(thick.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    rim = thick & ~inner
+    # Where an area goes over into a line there is no edge.
+    onto = cv2.dilate((inked & ~thick).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    return lines | (rim & ~(onto & rim))
+
+
+def _depth(inked: Mark) -> Floats:
+    """Return how far inside the ink each pixel lies, (H, W), 1 at its edge."""
+    padded = np.pad(inked, 1).astype(np.uint8)
+    depth = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return np.asarray(depth[1:-1, 1:-1], np.float32)

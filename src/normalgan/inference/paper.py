@@ -1,0 +1,77 @@
+"""Paper: from colours to ink, whatever the paper's tint, shadows and grain and the pen's colour."""
+
+import cv2
+import numpy as np
+
+from normalgan.inference.picture import fitted, resize
+from normalgan.normals import Floats
+
+_SIDE = 512
+"""Longest side at which the paper is estimated; it has no finer structure."""
+_WINDOW = 0.07
+"""A share of the longest side: wider areas of one colour are paper, or painted areas, and no strokes."""
+_PAINTED = 0.6
+"""What is darker than this share of the paper, in its darkest channel, and wide is painted, not shaded."""
+
+
+def ink_on_paper(colour: Floats) -> Floats:
+    """Return the lines of a drawing with dark lines, (H, W) ink in [0, 1]; paper is 0, lines about 1.
+
+    The lightest colour within a window of each pixel is its paper; the pixel is divided by it, channel by
+    channel, and the darkest channel counts, so that a yellow pen draws too. Around areas that are painted
+    in one colour a line is drawn where they have none. What is no more than the paper's grain is left out.
+
+    Args:
+        colour: (H, W, 3) in [0, 1].
+    """
+    shape = (colour.shape[0], colour.shape[1])
+    small = colour if max(shape) <= _SIDE else resize(colour, fitted(shape, _SIDE))
+    paper = _paper(small)
+    ink = 1 - (colour / resize(paper, shape).clip(0.04, 1)).min(-1)
+    ink -= float(np.median(ink))
+    ink = _without_grain(np.clip(ink, 0, 1))
+    painted = _painted(paper)
+    if painted.any():
+        ink = np.maximum(ink, resize(_rim(painted), shape).clip(0, 1))
+    return np.asarray(ink, np.float32)
+
+
+def _paper(colour: Floats) -> Floats:
+    """Return the lightest colour about each pixel, (H, W, 3), with edges where they were."""
+    width = 2 * max(round(_WINDOW * max(colour.shape) / 2), 2) + 1
+    window = cv2.getStructuringElement(cv2.MORPH_RECT, (width, width))
+    # Grain has bright grains; without them the paper is not taken for lighter than it is.
+    smooth = cv2.GaussianBlur(colour, (3, 3), 0)
+    return np.asarray(cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, window), np.float32)
+
+
+def _without_grain(ink: Floats) -> Floats:
+    """Return ink with the paper's grain at 0 and the lines brought to 1."""
+    paper = ink[ink < 0.3]
+    grain = 1.4826 * float(np.median(np.abs(paper - np.median(paper)))) if paper.size else 0.0
+    least = max(4 * grain, 0.06)
+    lines = ink[ink > 2 * least]
+    if not lines.size:
+        lines = ink[ink > least]
+    if not lines.size:
+        return np.zeros_like(ink)
+    # A pen's edge is pale and its middle dark: the darker half tells how dark it draws.
+    dark = max(float(np.percentile(lines, 70)), 2 * least)
+    return np.asarray(np.clip((ink - least) / (dark - least), 0, 1), np.float32)
+
+
+def _painted(paper: Floats) -> Floats:
+    """Return 1 where the paper is so dark that it must be painted, (H, W)."""
+    level = np.median(paper.reshape(-1, 3), axis=0)
+    lightest = np.percentile(paper.reshape(-1, 3), 95, axis=0)
+    # Where more than half is painted, the median is paint.
+    level = np.where(level < 0.7 * lightest, lightest, level)
+    darkest = (paper / np.maximum(level, 0.04)).min(-1)
+    return np.asarray(darkest < _PAINTED, np.float32)
+
+
+def _rim(painted: Floats) -> Floats:
+    """Return a line inside the edge of painted areas, some two pixels wide."""
+    inside = np.pad(painted.astype(np.uint8), 1, mode="edge")
+    within = cv2.erode(inside, np.ones((5, 5), np.uint8))
+    return (inside - within)[1:-1, 1:-1].astype(np.float32)
