@@ -31,7 +31,7 @@ def run(arguments: list[str]) -> int:
         chosen = options.rows.split(",") if options.rows else [row.name for row in plan.rows]
         for name in chosen:
             plan.row(name)
-        return compare(plan, scale, Path(options.output), chosen, options.seeds or plan.seeds)
+        return compare(plan, scale, Path(options.output), chosen, _seeds(options.seeds) or plan.seeds)
 
 
 def build_parser() -> LightParser:
@@ -50,12 +50,13 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("-o", "--output", default="runs/benchmark", help="where runs and report go")
     parser.add_argument("--rows", type=str | None, help="names of rows, with commas; null takes all")
-    parser.add_argument("--seeds", type=int, nargs="+", help="seeds in place of the plan's")
+    parser.add_argument("--seeds", type=str, nargs="+", help="seeds in place of the plan's")
     parser.add_argument(
         "--budget", type=str | None, help="wall-clock time of each run in place of the images, such as 8m"
     )
     parser.add_argument(
         "--set",
+        action="extend",
         type=str,
         nargs="+",
         help="settings of data or trainer that win over all: data.size=64",
@@ -125,6 +126,15 @@ def _read(options: Namespace) -> tuple[Plan, Scale]:
     seconds = read_budget(options.budget) if options.budget else None
     overlays = [path for path in files if path not in plans]
     return read_plan(plans[0]), read_scale(overlays, options.set or (), seconds)
+
+
+def _seeds(given: list[str] | None) -> list[int]:
+    for text in given or ():
+        if not text.isdecimal():
+            raise InputError(
+                f"--seeds was given {text!r}; use whole numbers, 0 or more, with spaces between."
+            )
+    return [int(text) for text in given or ()]
 
 
 def _say(text: str) -> None:

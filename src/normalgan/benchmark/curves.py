@@ -46,10 +46,10 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
             label, style = plan.row(name).label, "--" if colour == _REFERENCE else "-"
             _draw(learning, *learning_curve(results[name]), colour, style, label)
             _draw(hinted, *hint_curve(results[name], plan.counts), colour, style, label, marker="o")
-        learning.set(title=group, xlabel="images the generator has learnt from", ylabel="mean error, °")
-        _note(learning, "validation, own hints")
-        hinted.set(title=group, xlabel="hints, uniform on the object")
-        _note(hinted, "test")
+        learning.set(xlabel="images the generator has learnt from", ylabel="mean error, °")
+        learning.set_title(f"{group}: validation, each with its own hints", loc="left", fontsize=10)
+        hinted.set(xlabel="hints, uniform on the object", xticks=plan.counts)
+        hinted.set_title(f"{group}: test", loc="left", fontsize=10)
         for panel in (learning, hinted):
             panel.grid(color="0.9")
             panel.spines[["top", "right"]].set_visible(False)
@@ -95,7 +95,3 @@ def _draw(
     if len(errors) > 1:
         low, high = np.nanmin(errors, axis=0), np.nanmax(errors, axis=0)
         axes.fill_between(x, low, high, color=colour, alpha=0.15, lw=0)
-
-
-def _note(axes: Axes, text: str) -> None:
-    axes.annotate(text, (0.98, 0.95), xycoords="axes fraction", ha="right", va="top", fontsize=9)

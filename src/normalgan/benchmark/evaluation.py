@@ -124,7 +124,8 @@ class Evaluation:
             case "constant":
                 return constant_method()
             case "mean":
-                return mean_method(self.data.mean_normal_map())
+                # Data of its own, so that the training split does not stay in memory.
+                return mean_method(build_data(self.shared, batch_size=_BATCH).mean_normal_map())
             case _:
                 return inflation_method()
 

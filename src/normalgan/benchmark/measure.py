@@ -49,7 +49,8 @@ def measure(
             given = method.takes_hints and count > 0
             preds = method.paint(here, hints_at(target, where)) if given else bare
             metrics[str(count)].update(preds, target, without_hints(mask, where))
-        hints = draw_hints_by_name(method.sampler, target, mask, names, seed)
+        # On the CPU: another device would draw others.
+        hints = draw_hints_by_name(method.sampler, batch["normal"], batch["mask"], names, seed).to(device)
         preds = method.paint(here, hints) if method.takes_hints else bare
         own.update(preds, target, without_hints(mask, hints[:, 3:]))
         hints_given += int(hints[:, 3].sum())

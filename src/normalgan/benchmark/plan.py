@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -11,10 +11,10 @@ import yaml
 
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError
-from normalgan.mistakes import check_config, refusal
+from normalgan.mistakes import check_config, did_you_mean, refusal
 
 Settings = dict[str, Any]
-T = TypeVar("T")
+Part = TypeVar("Part", "Plan", "Row")
 
 
 @dataclass(frozen=True)
@@ -152,8 +152,12 @@ def read_yaml(path: str | Path) -> Settings:
     return content
 
 
-def _read(kind: type[T], content: Settings, where: str, **given: Any) -> T:
+def _read(kind: type[Part], content: Settings, where: str, **given: Any) -> Part:
     """Build a dataclass from what a file says and what is known already."""
+    known = {field.name for field in fields(kind)} - set(given)
+    for name in content.keys() - known:
+        near = did_you_mean(str(name), known)
+        raise InputError(f"{where} cannot be used: there is no setting {name} in it.{near}")
     parser = LightParser()
     parser.add_class_arguments(kind, skip=set(given))
     try:

@@ -30,14 +30,12 @@ class Run:
         seed: of initialisation, training hints and dropout; None if nothing is learnt.
         folder: where it is kept.
         settings: all of `normalgan fit`; of a row that learns nothing, those of its data count.
-        images: that the generator is to learn from; 0 if the clock decides or nothing is learnt.
     """
 
     row: Row
     seed: int | None
     folder: Path
     settings: Settings
-    images: int = 0
 
     @property
     def title(self) -> str:
@@ -75,12 +73,12 @@ def build_data(settings: Settings, **changes: Any) -> MeshDataModule:
 
 
 def shared_settings(plan: Plan, scale: Scale) -> Settings:
-    """Return the settings with the data that all rows share, and which need no row.
+    """Return the settings with the data that all rows share, and where to measure.
 
     Raises:
         InputError: if they cannot be used.
     """
-    overlays = [part(overlay, ["data"]) for overlay in scale.overlays]
+    overlays = [part(overlay, ["data", "trainer"]) for overlay in scale.overlays]
     return compose([{"data": nest(plan.data)}, *overlays, scale.given or {}])
 
 
@@ -168,7 +166,7 @@ def plan_runs(plan: Plan, scale: Scale, out: Path, seeds: Sequence[int]) -> list
             if not row.classical:
                 folder = out / row.name / f"seed{seed}"
                 seeded = _seeded(settings[row.name], seed, folder)
-                runs.append(Run(row, seed, folder, seeded, 0 if scale.seconds else plan.images))
+                runs.append(Run(row, seed, folder, seeded))
     return runs
 
 

@@ -67,7 +67,10 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
     lines = [f"# {plan.name}, scale {scale.name}", "", f"{span[0].upper()}{span[1:]}."]
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
-    lines += [f"Seeds: {_seeds(results)}. Test split, pixels on the object; hinted pixels do not count."]
+    lines += [
+        f"Seeds: {_seeds(results)}. Test split, pixels on the object; hinted pixels do not count. What takes "
+        "no hints is given none."
+    ]
     for title, given in (
         (f"Table 1: {plan.hints} hints, uniform, the same for every method", str(plan.hints)),
         ("Table 1, without hints", "0"),
@@ -134,5 +137,5 @@ def _seeds(results: Results) -> str:
 def _machines(results: Results) -> set[str]:
     machines = [run["machine"] for runs in results.values() for run in runs]
     return {
-        m.get("gpu") or f"{m['cores']} cores of {m['processor']}, {m['threads']} threads" for m in machines
+        m.get("gpu") or f"{m['cores']} cores of {m['processor']}, threads: {m['threads']}" for m in machines
     }

@@ -1,0 +1,137 @@
+"""The whole command, on three animals of 32 pixels."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from normalgan.__main__ import main
+from normalgan.benchmark.plan import read_plan
+from normalgan.benchmark.runs import plan_runs
+from normalgan.benchmark.scale import read_scale
+
+ROOT = Path(__file__).parents[2]
+
+PLAN: dict[str, Any] = {
+    "name": "Tiny",
+    "images": 8,
+    "seeds": [0],
+    "hints": 5,
+    "hint_counts": [0, 20],
+    "gallery": 2,
+    "data": {
+        "size": 32,
+        "animals": 3,
+        "fractions": [0.34, 0.33, 0.33],
+        "train_views": 4,
+        "val_views": 2,
+        "test_views": 3,
+        "render_workers": 0,
+        "lines": {"class_path": "OccludingContours"},
+        "renderer": {"class_path": "EmbreeRenderer"},
+    },
+    "rows": [
+        {"name": "inflation", "label": "inflation", "classical": "inflation"},
+        {"name": "broken", "label": "broken", "configs": [str(ROOT / "configs" / "paper.yaml")]},
+        {"name": "pix2pix", "label": "pix2pix", "configs": [str(ROOT / "configs" / "pix2pix.yaml")]},
+    ],
+}
+# A depth that a network of 32 pixels does not have is found out only when it is built.
+PLAN["rows"][1]["settings"] = {"model.generator.init_args.depth": 9}
+OVERLAY = {
+    "trainer": {"accelerator": "cpu"},
+    "data": {"batch_size": 4},
+    "model": {
+        "generator": {"init_args": {"width": 4}},
+        "discriminator": {"init_args": {"width": 4}},
+        "n_critic": 1,
+    },
+}
+
+
+def figures(printed: str, heading: str) -> list[str]:
+    (table,) = (part for part in printed.split("\n## ") if part.startswith(heading))
+    return re.findall(r"\d+\.\d+", table.strip().splitlines()[-1])
+
+
+@pytest.mark.slow  # trains twice in other processes, which import lightning
+def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan, overlay, out = tmp_path / "plan.yaml", tmp_path / "tiny.yaml", tmp_path / "out"
+    plan.write_text(yaml.safe_dump(PLAN), encoding="utf-8")
+    overlay.write_text(yaml.safe_dump(OVERLAY), encoding="utf-8")
+    given = ["benchmark", "--config", str(plan), "--config", str(overlay), "-o", str(out)]
+    given += ["--set", f"data.cache={tmp_path / 'cache'}"]
+
+    assert main(given) == 1  # one run cannot be trained, and the others are
+    said = capsys.readouterr().out
+    assert "broken, seed 0 failed: its training ended with code 2: normalgan: " in said
+    results = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    assert (results["plan"], results["scale"], results["size"], results["seeds"]) == ("Tiny", "tiny", 32, [0])
+    assert str(tmp_path) not in json.dumps(results)
+    by_row = {run["row"]: run for run in results["runs"]}
+    assert by_row.keys() == {"inflation", "pix2pix"}
+    assert by_row["pix2pix"]["figures"].keys() == {"0", "5", "20", "own"}
+    assert by_row["pix2pix"]["images"] == 8
+    assert [record["images"] for record in by_row["pix2pix"]["curve"]] == [4, 8]
+    assert by_row["inflation"]["figures"]["0"]["angular_mean"] < 45  # of an animal a silhouette tells much
+    assert {p.name for p in out.iterdir() if p.is_file()} == {
+        *("results.json", "table.md", "curves.png", "gallery.png")
+    }
+
+    written = (out / "pix2pix" / "seed0" / "result.json").stat().st_mtime_ns
+    assert main([*given, "--rows", "inflation,pix2pix"]) == 0
+    assert "pix2pix, seed 0: done already" in capsys.readouterr().out
+    assert (out / "pix2pix" / "seed0" / "result.json").stat().st_mtime_ns == written
+
+    (checkpoint,) = (out / "pix2pix" / "seed0" / "checkpoints").glob("0*.ckpt")
+    shutil.copy(checkpoint, tmp_path / "model.ckpt")
+    assert main([*given, "--evaluate", str(tmp_path / "model.ckpt")]) == 0
+    table = (out / "table.md").read_text(encoding="utf-8")
+    printed = capsys.readouterr().out
+    for heading in ("Table 1: 5 hints", "Table 1, without hints", "Table 2", "Mean angular error"):
+        assert figures(printed, heading) == figures(table, heading)
+
+    assert main([*given, "--set", "data.test_views=4"]) == 2
+    assert "was made with other settings (data.test_views)" in capsys.readouterr().err
+
+
+def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[str]) -> None:
+    fourlegs = str(ROOT / "configs" / "benchmark" / "fourlegs.yaml")
+    cpu = str(ROOT / "configs" / "cpu.yaml")
+    for arguments, said in (
+        ([], "benchmark takes one plan, a --config file with rows, but was given 0"),
+        (["--config", cpu], "but was given 0"),
+        (["--config", fourlegs, "--config", fourlegs], "but was given 2"),
+        (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
+        (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is no span of time"),
+        (["--config", fourlegs, "--seeds", "one"], "--seeds was given 'one'; use whole numbers"),
+        (["--config", fourlegs, "--cheat", "1"], "there is no setting cheat"),
+    ):
+        assert main(["benchmark", *arguments]) == 2
+        error = capsys.readouterr().err
+        assert error.startswith("normalgan: ")
+        assert said in error
+
+
+@pytest.mark.slow  # imports lightning and parses the settings of every row
+@pytest.mark.parametrize("overlay", ["cpu", "gpu"])
+def test_every_row_of_our_plan_can_be_put_together(
+    overlay: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    plan = read_plan("configs/benchmark/embedded.yaml")
+    runs = plan_runs(plan, read_scale([f"configs/{overlay}.yaml"]), tmp_path, [0])
+    assert [run.row.name for run in runs] == [row.name for row in plan.rows]
+    assert len({run.hash for run in runs}) == len(runs)
+    for run in runs[3:]:
+        model, data = run.settings["model"], run.settings["data"]
+        n_critic = model["n_critic"] if model["discriminator"] else 1
+        seen = (
+            run.settings["trainer"]["max_epochs"] * 2100 // data["batch_size"] * data["batch_size"] / n_critic
+        )
+        assert seen == pytest.approx(plan.images, rel=0.03)
+        assert data["size"] == {"cpu": 128, "gpu": 256}[overlay]

@@ -1,0 +1,97 @@
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from normalgan.benchmark.plan import is_plan, read_plan
+from normalgan.errors import InputError
+
+ROOT = Path(__file__).parents[2]
+PLANS = ROOT / "configs" / "benchmark"
+
+
+def plan(**settings: Any) -> dict[str, Any]:
+    trained = {"name": "paper", "label": "the paper", "configs": ["configs/paper.yaml"]}
+    classical = {"name": "mean", "label": "mean", "classical": "mean"}
+    return {"name": "p", "images": 10, "rows": [classical, trained], **settings}
+
+
+def written(folder: Path, content: Any) -> Path:
+    path = folder / "plan.yaml"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    return path
+
+
+def test_a_plan_is_read(tmp_path: Path) -> None:
+    changes = {"model.discriminator": None, "model.hint_sampler": {"class_path": "NoHints"}}
+    rows = [{"name": "a", "label": "A", "configs": ["x.yaml"], "changes": changes, "takes": ["trainer"]}]
+    read = read_plan(written(tmp_path, plan(rows=rows, seeds=[3, 4], hint_counts=[50, 5], reference="a")))
+    assert read.rows[0].changes == changes
+    assert read.rows[0].takes == ["trainer"]
+    assert read.seeds == [3, 4]
+    assert read.counts == [0, 5, 15, 50]
+    assert read.row("a") is read.rows[0]
+
+
+def test_plans_are_told_from_overlays() -> None:
+    assert is_plan(PLANS / "fourlegs.yaml")
+    assert not is_plan(ROOT / "configs" / "cpu.yaml")
+
+
+def test_the_two_plans_differ_in_their_data_alone() -> None:
+    fourlegs, embedded = (yaml.safe_load((PLANS / f"{n}.yaml").read_text()) for n in ("fourlegs", "embedded"))
+    assert {k for k in fourlegs if fourlegs[k] != embedded[k]} == {"name", "data"}
+    assert "meshes" not in embedded["data"]
+
+
+@pytest.mark.parametrize("name", ["fourlegs", "embedded"])
+def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
+    read = read_plan(PLANS / f"{name}.yaml")
+    names = {row.name for row in read.rows}
+    assert {"constant", "mean", "inflation", "pix2pix", "sketch2normal", "paper", "ours"} <= names
+    assert {"hints-random", "hints-none", "discriminator-patch", "discriminator-none"} <= names
+    assert {"instance-clip", "instance-penalty", "cross-entropy", "hint-loss-none"} <= names
+    assert read.counts == [0, 5, 10, 15, 20, 50]
+    assert len(read.seeds) >= 3
+    assert all((ROOT / config).is_file() for row in read.rows for config in row.configs)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (plan(images="many"), ["plan.yaml", "images", "a whole number, not many"]),
+        (plan(images=0), ["images must be 1 or more in a plan, not 0"]),
+        (plan(sedes=[1]), ["there is no setting sedes", "Did you mean seeds?"]),
+        (plan(seeds=[]), ["a plan needs seeds"]),
+        (plan(seeds=[-1]), ["seeds must all be 0 or more"]),
+        (plan(checkpoint="first"), ["checkpoint", "first"]),
+        (plan(reference="theirs"), ["the plan has no row theirs; it has mean, paper"]),
+        (plan(rows=3), ["are no list of settings"]),
+        (plan(rows=[]), ["a plan needs rows"]),
+        (plan(rows=[{"name": "a", "label": "A"}]), ["row a", "must have either configs or classical"]),
+        (plan(rows=[{"name": "a", "label": "A", "classical": "median"}]), ["row a", "classical", "median"]),
+        (
+            plan(rows=[{"name": "a", "lable": "A", "classical": "mean"}]),
+            ["row a", "lable", "Did you mean label?"],
+        ),
+        (plan(rows=[{"name": "a", "classical": "mean"}]), ["row a", "label"]),
+        (plan(rows=[{"name": "a b", "label": "A", "classical": "mean"}]), ["'a b'", "letters, digits"]),
+        (plan(rows=[{"name": "a", "label": "A", "classical": "mean", "takes": []}]), ["has no settings"]),
+        (
+            plan(rows=2 * [{"name": "a", "label": "A", "classical": "mean"}]),
+            ["two rows of the plan are named a"],
+        ),
+    ],
+)
+def test_a_mistake_is_answered_by_a_sentence(tmp_path: Path, wrong: Any, words: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        read_plan(written(tmp_path, wrong))
+    assert "\n" not in str(caught.value)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_a_missing_plan_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"there is no configuration file .*none\.yaml"):
+        read_plan(tmp_path / "none.yaml")

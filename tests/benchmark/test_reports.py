@@ -1,0 +1,128 @@
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from normalgan.benchmark.curves import VALIDATION, draw_curves, hint_curve, learning_curve
+from normalgan.benchmark.measure import OWN
+from normalgan.benchmark.pictures import Line, draw_methods
+from normalgan.benchmark.plan import Plan, Row
+from normalgan.benchmark.scale import Scale
+from normalgan.benchmark.table import FIGURES, markdown
+from normalgan.gallery import Row as Sample
+
+ROWS = [
+    Row("mean", "the mean", group="Simple", classical="mean"),
+    Row("paper", "the paper", group="Learnt", configs=["a.yaml"]),
+    Row("ours", "ours", group="Learnt", configs=["b.yaml"]),
+]
+PLAN = Plan("A plan", 100, ROWS, hint_counts=[0, 5], hints=15, reference="paper")
+
+
+def result(seed: int | None, error: float | None, **more: Any) -> dict[str, Any]:
+    figures: dict[str, dict[str, float | None]] = {}
+    for i, given in enumerate(("0", "5", "15", OWN)):
+        figures[given] = {**dict.fromkeys(FIGURES, 0.25), "hints": 7.0}
+        figures[given]["angular_mean"] = None if error is None else error - i
+    cost = {"parameters": 1_234_567, "flops": 2_500_000_000, "images_per_second": 12.34}
+    curve = [
+        {"images": 50, "seconds": 30.0, VALIDATION: 40.0},
+        {"images": 100, "seconds": 60.0, VALIDATION: 30.0},
+    ]
+    machine = {"cores": 2, "processor": "P", "threads": 1}
+    base = {"seed": seed, "figures": figures, "cost": cost, "curve": curve, "images": 100, "machine": machine}
+    return base | more
+
+
+def line(text: str, heading: str, label: str) -> list[str]:
+    """Return the cells of a row of the table under a heading."""
+    (table,) = (part for part in text.split("\n## ") if part.startswith(heading))
+    (found,) = (line for line in table.splitlines() if line.startswith(f"| {label} |"))
+    return [cell.strip() for cell in found.strip("|").split("|")][1:]
+
+
+def test_cells_are_mean_and_spread_over_the_seeds() -> None:
+    results = {"paper": [result(0, 20.0), result(1, 22.0), result(2, 27.0)]}
+    text = markdown(PLAN, Scale("cpu"), results)
+    assert text.startswith("# A plan, scale cpu\n\n100 images a generator.\nSeeds: 0, 1, 2.")
+    first = line(text, "Table 1: 15 hints", "the paper")
+    assert first[0] == "21.00 ± 3.61°"  # 20, 22, 27 less 2: the third of what was given
+    assert first[3] == "25.0 ± 0.0 %"
+    assert first[-1] == "0.250 ± 0.000"
+    assert line(text, "Table 1, without hints", "the paper")[0] == "23.00 ± 3.61°"
+    assert line(text, "Table 2", "the paper")[:2] == ["7.0 ± 0.0", "20.00 ± 3.61°"]
+    assert line(text, "Mean angular error", "the paper") == [
+        "23.00 ± 3.61°",
+        "22.00 ± 3.61°",
+        "21.00 ± 3.61°",
+    ]
+    assert line(text, "What it costs", "the paper") == ["1.23 M", "2.50 G", "12.3", "100", "1.0 ± 0.0"]
+
+
+def test_what_is_missing_is_left_out_and_what_has_no_figure_is_a_dash() -> None:
+    nothing = result(
+        None, None, curve=[], images=0, cost={"parameters": 0, "flops": 0, "images_per_second": 5.0}
+    )
+    text = markdown(PLAN, Scale("gpu", given={"data": {"size": 64}}, seconds=480.0), {"mean": [nothing]})
+    assert "480 seconds a run.\nWith data.size=64.\nSeeds: none." in text
+    assert "the paper" not in text
+    assert "*Learnt*" not in text
+    assert line(text, "Table 1: 15 hints", "the mean")[0] == "–"
+    assert line(text, "What it costs", "the mean") == ["–", "–", "5.0", "–", "–"]
+
+
+def test_every_line_of_a_table_has_as_many_cells() -> None:
+    text = markdown(PLAN, Scale("cpu"), {row.name: [result(0, 20.0)] for row in ROWS})
+    tables = [part for part in text.split("\n\n") if part.startswith("|")]
+    assert len(tables) == 5
+    for table in tables:
+        assert len({line.count("|") for line in table.splitlines()}) == 1
+        assert (
+            table.index("*Simple*") < table.index("the mean") < table.index("*Learnt*") < table.index("ours")
+        )
+
+
+def test_curves_of_unequal_length_are_read_off_where_they_are() -> None:
+    short = result(1, 20.0, curve=[{"images": 50, VALIDATION: 20.0}, {"images": 75, VALIDATION: 10.0}])
+    images, errors = learning_curve([result(0, 20.0), short])
+    assert images.tolist() == [50, 100]
+    assert np.array_equal(errors, np.array([[40, 30], [20, np.nan]]), equal_nan=True)
+    counts, errors = hint_curve([result(0, 20.0), result(1, None)], [0, 5, 15])
+    assert counts.tolist() == [0, 5, 15]
+    assert np.array_equal(errors, np.array([[20, 19, 18], 3 * [np.nan]]), equal_nan=True)
+
+
+def test_curves_are_drawn_if_something_is_learnt() -> None:
+    results = {"mean": [result(None, 30.0, curve=[])], "paper": [result(0, 20.0), result(1, None)]}
+    assert draw_curves(PLAN, {"mean": results["mean"]}, "caption") is None
+    one = draw_curves(PLAN, results, "caption")
+    assert one is not None
+    two = draw_curves(PLAN, {**results, "ours": [result(0, 9.0)]}, "caption")
+    assert two != one
+    with Image.open(BytesIO(one)) as picture:
+        assert picture.size == (1100, 420)
+
+
+@pytest.mark.parametrize("size", [32, 128])
+def test_the_gallery_has_a_line_a_method(size: int) -> None:
+    mask = np.zeros((size, size), bool)
+    mask[size // 4 : -size // 4, size // 4 : -size // 4] = True
+    target = np.zeros((3, size, size), np.float32)
+    target[0, mask] = 1
+    hints = np.zeros((4, size, size), np.float32)
+    hints[3, size // 2, size // 2] = hints[0, size // 2, size // 2] = 1
+    facing = np.zeros_like(target)
+    facing[2] = 1
+    heights = []
+    for count in (1, 2):
+        rows = [Sample("", mask.astype(np.float32), hints, preds, target, mask) for preds in (facing, target)]
+        with Image.open(BytesIO(draw_methods(count * [Line("method", rows)], "caption"))) as picture:
+            heights.append(picture.height)
+            pixels = np.asarray(picture.convert("RGB"), int)
+    assert heights[1] - heights[0] == 116
+    # Error of 90° in the first sample's column of errors, of 0° in the second's: ends of the colour scale.
+    y, x = 40 + 116 + 56, 190 + 116 + 56
+    assert pixels[y, x].sum() > 600
+    assert pixels[y, x + 2 * 116 + 12].sum() < 30

@@ -1,0 +1,78 @@
+from typing import Any
+
+import pytest
+
+from normalgan.benchmark.plan import Row
+from normalgan.benchmark.runs import check_shared, timed
+from normalgan.benchmark.settings import differences, digest, nest, part, without
+from normalgan.errors import InputError
+
+
+def settings(**model: Any) -> dict[str, Any]:
+    schedule = {"class_path": "torch.optim.lr_scheduler.CosineAnnealingLR", "init_args": {"T_max": 3}}
+    return {
+        "trainer": {"max_epochs": 3, "callbacks": None, "max_time": "00:01:00:00"},
+        "data": {"batch_size": 8, "size": 64},
+        "model": {"n_critic": 1, "discriminator": {"class_path": "D"}, "lr_scheduler": schedule, **model},
+    }
+
+
+@pytest.mark.parametrize("dotted", [{"a": 1, "a.b": 2}, {"a.b": 2, "a": 1}, {"a.b": {"c": 1}, "a.b.c": 2}])
+def test_a_setting_has_one_value(dotted: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="the setting a"):
+        nest(dotted)
+
+
+def test_parts_are_whole_names() -> None:
+    given = {"data": {"size": 1, "size_of_it": 2}, "model": {"size": 3}}
+    assert part(given, ["data.size"]) == {"data": {"size": 1}}
+    assert part(given, None) == given
+    assert without(given, ["data.size"]) == {"data": {"size_of_it": 2}, "model": {"size": 3}}
+
+
+def test_an_equal_number_of_images_whatever_the_batch_and_the_critic() -> None:
+    one = settings()
+    assert timed(one, 8000, 1000, None)["trainer"]["max_epochs"] == 8
+    assert timed(settings(n_critic=5), 8000, 1000, None)["trainer"]["max_epochs"] == 40
+    assert timed(settings(n_critic=5, discriminator=None), 8000, 1000, None)["trainer"]["max_epochs"] == 8
+    one["data"]["batch_size"] = 600  # of 1000 samples, 400 are left out in an epoch
+    assert timed(one, 8000, 1000, None)["trainer"]["max_epochs"] == 13
+    assert timed(one, 1, 1000, None)["trainer"]["max_epochs"] == 1
+    one["data"]["batch_size"] = 4000  # a single batch, not full
+    assert timed(one, 8000, 1000, None)["trainer"]["max_epochs"] == 8
+
+
+def test_a_cosine_ends_with_the_run() -> None:
+    result = timed(settings(), 8000, 1000, None)
+    assert result["model"]["lr_scheduler"]["init_args"] == {"T_max": 8}
+    assert result["trainer"]["max_time"] is None
+    assert timed(settings(lr_scheduler=None), 8000, 1000, None)["model"]["lr_scheduler"] is None
+
+
+def test_under_a_budget_of_time_the_clock_decides() -> None:
+    own = {"class_path": "Own"}
+    given = settings()
+    given["trainer"]["callbacks"] = [own]
+    result = timed(given, 8000, 1000, 480.0)
+    assert result["trainer"]["max_epochs"] == -1
+    assert result["model"]["lr_scheduler"] is None
+    clock = {"class_path": "normalgan.callbacks.WallClockSchedule", "init_args": {"seconds": 480.0}}
+    curve = {"class_path": "normalgan.callbacks.LearningCurve"}
+    assert result["trainer"]["callbacks"] == [own, curve, clock]
+    assert given["trainer"]["callbacks"] == [own]  # the argument stays as it is
+
+
+def test_rows_share_their_data_but_for_what_is_their_own() -> None:
+    row = Row("a", "A", configs=["a.yaml"])
+    shared = settings()
+    other = settings()
+    other["data"] = {**shared["data"], "batch_size": 1, "augmentation": {"class_path": "A"}, "workers": 4}
+    check_shared(row, other, shared)
+    other["data"]["size"] = 32
+    with pytest.raises(InputError, match=r"the row a has data of its own \(data\.size\)"):
+        check_shared(row, other, shared)
+
+
+def test_a_digest_tells_settings_apart() -> None:
+    assert differences({"a": {"b": 1}}, {"a": {"b": 1, "c": None}}) == ["a.c"]
+    assert digest({"a": {"b": 1}}) != digest({"a": {"b": 1, "c": None}})
