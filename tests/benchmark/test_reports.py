@@ -1,4 +1,6 @@
+import json
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -6,6 +8,7 @@ import pytest
 from PIL import Image
 
 from normalgan.benchmark.curves import VALIDATION, draw_curves, hint_curve, learning_curve
+from normalgan.benchmark.evaluation import read_curve
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.plan import Plan, Row
@@ -126,3 +129,23 @@ def test_the_gallery_has_a_line_a_method(size: int) -> None:
     y, x = 40 + 116 + 56, 190 + 116 + 56
     assert pixels[y, x].sum() > 600
     assert pixels[y, x + 2 * 116 + 12].sum() < 30
+
+
+def test_a_long_curve_is_thinned_out(tmp_path: Path) -> None:
+    records = [
+        {
+            "images": i,
+            "epoch": i,
+            "seconds": 0.5,
+            VALIDATION: 30.0,
+            "val/no_hints/angular_mean": None,
+            "val/l1": 1.0,
+        }
+        for i in range(1000)
+    ]
+    (tmp_path / "curve.json").write_text(json.dumps(records))
+    curve = read_curve(tmp_path)
+    assert len(curve) == 60
+    assert (curve[0]["images"], curve[-1]["images"]) == (0, 999)
+    assert "val/l1" not in curve[0]
+    assert len(read_curve(tmp_path, most=2000)) == 1000

@@ -86,8 +86,13 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
     every = plan_runs(plan, scale, out, sorted({*plan.seeds, *seeds}))
     runs = [r for r in every if r.row.name in rows and (r.seed is None or r.seed in seeds)]
     evaluation = Evaluation(plan, shared_settings(plan, scale))
-    for one in runs:  # before anything is trained
-        read_state(one, evaluation.hash)
+    for one in every:  # before anything is trained
+        try:
+            read_state(one, evaluation.hash)
+        except InputError as error:
+            if one in runs:
+                raise
+            _say(f"left out of the report: {error}")
     report = Report(plan, scale, every, evaluation, out)
     failures = run_all(runs, evaluation.hash, fit, evaluation.of_run, report.write, _say)
     report.write()

@@ -85,7 +85,7 @@ class Evaluation:
         else:
             checkpoint = best_checkpoint(run, self.plan.checkpoint)
             method = trained_method(checkpoint, self.device)
-            curve = json.loads((run.folder / "curve.json").read_text(encoding="utf-8"))
+            curve = read_curve(run.folder)
             result |= {"checkpoint": checkpoint.name, "curve": curve, "images": curve[-1]["images"]}
         maps = BytesIO()
         np.savez_compressed(maps, preds=self.paint_shown(method).astype(np.float16))
@@ -128,6 +128,18 @@ class Evaluation:
                 return mean_method(build_data(self.shared, batch_size=_BATCH).mean_normal_map())
             case _:
                 return inflation_method()
+
+
+def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
+    """Return the learning curve of a run, thinned out to a few records and the figures that are drawn.
+
+    Args:
+        folder: of the run.
+        most: records; the first and the last are kept.
+    """
+    records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))
+    kept = ("images", "epoch", "seconds", "val/hints/angular_mean", "val/no_hints/angular_mean")
+    return [{name: records[i][name] for name in kept} for i in spread(len(records), most)]
 
 
 def maps_of(folder: Path) -> Floats:
