@@ -45,7 +45,7 @@ def clean(picture: Picture) -> Cleaned:
         colour = colour * picture.alpha[..., None] + paper * (1 - picture.alpha[..., None])
     if is_light_on_dark(colour @ _GREY):
         colour = 1 - colour
-    ink = without_surroundings(without_specks(ink_on_paper(colour)))
+    ink = without_specks(ink_on_paper(colour))
     if silhouette is not None:
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
     if ink.max() < 0.3:
@@ -68,19 +68,3 @@ def without_specks(ink: Floats) -> Floats:
     kept = (spans >= max(ink.shape) / 150) & (darkest > 0.5)
     kept[0] = True
     return np.where(kept[labels], ink, 0)
-
-
-def without_surroundings(ink: Floats) -> Floats:
-    """Return ink (H, W) without what is no drawing: thick areas along the picture's edge, such as a desk."""
-    h, w = ink.shape
-    reach = max(round(max(h, w) * 0.02), 2)
-    thick = cv2.erode((ink > 0.5).astype(np.uint8), np.ones((reach, reach), np.uint8), borderValue=1)
-    count, labels, _, _ = cv2.connectedComponentsWithStats(thick, connectivity=8)
-    edge = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
-    along = np.bincount(edge, minlength=count)
-    around = along > 0.15 * len(edge)
-    around[0] = False
-    if not around.any():
-        return ink
-    cut = cv2.dilate(around[labels].astype(np.uint8), np.ones((3 * reach, 3 * reach), np.uint8)) > 0
-    return ink if (ink[~cut] < 0.3).all() else np.where(cut, 0, ink).astype(np.float32)

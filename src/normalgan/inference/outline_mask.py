@@ -12,7 +12,7 @@ from normalgan.inference.silhouette import enclosed_by
 from normalgan.normals import Floats
 
 _SIDE = 512
-"""Longest side at which areas are filled; their edge is then that of the lines."""
+"""Longest side at which areas are filled, and twice the shortest."""
 GAPS = (0.0, 0.005, 0.012, 0.022, 0.035)
 """Half the widths of the gaps that are closed, as shares of what the drawing spans."""
 _CLOSED = 0.93
@@ -41,7 +41,9 @@ def fill_outline(ink: Floats) -> Outline:
     lines took from it. So a narrow opening between two legs, which has no room behind it, is not filled.
     """
     shape = (ink.shape[0], ink.shape[1])
-    small = ink if max(shape) <= _SIDE else resize(ink, fitted(shape, _SIDE))
+    # A small drawing's lines hang together only between its pixels.
+    side = min(max(*shape, _SIDE // 2), _SIDE)
+    small = ink if side == max(shape) else resize(ink, fitted(shape, side))
     inked = small > 0.35
     if not inked.any():
         return Outline(np.zeros(shape, bool), 0.0)

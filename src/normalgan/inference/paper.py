@@ -2,7 +2,9 @@
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from normalgan.inference.painted import painted_areas, paper_colour, steps, surroundings
 from normalgan.inference.picture import fitted, resize
 from normalgan.normals import Floats
 
@@ -10,8 +12,9 @@ _SIDE = 512
 """Longest side at which the paper is estimated; it has no finer structure."""
 _WINDOW = 0.07
 """A share of the longest side: wider areas of one colour are paper, or painted areas, and no strokes."""
-_PAINTED = 0.6
-"""What is darker than this share of the paper, in its darkest channel, and wide is painted, not shaded."""
+_DARKEST = 0.25
+"""Paper and paint are taken for no darker than this share of the sheet."""
+Mark = NDArray[np.bool_]
 
 
 def ink_on_paper(colour: Floats) -> Floats:
@@ -19,7 +22,8 @@ def ink_on_paper(colour: Floats) -> Floats:
 
     The lightest colour within a window of each pixel is its paper; the pixel is divided by it, channel by
     channel, and the darkest channel counts, so that a yellow pen draws too. Around areas that are painted
-    in one colour a line is drawn where they have none. What is no more than the paper's grain is left out.
+    in one colour a line is drawn where they have none. A dark area that reaches along the picture's edge, a
+    desk, is left out. What is no more than the paper's grain is left out.
 
     Args:
         colour: (H, W, 3) in [0, 1].
@@ -27,12 +31,21 @@ def ink_on_paper(colour: Floats) -> Floats:
     shape = (colour.shape[0], colour.shape[1])
     small = colour if max(shape) <= _SIDE else resize(colour, fitted(shape, _SIDE))
     paper = _paper(small)
-    ink = 1 - (colour / resize(paper, shape).clip(0.04, 1)).min(-1)
-    ink -= float(np.median(ink))
-    ink = _without_grain(np.clip(ink, 0, 1))
-    painted = _painted(paper)
+    level = paper_colour(paper)
+    step = steps((small / level).min(-1))
+    painted, paper = painted_areas(small, paper, level, step)
+    beside = resize(paper, shape)
+    # Of a dark paint, a share would be mere noise.
+    ink = ((beside - colour) / np.maximum(beside, _DARKEST * level)).max(-1)
+    around = surroundings(painted)
+    ink = _without_grain(np.clip(ink - float(np.median(ink)), 0, 1))
     if painted.any():
-        ink = np.maximum(ink, resize(_rim(painted), shape).clip(0, 1))
+        rim = _rim(painted & ~around, step)
+        ink = np.maximum(ink, resize(rim, shape).clip(0, 1))
+    if around.any():
+        width = 2 * max(round(_WINDOW * max(small.shape) / 4), 1) + 1
+        cut = cv2.dilate(around.astype(np.uint8), np.ones((width, width), np.uint8)).astype(np.float32)
+        ink = np.where(resize(cut, shape) > 0.5, 0, ink)
     return np.asarray(ink, np.float32)
 
 
@@ -60,18 +73,8 @@ def _without_grain(ink: Floats) -> Floats:
     return np.asarray(np.clip((ink - least) / (dark - least), 0, 1), np.float32)
 
 
-def _painted(paper: Floats) -> Floats:
-    """Return 1 where the paper is so dark that it must be painted, (H, W)."""
-    level = np.median(paper.reshape(-1, 3), axis=0)
-    lightest = np.percentile(paper.reshape(-1, 3), 95, axis=0)
-    # Where more than half is painted, the median is paint.
-    level = np.where(level < 0.7 * lightest, lightest, level)
-    darkest = (paper / np.maximum(level, 0.04)).min(-1)
-    return np.asarray(darkest < _PAINTED, np.float32)
-
-
-def _rim(painted: Floats) -> Floats:
-    """Return a line inside the edge of painted areas, some two pixels wide."""
+def _rim(painted: Mark, step: Mark) -> Floats:
+    """Return a line inside the edge of painted areas, some two pixels wide, where the edge is sharp."""
     inside = np.pad(painted.astype(np.uint8), 1, mode="edge")
     within = cv2.erode(inside, np.ones((5, 5), np.uint8))
-    return (inside - within)[1:-1, 1:-1].astype(np.float32)
+    return np.where(step, (inside - within)[1:-1, 1:-1], 0).astype(np.float32)
