@@ -76,9 +76,9 @@ def run_all(
                 say(f"{run.title}: done already")
                 continue
             if state in {"new", "begun"}:
-                say(f"{run.title}: {'training' if state == 'new' else 'going on'}")
                 _write(run, trained=False)
                 if not run.row.classical:
+                    say(f"{run.title}: {'training' if state == 'new' else 'going on'}")
                     train(run)
                 _write(run, trained=True)
             say(f"{run.title}: measuring")
