@@ -53,7 +53,8 @@ def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
         axes.set(xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
         if text:
-            axes.text(0.03, 0.03, text, transform=axes.transAxes, fontsize=8, color="black", va="bottom")
+            box = {"facecolor": (1, 1, 1, 0.65), "edgecolor": "none", "pad": 1.5}
+            axes.text(0.04, 0.04, text, transform=axes.transAxes, fontsize=8, va="bottom", bbox=box)
         return axes.imshow(picture, interpolation="antialiased", cmap=magma, vmin=0, vmax=MAX_ERROR)
 
     def name(text: str, line: int) -> None:
