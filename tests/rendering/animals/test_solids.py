@@ -5,7 +5,8 @@ import trimesh
 from normalgan.rendering.animals.chain import Frame, pitch, yaw
 from normalgan.rendering.animals.field import Part
 from normalgan.rendering.animals.meshing import to_mesh
-from normalgan.rendering.animals.solids import Box, Ellipsoid, Ring, Solid
+from normalgan.rendering.animals.solid import Solid
+from normalgan.rendering.animals.solids import Box, Ellipsoid, Ring
 
 TURN = yaw(35) @ pitch(-50)
 AT = np.array([0.3, -0.2, 0.5])
