@@ -17,6 +17,8 @@ Floats = NDArray[np.float32]
 SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg")
 SVG_SIDE = 1024
 """Longer side in pixels that an SVG, which has none, is drawn with."""
+_DPI = 96.0
+"""What CSS takes an inch for; without it millimetres have no size."""
 SMALLEST, LARGEST = 8, 8192
 """Least and greatest side in pixels: less holds no line, more is a mistake or a decompression bomb."""
 
@@ -110,11 +112,13 @@ def _draw_svg(path: Path, data: bytes, side: int) -> bytes:
     try:
         text = data.decode("utf-8-sig")
         # Without fonts: what is drawn must not depend on those that a machine has.
-        small = bytes(svg_to_bytes(svg_string=text, width=64, skip_system_fonts=True))
+        small = bytes(svg_to_bytes(svg_string=text, width=64, dpi=_DPI, skip_system_fonts=True))
         with Image.open(io.BytesIO(small)) as image:
             wide = image.height <= image.width
         width, height = (side, None) if wide else (None, side)
-        return bytes(svg_to_bytes(svg_string=text, width=width, height=height, skip_system_fonts=True))
+        return bytes(
+            svg_to_bytes(svg_string=text, width=width, height=height, dpi=_DPI, skip_system_fonts=True)
+        )
     except ValueError as error:
         raise InputError(f"{path} cannot be drawn as SVG: {brief(error)}.") from None
 

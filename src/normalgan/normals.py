@@ -102,9 +102,12 @@ def encode_exr(normals: Floats, alpha: Floats | None = None) -> bytes:
         return path.read_bytes()
 
 
-def encode_grey(picture: Floats) -> bytes:
-    """Return a grey picture (H, W) in [0, 1] as a PNG of 8 bits."""
-    return _encoded(".png", np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8))
+def encode_grey(picture: Floats, suffix: Literal[".png", ".tiff"] = ".png", bits: Bits = 8) -> bytes:
+    """Return a grey picture (H, W) as a PNG of values in [0, 1], or as a TIFF of any floats."""
+    if suffix == ".tiff":
+        return _encoded(suffix, np.asarray(picture, np.float32))
+    levels = np.rint(np.clip(picture, 0, 1) * (2**bits - 1))
+    return _encoded(suffix, levels.astype(np.uint8 if bits == 8 else np.uint16))
 
 
 def _float_colours(normals: Floats, alpha: Floats | None) -> Floats:

@@ -3,31 +3,21 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
-from typing import Literal
 
 from jsonargparse import Namespace
 
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, unwritable
 from normalgan.inference.hint_files import load_hints
-from normalgan.inference.jobs import MODEL, OUTLINE, STDIN, Format, Job, plan
+from normalgan.inference.jobs import MODEL, OUTLINE, STDIN, Job, plan
 from normalgan.inference.masks import load_mask
+from normalgan.inference.outputs import Outputs
 from normalgan.inference.painting import Painted, Prepared, finish, prepare
 from normalgan.inference.picture import read_picture
 from normalgan.inference.pipeline import stream
 from normalgan.inference.session import Model, find_model
-from normalgan.normals import (
-    Bits,
-    Floats,
-    encode_exr,
-    encode_grey,
-    encode_png,
-    encode_tiff,
-    flip_green,
-    paint_flat,
-    write_bytes,
-)
 
 
 def run(arguments: list[str]) -> int:
@@ -71,12 +61,8 @@ def build_parser() -> LightParser:
         type=int | None,
         help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
     )
-    parser.add_argument("--format", type=Format, default="png", help="of the map; exr and tiff hold floats")
-    parser.add_argument("--bits", type=Literal[8, 16], default=8, help="of each channel of a PNG")
-    parser.add_argument(
-        "--y", type=Literal["up", "down"], default="up", help="of green: up is OpenGL, down DirectX"
-    )
-    parser.add_argument("--suffix", default="_normal", help="of the map's name, after the drawing's")
+    flags = {"alpha", "show_input"}
+    parser.add_class_arguments(Outputs, skip=flags)
     parser.add_argument("--alpha", action="store_true", help="write the object's mask as alpha channel")
     parser.add_argument(
         "--show-input", action="store_true", help="write what the model saw, <sketch>_input.png"
@@ -91,12 +77,18 @@ def generate(settings: Namespace) -> int:
     Raises:
         InputError: if nothing can be done: a setting or the only drawing cannot be used.
     """
-    _check(settings)
-    ending = f"{settings.suffix}.{settings.format}"
-    others = ["_input.png"] if settings.show_input else []
+    if settings.size is not None and not 8 <= settings.size <= 8192:
+        raise InputError(f"size is {settings.size}; a map has 8 to 8192 pixels a side.")
+    outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
     content = sys.stdin.buffer.read() if STDIN in settings.sketches and not settings.dry_run else None
     jobs = plan(
-        settings.sketches, Path(settings.output), ending, settings.hints, settings.mask, content, others
+        settings.sketches,
+        Path(settings.output),
+        outputs.ending,
+        settings.hints,
+        settings.mask,
+        content,
+        list(outputs.others()),
     )
     path = find_model(settings.model)
     if settings.dry_run:
@@ -109,7 +101,7 @@ def generate(settings: Namespace) -> int:
         jobs,
         lambda job: _prepared(job, settings, model.size),
         lambda prepared: model.paint(prepared.seen, prepared.hints),
-        lambda job, prepared, painted: _write(job, finish(prepared, *painted), settings),
+        lambda job, prepared, painted: _written(job, finish(prepared, *painted), outputs),
     )
     failed = 0
     with _progress(len(jobs)) as advance:
@@ -138,36 +130,10 @@ def _prepared(job: Job, settings: Namespace, size: int) -> Prepared:
     return prepare(picture, size, mask, hints, settings.size, source)
 
 
-def _write(job: Job, painted: Painted, settings: Namespace) -> str:
+def _written(job: Job, painted: Painted, outputs: Outputs) -> str:
     """Write what belongs to one drawing and return what is to be said of it."""
-    shown = painted.alpha > 0 if settings.alpha else painted.mask
-    normals = paint_flat(painted.normals, shown)
-    if settings.y == "down":
-        normals = flip_green(normals)
-    alpha = painted.alpha if settings.alpha else None
-    write_bytes(job.target, _encode(normals, settings.format, settings.bits, alpha))
-    if settings.show_input:
-        write_bytes(job.beside("_input.png"), encode_grey(1 - painted.seen))
+    outputs.write(job, painted)
     return painted.warning
-
-
-def _encode(normals: Floats, kind: Format, bits: Bits, alpha: Floats | None) -> bytes:
-    match kind:
-        case "png":
-            return encode_png(normals, bits, alpha)
-        case "exr":
-            return encode_exr(normals, alpha)
-        case "tiff":
-            return encode_tiff(normals, alpha)
-
-
-def _check(settings: Namespace) -> None:
-    if settings.size is not None and not 8 <= settings.size <= 8192:
-        raise InputError(f"size is {settings.size}; a map has 8 to 8192 pixels a side.")
-    if settings.bits == 16 and settings.format != "png":
-        raise InputError(f"bits are of a PNG; a map as {settings.format} always has floats of 32 bits.")
-    if Path(settings.suffix).name != settings.suffix and settings.suffix:
-        raise InputError(f"the suffix {settings.suffix!r} is no part of a file's name; it is like _normal.")
 
 
 def _sentence(job: Job, error: Exception) -> InputError:

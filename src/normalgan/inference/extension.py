@@ -30,7 +30,7 @@ def extend(normals: Floats, known: NDArray[np.bool_]) -> Floats:
     unit = normalize(filled)
     # Opposite neighbours cancel at a point; there the surface faces the viewer.
     unit[np.abs(unit).sum(-1) == 0] = (0, 0, 1)
-    return unit
+    return np.where(known[..., None], normals, unit)
 
 
 def _pushed_and_pulled(values: Floats, known: NDArray[np.bool_]) -> Floats:

@@ -3,14 +3,12 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from normalgan.drawings import find_drawings
 from normalgan.errors import InputError
 from normalgan.inference.hint_files import find_hints
 from normalgan.inference.masks import find_mask
 
-Format = Literal["png", "exr", "tiff"]
 STDIN = "-"
 OUTLINE, MODEL = "outline", "model"
 """What a mask may be in place of a file."""

@@ -20,6 +20,8 @@ from normalgan.inference.upsampling import sharpen
 from normalgan.normals import Floats, normalize
 
 Mark = NDArray[np.bool_]
+_PRESENT = 0.6
+"""Share of the mask in which the model should see the object."""
 _CLOSED = 0.8
 """Share of the ink that must enclose something for the outline to be believed."""
 
@@ -125,6 +127,12 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
     length = np.linalg.norm(painted, axis=-1)
     present = frame.restore(length[..., None]).reshape(prepared.ink.shape) > 0.5
     mask, warning = _choose(prepared, present)
+    painted_share = float((mask & present).sum() / max(int(mask.sum()), 1))
+    if painted_share < _PRESENT:
+        warning += "; " if warning else ""
+        warning += (
+            f"the model sees the object in only {painted_share:.0%} of its mask, and the rest continues that"
+        )
     known = length > 0.5
     if not known.any():
         raise InputError("the model sees no object in it; draw its outline, or crop other things away.")

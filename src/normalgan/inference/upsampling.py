@@ -16,10 +16,11 @@ _ROUNDS = 2
 def sharpen(values: Floats, weight: Floats, ink: Floats, mask: NDArray[np.bool_], scale: float) -> Floats:
     """Return enlarged values that do not blend across lines, (H, W, C).
 
-    Enlarging blends both sides of an edge over some pixels of the model. Here each pixel gathers values about
-    it by weight, and those on the far side of a line hardly count: the domain transform of Gastal and
-    Oliveira 2011, "Domain Transform for Edge-Aware Image and Video Processing", with recursive filtering,
-    normalised by weight, and with the lines and the mask's edge as what makes distances long.
+    Enlarging blends both sides of an edge over some pixels of the model. Here each pixel, as far as its own
+    value is not to be trusted, gathers those about it by weight, and those on the far side of a line hardly
+    count: the domain transform of Gastal and Oliveira 2011, "Domain Transform for Edge-Aware Image and Video
+    Processing", with recursive filtering, normalised by weight, and with the lines and the mask's edge as
+    what makes distances long.
 
     Args:
         values: (H, W, C), enlarged by interpolation.
@@ -28,6 +29,7 @@ def sharpen(values: Floats, weight: Floats, ink: Floats, mask: NDArray[np.bool_]
         mask: (H, W), the object.
         scale: pixels of the drawing for each of the model.
     """
+    trusted = np.where(mask, weight, 0)[..., None] ** 2
     weight = np.where(mask, weight + 1e-3, 1e-6).astype(np.float32)
     carried = np.dstack([values * weight[..., None], weight])
     reach = _REACH * scale
@@ -38,7 +40,8 @@ def sharpen(values: Floats, weight: Floats, ink: Floats, mask: NDArray[np.bool_]
         decay = np.exp(-np.sqrt(2) / now * (1 + cost)).astype(np.float32)
         carried = _filtered(carried, decay)
         carried = _filtered(carried.transpose(1, 0, 2), decay.T).transpose(1, 0, 2)
-    return np.asarray(carried[..., :-1] / carried[..., -1:], np.float32)
+    gathered = carried[..., :-1] / carried[..., -1:]
+    return np.asarray(trusted * values + (1 - trusted) * gathered, np.float32)
 
 
 def _filtered(values: Floats, decay: Floats) -> Floats:
