@@ -18,7 +18,7 @@ LAYERS = (
     {"callbacks", "plugins"},
     {"parser"},
     {"cli", "commands"},
-    {"benchmark"},
+    {"benchmark", "exporting"},
     {"__main__"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""

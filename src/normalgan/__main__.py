@@ -25,6 +25,7 @@ Commands:
   render     only render the training samples to disk
   sketch     draw a mesh from a view, as SVG or PNG
   generate   paint normal maps for drawings with an exported model, without torch
+  export     write a checkpoint as a file that runs without this package: ONNX, TorchScript
   benchmark  train and measure the methods of a plan on one split, or a model of yours
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
@@ -33,6 +34,7 @@ TRAINING = ("fit", "validate", "test", "predict", "render")
 OTHERS = {
     "sketch": "normalgan.commands.sketch",
     "generate": "normalgan.commands.generate",
+    "export": "normalgan.exporting.command",
     "benchmark": "normalgan.benchmark.command",
 }
 """The commands that are not the Trainer's, and the module of each, which has a ``run``."""

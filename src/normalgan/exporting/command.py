@@ -1,0 +1,115 @@
+"""normalgan export: a checkpoint as a file that runs without this package."""
+
+import re
+import warnings
+from pathlib import Path
+
+from jsonargparse import Namespace
+
+from normalgan.commands.light_parser import LightParser
+from normalgan.errors import InputError, RunError, unwritable
+from normalgan.normals import write_bytes
+from normalgan.quiet import be_quiet
+
+SUFFIXES = {"onnx": ".onnx", "torchscript": ".pt", "pt2": ".pt2"}
+TOLERANCE = 1e-3
+"""Largest difference to torch that is accepted."""
+
+
+def run(arguments: list[str]) -> int:
+    """Do what the arguments ask for and return the exit code.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+    """
+    try:
+        options = build_parser().parse_args(arguments)
+    except SystemExit as stop:  # --help
+        return int(stop.code or 0)
+    target = _check(options)
+    with warnings.catch_warnings():
+        be_quiet()
+        print(export(Path(options.checkpoint), target, options))
+    return 0
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan export",
+        usage="%(prog)s CHECKPOINT -o MODEL.onnx [--half] [--format onnx|torchscript|pt2]",
+        description="Write a trained generator as a file that runs without this package.",
+    )
+    parser.add_argument("checkpoint", help="a file that `normalgan fit` saved, such as last.ckpt")
+    parser.add_argument("-o", "--output", default="model.onnx", help="where the model goes")
+    parser.add_argument("--format", default="onnx", help="onnx (.onnx), torchscript (.pt) or pt2 (.pt2)")
+    parser.add_argument("--half", action="store_true", help="store the weights of ONNX in 16 bits")
+    parser.add_argument(
+        "--size", type=int | None, help="side of the pictures; null is what it was trained at"
+    )
+    parser.add_argument("--licence", default="not stated", help="of the weights, written into the file")
+    return parser
+
+
+def export(checkpoint: Path, target: Path, options: Namespace) -> str:
+    """Write the model, and return what there is to say about it.
+
+    Args:
+        checkpoint: the file to read.
+        target: the file to write.
+        options: as `build_parser` gives them.
+
+    Raises:
+        InputError: if the checkpoint cannot be used or the file not be written.
+        RunError: if the exported model paints something else than torch; nothing is written then.
+    """
+    import normalgan
+    from normalgan.exporting.comparison import largest_difference, turn_in_degrees
+    from normalgan.exporting.deployed import load
+    from normalgan.exporting.formats import FORMATS
+    from normalgan.exporting.onnx_file import halve
+
+    model, form = load(checkpoint, options.size), FORMATS[options.format]
+    notes = {
+        "normalgan_version": normalgan.__version__,
+        "model": model.name,
+        "licence": options.licence,
+        "size": str(model.size),
+    }
+    content = form.write(model, notes)
+    difference = largest_difference(model, form.read(content))
+    if not difference <= TOLERANCE:
+        raise RunError(
+            f"the exported model differs from torch by {difference:.2g}, more than {TOLERANCE}; nothing was "
+            "written."
+        )
+    said = f"differs from torch by at most {difference:.1g}"
+    if options.half:
+        content = halve(content)
+        mean, most = turn_in_degrees(model, form.read(content))
+        said += f"; half precision turns its normals by {mean:.3f}° in the mean and {most:.2f}° at most"
+    try:
+        write_bytes(target, content)
+    except OSError as error:
+        raise unwritable(
+            f"the model cannot be written to {error.filename}: {error.strerror}.", error
+        ) from error
+    return f"{target}\n{model.name}, {model.size} pixels, {len(content) / 1e6:.1f} MB; {said}."
+
+
+def _check(options: Namespace) -> Path:
+    """Return the file to write, or raise `InputError` if the options do not go together."""
+    if options.format not in SUFFIXES:
+        raise InputError(f"there is no format {options.format!r}; it is one of {', '.join(SUFFIXES)}.")
+    suffix = SUFFIXES[options.format]
+    if Path(options.output).suffix.lower() != suffix:
+        raise InputError(
+            f"the model {options.output} is to be a {suffix}, as --format {options.format} writes."
+        )
+    if options.half and options.format != "onnx":
+        raise InputError(f"--half is for ONNX; leave it out, or write {options.format} without it.")
+    if options.size is not None and options.size < 8:
+        raise InputError(f"the size of a model is 8 pixels or more, not {options.size}.")
+    if not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
+        raise InputError("--licence is one line of at most 500 characters.")
+    return Path(options.output)

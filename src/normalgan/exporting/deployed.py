@@ -1,0 +1,96 @@
+"""Deployed: a generator with the inputs and outputs that an exported model has."""
+
+from pathlib import Path
+from typing import Any
+
+import torch
+import yaml
+from torch import Tensor, nn
+
+from normalgan.checkpoints import read_settings
+from normalgan.errors import InputError, brief
+from normalgan.gan import NormalGAN
+from normalgan.models import Generator
+from normalgan.models.condition import make_condition
+
+
+class Deployed(nn.Module):
+    """Sketch and hints in, normals and perhaps their confidence out; dropout off, statistics fixed.
+
+    Args:
+        generator: what paints.
+        size: side of the pictures in pixels.
+
+    Raises:
+        InputError: if the generator cannot paint that size.
+    """
+
+    def __init__(self, generator: Generator, size: int) -> None:
+        super().__init__()
+        self.generator = generator
+        self.size = size
+        self.eval().requires_grad_(False)
+        channels = self._painted(*self.example(1)).shape[1]
+        if channels not in {3, 4}:
+            raise InputError(
+                f"{self.name} paints {channels} channels; a model has 3, or 4 with the confidence."
+            )
+        self.outputs = ["normal", "confidence"][: channels - 2]
+
+    @property
+    def name(self) -> str:
+        """Name of the generator's class."""
+        return type(self.generator).__name__
+
+    def example(self, count: int) -> tuple[Tensor, Tensor]:
+        """Return inputs of the right shapes: a sketch (N, 1, S, S) and hints (N, 4, S, S)."""
+        return torch.zeros(count, 1, self.size, self.size), torch.zeros(count, 4, self.size, self.size)
+
+    def forward(self, sketch: Tensor, hints: Tensor) -> tuple[Tensor, ...]:
+        """Return normals (N, 3, S, S) and, if the generator has one, their confidence (N, 1, S, S)."""
+        painted = self._painted(sketch, hints)
+        return (painted[:, :3], painted[:, 3:]) if len(self.outputs) > 1 else (painted,)
+
+    def _painted(self, sketch: Tensor, hints: Tensor) -> Tensor:
+        painted: Tensor = self.generator(make_condition(sketch, hints))
+        return painted
+
+
+def load(path: Path, size: int | None = None) -> Deployed:
+    """Read a checkpoint; nothing in it is executed.
+
+    Args:
+        path: of the checkpoint.
+        size: side of the pictures; None for that which it was trained at, if it or its run says so.
+
+    Raises:
+        InputError: if it is missing, damaged, not one of ours, or no size is known.
+    """
+    settings = read_settings(path)
+    size = size or trained_size(path, settings)
+    if size is None:
+        raise InputError(
+            f"{path} does not say the size of its pictures; give the --data.size of its training as --size."
+        )
+    try:
+        model = NormalGAN.load_from_checkpoint(path, map_location="cpu", weights_only=True)
+    except Exception as error:  # plug-ins that are gone, settings of other versions, weights that do not fit
+        raise InputError(f"the model in {path} cannot be built here: {brief(error)}") from error
+    return Deployed(model.generator.float(), size)
+
+
+def trained_size(path: Path, settings: dict[str, Any]) -> int | None:
+    """Return the size that a generator was built for or, where any would do, that of the run's data.
+
+    Args:
+        path: of the checkpoint; ``config.yaml`` of its run lies in the folder above.
+        settings: in the checkpoint.
+    """
+    size = ((settings["generator"] or {}).get("init_args") or {}).get("size")
+    if size is None:
+        try:
+            config = yaml.safe_load((path.absolute().parent.parent / "config.yaml").read_text("utf-8"))
+            size = config["data"]["size"]
+        except (OSError, yaml.YAMLError, KeyError, TypeError, UnicodeDecodeError):
+            return None
+    return size if isinstance(size, int) else None

@@ -1,0 +1,140 @@
+"""Formats: an exported model as bytes, and how such bytes are run."""
+
+import json
+import logging
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.export import Dim
+
+from normalgan.errors import InputError
+from normalgan.exporting.deployed import Deployed
+from normalgan.exporting.onnx_file import finish
+
+Floats = NDArray[np.float32]
+Run = Callable[[Floats, Floats], Sequence[Floats]]
+
+
+@dataclass(frozen=True)
+class Format:
+    """A way to write a model.
+
+    Args:
+        write: makes the bytes from a model and what is to be said about it.
+        read: makes of the bytes what paints sketches with hints.
+    """
+
+    write: Callable[[Deployed, Mapping[str, str]], bytes]
+    read: Callable[[bytes], Run]
+
+
+def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
+    """Return a model as ONNX with any number of pictures a batch.
+
+    Raises:
+        InputError: if the packages for it are missing.
+    """
+    try:
+        import onnxscript  # noqa: F401 -- torch's exporter asks for it late, and in many words
+    except ImportError:
+        raise InputError(
+            "ONNX needs two more packages; install them with pip install 'normalgan[export]'."
+        ) from None
+    batch = {0: Dim.DYNAMIC}
+    with warnings.catch_warnings(), _silence("torch.onnx", "onnxscript", "onnx_ir"):
+        warnings.simplefilter("ignore")  # between torch and its own parts
+        program = torch.onnx.export(
+            model,
+            model.example(2),
+            input_names=["sketch", "hints"],
+            output_names=model.outputs,
+            dynamic_shapes=(batch, batch),
+            opset_version=18,  # of 2023: what onnxruntime-web and engines have taken up
+            dynamo=True,
+            verbose=False,
+        )
+    if program is None:
+        raise RuntimeError("torch.onnx.export returned nothing")
+    return finish(program.model_proto, notes)
+
+
+def read_onnx(content: bytes) -> Run:
+    """Return what ONNX Runtime makes of a model, on the processor."""
+    import onnxruntime
+
+    session = onnxruntime.InferenceSession(content, providers=["CPUExecutionProvider"])
+    return lambda sketch, hints: [
+        np.asarray(output) for output in session.run(None, {"sketch": sketch, "hints": hints})
+    ]
+
+
+def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:
+    """Return a model as TorchScript, traced, for libtorch without Python."""
+    file = BytesIO()
+    with warnings.catch_warnings():
+        # torch calls it deprecated for torch.export, which old libtorch cannot read; tracing fixes the size.
+        warnings.simplefilter("ignore")
+        traced = torch.jit.trace(model, model.example(2), check_trace=False)
+        torch.jit.save(torch.jit.freeze(traced), file, _extra_files={"notes.json": json.dumps(dict(notes))})
+    return file.getvalue()
+
+
+def read_torchscript(content: bytes) -> Run:
+    """Return what TorchScript makes of a model."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return _tensors(torch.jit.load(BytesIO(content), map_location="cpu"))
+
+
+def write_program(model: Deployed, notes: Mapping[str, str]) -> bytes:
+    """Return a model as a program of ``torch.export``."""
+    file, batch = BytesIO(), {0: Dim.DYNAMIC}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        program = torch.export.export(model, model.example(2), dynamic_shapes=(batch, batch))
+        torch.export.save(program, file, extra_files={"notes.json": json.dumps(dict(notes))})
+    return file.getvalue()
+
+
+def read_program(content: bytes) -> Run:
+    """Return what ``torch.export`` makes of a model."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return _tensors(torch.export.load(BytesIO(content)).module())
+
+
+FORMATS = {
+    "onnx": Format(write_onnx, read_onnx),
+    "torchscript": Format(write_torchscript, read_torchscript),
+    "pt2": Format(write_program, read_program),
+}
+
+
+def _tensors(module: Callable[[Tensor, Tensor], Sequence[Tensor]]) -> Run:
+    def run(sketch: Floats, hints: Floats) -> Sequence[Floats]:
+        with torch.no_grad():
+            outputs = module(torch.from_numpy(sketch), torch.from_numpy(hints))
+        return [output.numpy() for output in outputs]
+
+    return run
+
+
+@contextmanager
+def _silence(*names: str) -> Iterator[None]:
+    """Keep loggers from telling what they do."""
+    loggers = [logging.getLogger(name) for name in names]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
