@@ -1,6 +1,6 @@
 """Times `normalgan generate`: a cold start to a written map, and a batch against bare inference.
 
-generate.py MODEL [DRAWINGS] [ROUNDS]: a model that `normalgan export` wrote, how many drawings a batch has, and
+generate.py MODEL [DRAWINGS] [ROUNDS]: a model by `normalgan export`, how many drawings a batch has, and
 how often each is timed. Prints JSON.
 """
 

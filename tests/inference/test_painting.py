@@ -168,7 +168,7 @@ def test_an_extension_is_harmonic() -> None:
     y, x = np.mgrid[-1:1:65j, -1:1:65j]
     truth = np.stack([0.3 * (x**2 - y**2), 0.3 * x * y, np.ones_like(x)], -1).astype(np.float32)
     known = np.hypot(x, y) > 0.5
-    filled = extend(normalize(truth), known)
+    filled = extend(normalize(truth), known, ~known)
     assert (filled[known] == normalize(truth)[known]).all()
     assert degrees(filled, normalize(truth)).max() < 1.5
 

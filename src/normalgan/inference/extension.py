@@ -9,7 +9,7 @@ from normalgan.normals import Floats, normalize
 _SWEEPS = 60
 
 
-def extend(normals: Floats, known: NDArray[np.bool_]) -> Floats:
+def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_]) -> Floats:
     """Return unit normals everywhere, (H, W, 3): those known, and a near harmonic extension of them.
 
     Averages of what is known, at coarser and coarser scales, fill what is not (the push and pull of Gortler
@@ -19,12 +19,15 @@ def extend(normals: Floats, known: NDArray[np.bool_]) -> Floats:
     Args:
         normals: (H, W, 3), unit where known.
         known: (H, W), True somewhere.
+        needed: (H, W), where it matters: the deeper a hole there is, the more sweeps are made.
     """
     if known.all():
         return normals
     filled = _pushed_and_pulled(np.where(known[..., None], normals, 0).astype(np.float32), known)
     mean = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32) / 4
-    for _ in range(_SWEEPS):
+    away = cv2.distanceTransform((~known).astype(np.uint8), cv2.DIST_L2, 3)
+    deepest = float(away[needed].max()) if needed.any() else 0.0
+    for _ in range(min(_SWEEPS, int(4 * deepest))):
         relaxed = cv2.filter2D(filled, -1, mean, borderType=cv2.BORDER_REPLICATE)
         filled = np.where(known[..., None], normals, relaxed).astype(np.float32)
     unit = normalize(filled)

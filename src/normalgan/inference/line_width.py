@@ -28,7 +28,7 @@ def show(ink: Floats, frame: Frame) -> Floats:
     if _LEFT_ALONE[0] <= width <= _LEFT_ALONE[1] and not areas(inked, width * _FINER).any():
         return frame.cut(ink)
     lines = middle(inked, width * _FINER)
-    away = cv2.distanceTransform((~lines).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    away = cv2.distanceTransform((~lines).astype(np.uint8), cv2.DIST_L2, 5)
     drawn = np.clip(KNOWN_WIDTH * _FINER / 2 + 0.5 - away, 0, 1).astype(np.float32)
     shown = cv2.resize(drawn, (frame.size, frame.size), interpolation=cv2.INTER_AREA)
     return np.asarray(shown, np.float32)
@@ -91,5 +91,5 @@ def middle(inked: Mark, width: float) -> Mark:
 def _depth(inked: Mark) -> Floats:
     """Return how far inside the ink each pixel lies, (H, W), 1 at its edge."""
     padded = np.pad(inked, 1).astype(np.uint8)
-    depth = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)
     return np.asarray(depth[1:-1, 1:-1], np.float32)

@@ -81,7 +81,7 @@ def _grown(seeds: Mark, barrier: Mark, reach: float) -> Mark:
 
 
 def _distance(inked: Mark) -> Floats:
-    away = cv2.distanceTransform((~inked).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    away = cv2.distanceTransform((~inked).astype(np.uint8), cv2.DIST_L2, 5)
     return np.asarray(away, np.float32)
 
 

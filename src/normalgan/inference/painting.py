@@ -138,14 +138,16 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
         raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
     if not mask.any():
         raise InputError("its mask is empty; paint the object white.")
-    vectors = extend(normalize(painted), known)
+    vectors = extend(normalize(painted), known, frame.shrink(mask.astype(np.float32)) > 0)
     normals = frame.restore(vectors)
     scale = frame.side / frame.size
     if scale > 1.2:
         # A line darkens a pixel of the model on either side.
         trusted = 1 - np.minimum(2 * _around(seen), 1)
         weight = frame.restore((trusted * known)[..., None].astype(np.float32)).reshape(mask.shape)
-        normals = sharpen(normals, weight, prepared.ink, mask, scale)
+        rows, columns = (np.flatnonzero(mask.any(axis)) for axis in (1, 0))
+        box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+        normals[box] = sharpen(normals[box], weight[box], prepared.ink[box], mask[box], scale)
     shown = None
     if confidence is not None:
         shown = frame.restore(confidence[..., None]).reshape(mask.shape)

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.inference.painted import painted_areas, paper_colour, steps, surroundings
+from normalgan.inference.painted import darkest, painted_areas, paper_colour, steps, surroundings
 from normalgan.inference.picture import fitted, resize
 from normalgan.normals import Floats
 
@@ -32,11 +32,11 @@ def ink_on_paper(colour: Floats) -> Floats:
     small = colour if max(shape) <= _SIDE else resize(colour, fitted(shape, _SIDE))
     paper = _paper(small)
     level = paper_colour(paper)
-    step = steps((small / level).min(-1))
+    step = steps(darkest(small / level))
     painted, paper = painted_areas(small, paper, level, step)
     beside = resize(paper, shape)
     # Of a dark paint, a share would be mere noise.
-    ink = ((beside - colour) / np.maximum(beside, _DARKEST * level)).max(-1)
+    ink = -darkest((colour - beside) / np.maximum(beside, _DARKEST * level))
     around = surroundings(painted)
     ink = _without_grain(np.clip(ink - float(np.median(ink)), 0, 1))
     if painted.any():
