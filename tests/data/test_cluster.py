@@ -39,6 +39,7 @@ def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: C
     assert finished(tmp_path / "1") == 4
 
 
+@pytest.mark.slow  # starts processes of its own
 def test_damage_is_found_side_by_side_and_mended(tmp_path: Path, pair: Cast) -> None:
     folder = render(tmp_path)
     whole = contents(folder)
@@ -59,6 +60,7 @@ def test_relative_paths_refer_to_where_the_command_was_given(
     assert (tmp_path / "cache").is_dir()
 
 
+@pytest.mark.slow  # starts processes of its own
 def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: Path) -> None:
     slow: dict[str, Any] = {"seconds": 0.04}
     with cast(tmp_path / "dask") as troupe:
@@ -80,6 +82,7 @@ def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: P
     assert contents(folder) == contents(render(tmp_path / "alone", **slow))
 
 
+@pytest.mark.slow  # starts processes of its own
 def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
     preload = tmp_path / "other.py"
     preload.write_text("import normalgan.rendering.samples as s\ns.RENDERING_VERSION = -7\n")
@@ -108,6 +111,7 @@ def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
     assert contents(folder) == contents(render(tmp_path / "alone", seconds=0.12))
 
 
+@pytest.mark.slow  # starts processes of its own
 def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path) -> None:
     blocker = tmp_path / "block.py"
     blocker.write_text("import sys\nsys.modules['normalgan.data.versions'] = None\n")
@@ -121,6 +125,7 @@ def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path)
             render(tmp_path / "cache", troupe.address)
 
 
+@pytest.mark.slow  # starts processes of its own
 def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: Path) -> None:
     with cast(tmp_path / "dask") as troupe:
         troupe.start_worker()
@@ -159,6 +164,7 @@ def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(tmp_pa
     assert finished(tmp_path) == 0
 
 
+@pytest.mark.slow  # starts processes of its own
 def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
     shard = Layout(("a",), 2, 16).shard("train", 0)
     source = Octahedron("a")

@@ -66,6 +66,7 @@ def test_the_store_holds_the_same_bytes_and_is_read_from_every_process(bucket: s
     assert (SampleDataset(far)[20]["sketch"] == whole[20]["sketch"]).all()
 
 
+@pytest.mark.slow
 def test_a_cluster_renders_into_it(bucket: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent), prepend=":")
     render(f"{bucket}/cache", cluster="local:2")
@@ -152,6 +153,7 @@ def test_missing_credentials_are_one_sentence(
         render(bucket)
 
 
+@pytest.mark.slow
 def test_an_endpoint_that_does_not_answer_is_one_sentence_in_time(
     bucket: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
