@@ -103,7 +103,7 @@ def test_a_mask_given_wins_and_is_filled_whatever_the_model_thinks(tmp_path: Pat
 
     path = write_model(tmp_path / "holed.onnx")
     holed = ramp(64)
-    holed[:, 20:44, 20:44] *= 0.1
+    holed[:, 20:44, 20:44] *= 0.01
     graph = onnx.load(path)
     graph.graph.initializer[1].CopyFrom(numpy_helper.from_array(holed[None], "ramp"))
     onnx.save(graph, path)
@@ -122,7 +122,9 @@ def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:
         frame.side * 200, rel=0.2
     )  # the square, cut at the picture's edge
     with pytest.raises(InputError, match="the model sees no object in it"):
-        paint(Model(write_model(tmp_path / "none.onnx", length=0.3)), prepare(picture, 64))
+        paint(Model(write_model(tmp_path / "none.onnx", length=0.01)), prepare(picture, 64))
+    with pytest.raises(InputError, match="the model sees no object in it"):
+        paint(Model(write_model(tmp_path / "few.onnx", length=0.3)), prepare(picture, 64, source=MODEL))
 
 
 def test_an_open_outline_is_told(model: Path) -> None:
@@ -142,7 +144,7 @@ def test_a_model_that_sees_little_is_told(tmp_path: Path) -> None:
     half[:, :, 20:] = 0
     graph.graph.initializer[1].CopyFrom(numpy_helper.from_array(half[None], "ramp"))
     onnx.save(graph, path)
-    assert "sees the object in only" in paint(Model(path), prepare(drawn()[0], 64)).warning
+    assert "for an object and is unsure of the rest" in paint(Model(path), prepare(drawn()[0], 64)).warning
 
 
 def test_the_drawings_own_opacity_is_kept(model: Path) -> None:
@@ -216,3 +218,10 @@ def test_a_model_of_others_is_told(tmp_path: Path) -> None:
     save(helper.make_model(graph, opset_imports=opset, ir_version=8), tmp_path / "other.onnx")
     with pytest.raises(InputError, match="takes image and gives out, which is not what"):
         Model(tmp_path / "other.onnx")
+
+
+def test_doubt_of_the_object_is_no_doubt_of_the_direction(tmp_path: Path) -> None:
+    picture, filled = drawn()
+    painted = paint(Model(write_model(tmp_path / "shy.onnx", length=0.3)), prepare(picture, 64))
+    assert degrees(painted.normals, expected(filled.shape, filled))[filled > 0.5].mean() < 1.5
+    assert "takes only 0% of its mask for an object" in painted.warning

@@ -22,6 +22,8 @@ from normalgan.normals import Floats, normalize
 Mark = NDArray[np.bool_]
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
+_LEAST = 0.02
+"""Painted vectors that are shorter have no direction."""
 _CLOSED = 0.8
 """Share of the ink that must enclose something for the outline to be believed."""
 
@@ -131,14 +133,15 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
     if painted_share < _PRESENT:
         warning += "; " if warning else ""
         warning += (
-            f"the model sees the object in only {painted_share:.0%} of its mask, and the rest continues that"
+            f"the model takes only {painted_share:.0%} of its mask for an object and is unsure of the rest"
         )
-    known = length > 0.5
+    needed = frame.shrink(mask.astype(np.float32)) > 0
+    known = _known(length, needed)
     if not known.any():
         raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
     if not mask.any():
         raise InputError("its mask is empty; paint the object white.")
-    vectors = extend(normalize(painted), known, frame.shrink(mask.astype(np.float32)) > 0)
+    vectors = extend(normalize(painted), known, needed)
     normals = frame.restore(vectors)
     scale = frame.side / frame.size
     if scale > 1.2:
@@ -159,6 +162,19 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
     normals = np.where(cancelled, np.array([0, 0, 1], np.float32), normals)
     alpha = mask.astype(np.float32) if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
     return Painted(normals, mask, np.clip(alpha, 0, 1), seen, shown, warning)
+
+
+def _known(length: Floats, needed: Mark) -> Mark:
+    """Return where painted vectors (S, S) have a direction worth keeping.
+
+    Where there is an object for certain, the model's doubt of it, a short vector, is no doubt of the
+    direction: what is short beside most of the others is left out there.
+    """
+    known: Mark = length > 0.5
+    if needed.any():
+        usual = float(np.percentile(length[needed], 95))
+        known |= needed & (length > max(0.1 * usual, _LEAST))
+    return known
 
 
 def paint(model: Model, prepared: Prepared) -> Painted:
