@@ -19,3 +19,21 @@ def meshes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder where all tests may keep rendered samples, so that each is rendered once."""
     return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    """A model that paints a ramp and, at hints, what they say."""
+    from onnx_models import write_model
+
+    return write_model(tmp_path / "ramp.onnx")
+
+
+@pytest.fixture
+def shared_sketches() -> list[Path]:
+    """Drawings by people."""
+    folder = Path(__file__).parents[2] / "shared" / "sketches"
+    found = [path for path in sorted(folder.rglob("*")) if path.suffix in {".png", ".svg"}]
+    if not found:
+        pytest.skip("there are no drawings in ../shared/sketches")
+    return found

@@ -1,4 +1,4 @@
-"""Outputs: what is written for a drawing: its normal map, and on request pictures, a height map and a relief."""
+"""Outputs: what is written for a drawing: its normal map; on request pictures, a height map, a relief."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

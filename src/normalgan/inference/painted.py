@@ -54,7 +54,7 @@ def painted_areas(colour: Floats, paper: Floats, level: Floats, step: Mark) -> t
     if not wide.any():
         return wide, paper
     painted, paper = np.zeros_like(wide), paper.copy()
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(wide.astype(np.uint8), connectivity=4)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(wide.astype(np.uint8), connectivity=4)
     largest = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:_MOST]
     for label in largest[stats[largest, cv2.CC_STAT_AREA] > 16]:
         own = labels == label

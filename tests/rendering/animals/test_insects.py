@@ -5,6 +5,7 @@ from sound import check_closed, check_full_size, check_individuals, coarse
 from normalgan.rendering.animals import Animal
 from normalgan.rendering.animals.insects import legs, wing
 from normalgan.rendering.animals.kinds.insects import INSECTS
+from normalgan.rendering.animals.plate import Plate
 
 
 @pytest.mark.parametrize("species", INSECTS)
@@ -46,6 +47,8 @@ def test_wings_are_mirrored_and_raised() -> None:
     round_ones = np.deg2rad(np.arange(0, 360, 30))
     outline = [(0.5 + 0.5 * np.cos(t), 0.5 * np.sin(t)) for t in round_ones]
     right, left = wing([0, 0, 0], outline, raised=60, back=0, thick=0.01)
+    assert isinstance(right, Plate)
+    assert isinstance(left, Plate)
     low, high = right.reach()
     assert high[1] == pytest.approx(np.sin(np.deg2rad(60)), rel=0.05)
     assert high[2] == pytest.approx(np.cos(np.deg2rad(60)), rel=0.05)
