@@ -50,7 +50,7 @@ def blob() -> Mesh:
     for bx, by, bz, radius in balls:
         field += np.exp(-((x - bx) ** 2 + (y - by) ** 2 + (z - bz) ** 2) / radius**2)
     field += 0.02 * np.sin(23 * x) * np.sin(19 * y + 1) * np.sin(17 * z + 2)
-    vertices, faces, _, _ = marching_cubes(field, 0.0, spacing=(2 / 63,) * 3)  # type: ignore[no-untyped-call]
+    vertices, faces, _, _ = marching_cubes(field, 0.0, spacing=(2 / 63,) * 3)
     vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     vertices /= np.linalg.norm(vertices, axis=1).max()
     solid = trimesh.Trimesh(vertices, faces, process=False)

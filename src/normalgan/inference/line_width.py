@@ -80,7 +80,7 @@ def middle(inked: Mark, width: float) -> Mark:
     thick = areas(inked, width)
     blur = max(width / 4, 0.5)  # a line's rough edges would grow hairs
     smooth = cv2.GaussianBlur(inked.astype(np.float32), (0, 0), blur) > 0.5
-    lines: Mark = skeletonize(smooth & ~thick)  # type: ignore[no-untyped-call]
+    lines: Mark = skeletonize(smooth & ~thick)
     inner = cv2.erode(thick.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     rim = thick & ~inner
     # Where an area goes over into a line there is no edge.

@@ -8,7 +8,7 @@ from normalgan.rendering.strokes import resample, settle, smooth
 def circle(radius: float, centre: tuple[float, float], side: int = 200) -> np.ndarray:
     """Return the border of a disc on a grid, as (x, y) between the centres of its pixels: stairs."""
     x, y = np.meshgrid(np.arange(side) - centre[0], np.arange(side) - centre[1])
-    (contour,) = find_contours((x * x + y * y < radius**2).astype(float), 0.5)  # type: ignore[no-untyped-call]
+    (contour,) = find_contours((x * x + y * y < radius**2).astype(float), 0.5)
     return np.asarray(contour)[:, ::-1] - centre
 
 

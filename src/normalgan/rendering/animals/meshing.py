@@ -32,7 +32,7 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
     of faces whether lean or fat. Normals are the gradient of the field, smoother than those of the faces.
     """
     field = _field(parts, _spacing(parts, count))
-    surface = marching_cubes(field, 0.0, allow_degenerate=False)  # type: ignore[no-untyped-call]
+    surface = marching_cubes(field, 0.0, allow_degenerate=False)
     vertices, faces, normals, _ = surface
     normals = _unit(-normals.astype(np.float64))  # scikit-image's run inwards where the outside is positive
     centred = unit_sphere(vertices.astype(np.float64))
@@ -48,8 +48,8 @@ def _spacing(parts: Sequence[Part], count: int) -> float:
         # Solids may lie deep in one another, or be hollowed out: measured on a coarse grid, the skin may
         # turn out another. Not so with sweeps; and thin ones, which a coarse grid fattens, add up better.
         coarse = float(np.sqrt(2.35 * skin * COARSER / count))
-        vertices, faces, _, _ = marching_cubes(_field(parts, coarse), 0.0)  # type: ignore[no-untyped-call]
-        measured = OVERLAP * float(mesh_surface_area(vertices, faces)) * coarse**2  # type: ignore[no-untyped-call]
+        vertices, faces, _, _ = marching_cubes(_field(parts, coarse), 0.0)
+        measured = OVERLAP * float(mesh_surface_area(vertices, faces)) * coarse**2
         if not TRUSTED[0] < measured / skin < TRUSTED[1]:
             skin = measured
     return float(np.sqrt(2.35 * skin / count))

@@ -43,7 +43,7 @@ def thin(inked: Mark) -> list[tuple[Doubles, Doubles]]:
     """
     from skimage.morphology import skeletonize  # takes half a second: only for who draws with a brush
 
-    skeleton: Mark = skeletonize(inked)  # type: ignore[no-untyped-call]
+    skeleton: Mark = skeletonize(inked)
     rows, columns = np.nonzero(skeleton)
     if not len(rows):
         return []
