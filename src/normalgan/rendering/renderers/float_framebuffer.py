@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.views import Camera
 
+_SIZES = 3  # framebuffers kept at a time; one of 1024 pixels takes 20 MB
+
 
 class FloatFramebuffer:
     """What a pyrender ``Renderer`` does differently here: one float32 sample a pixel, a camera of ours.
@@ -26,6 +28,9 @@ class FloatFramebuffer:
     _main_cb: Any
     _main_db: Any
     _main_fb_dims: tuple[int | None, int | None]
+    # By size, framebuffer, colours and depths: a sample takes maps of two sizes in turn, and making them anew
+    # costs as much as drawing.
+    _kept: dict[tuple[int, int], tuple[Any, Any, Any]]
 
     def _get_camera_matrices(self, scene: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         return self.camera.view_matrix(), self.camera.projection_matrix()
@@ -36,26 +41,30 @@ class FloatFramebuffer:
         size = (self.viewport_width, self.viewport_height)
         if self._main_fb is not None and size == self._main_fb_dims:
             return
-        self._delete_main_framebuffer()
-        self._main_cb, self._main_db = GL.glGenRenderbuffers(2)
-        self._main_fb = GL.glGenFramebuffers(1)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._main_fb)
-        for buffer, kind, place in (
-            (self._main_cb, GL.GL_RGBA32F, GL.GL_COLOR_ATTACHMENT0),
-            (self._main_db, GL.GL_DEPTH_COMPONENT32F, GL.GL_DEPTH_ATTACHMENT),
-        ):
-            GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
-            GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, kind, *size)
-            GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, place, GL.GL_RENDERBUFFER, buffer)
+        if size not in self._kept:
+            if len(self._kept) >= _SIZES:
+                self._delete_main_framebuffer()
+            color, depth = GL.glGenRenderbuffers(2)
+            self._kept[size] = (GL.glGenFramebuffers(1), color, depth)
+            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._kept[size][0])
+            for buffer, kind, place in (
+                (color, GL.GL_RGBA32F, GL.GL_COLOR_ATTACHMENT0),
+                (depth, GL.GL_DEPTH_COMPONENT32F, GL.GL_DEPTH_ATTACHMENT),
+            ):
+                GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
+                GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, kind, *size)
+                GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, place, GL.GL_RENDERBUFFER, buffer)
+        self._main_fb, self._main_cb, self._main_db = self._kept[size]
         self._main_fb_ms = self._main_fb  # pyrender draws into the one of this name
         self._main_fb_dims = size
 
     def _delete_main_framebuffer(self) -> None:
         from OpenGL import GL
 
-        if self._main_fb is not None:
-            GL.glDeleteFramebuffers(1, [self._main_fb])
-            GL.glDeleteRenderbuffers(2, [self._main_cb, self._main_db])
+        for frame, color, depth in self._kept.values():
+            GL.glDeleteFramebuffers(1, [frame])
+            GL.glDeleteRenderbuffers(2, [color, depth])
+        self._kept.clear()
         self._main_fb = self._main_fb_ms = self._main_cb = self._main_db = None
         self._main_fb_dims = (None, None)
 
@@ -81,7 +90,7 @@ class FloatContext:
         from pyrender.shader_program import ShaderProgramCache
 
         self._offscreen = pyrender.OffscreenRenderer(64, 64)
-        self._passes: Any = type("FloatRenderer", (FloatFramebuffer, Renderer), {})(64, 64)
+        self._passes: Any = type("FloatRenderer", (FloatFramebuffer, Renderer), {"_kept": {}})(64, 64)
         self._passes._program_cache = ShaderProgramCache(str(Path(__file__).parent / "shaders"))
         self._offscreen._renderer = self._passes
         # pyrender wants a camera in the scene, though its matrices are not asked for.
