@@ -51,7 +51,7 @@ def test_both_processes_end_with_the_same_weights(ranks: list[dict[str, Any]]) -
 
 def test_each_process_draws_hints_of_its_own(ranks: list[dict[str, Any]]) -> None:
     first, second = (rank["seeds"] for rank in ranks)
-    assert len(first) == len(second) >= 6
+    assert len(first) == len(second) >= 2
     assert not set(first) & set(second)
 
 
