@@ -59,6 +59,5 @@ def test_wings_are_mirrored_and_raised() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("species", INSECTS)
 def test_all_insects_are_sound_at_full_size(species: str) -> None:
-    # A known fault: caterpillar 10 falls into its segments.
-    for seed in range(10 if species == "caterpillar" else 12):
+    for seed in range(12):
         check_full_size(Animal(species, seed))

@@ -20,7 +20,6 @@ from normalgan.rendering.variation.lattice import free_form
 from normalgan.rendering.variation.limbs import Middle, belly, lengthen, thicken
 from normalgan.rendering.variation.local import bump, swell
 
-trimesh = pytest.importorskip("trimesh")
 RNG = np.random.default_rng(5)
 POINTS = RNG.uniform(-1, 1, (40, 3))
 CENTRE, SHIFT = np.array([0.2, -0.1, 0.3]), np.array([0.1, 0.2, -0.05])

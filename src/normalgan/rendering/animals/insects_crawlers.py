@@ -72,7 +72,9 @@ def caterpillar(pose: str, rng: Rng) -> list[Part]:
                 tube([[a, b, c + 0.5 * s * k], [a, b - 1.15 * s, c + 0.65 * s * k]], 0.032) for k in (1, -1)
             ]
     end = np.array([x[-1] + 0.5 * fat, y[-1] + 0.02, z[-1]])
-    parts = [fuse(*beads[:1])] + [fuse(one, blend=0.05) for one in beads[1:]]
+    # On an arched back beads lie too far apart to touch: a spine holds them together.
+    spine = tube(np.stack([x, y, z], axis=1), 0.7 * size)
+    parts = [fuse(spine)] + [fuse(one, blend=0.05) for one in beads]
     parts += [fuse(*feet, blend=0.02), fuse(ball(end, 1.05 * fat), blend=0.02)]
     for k in (1, -1):
         horn = tube([by(end, 0.02, 0.08, 0.04 * k), by(end, 0.06, 0.2, 0.09 * k)], 0.018)
