@@ -17,8 +17,8 @@ from machine import describe
 from PIL import Image
 
 from normalgan.commands.generate import run
-from normalgan.inference.painting import prepare
 from normalgan.inference.picture import read_picture
+from normalgan.inference.preparation import prepare
 from normalgan.inference.session import Model
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"

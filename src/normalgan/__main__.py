@@ -62,6 +62,8 @@ def main(arguments: list[str] | None = None) -> int:
         from normalgan.cli import run  # late: lightning takes seconds to import
 
         return run(arguments)
+    except SystemExit as stop:  # --help ends so
+        return int(stop.code or 0)
     except InputError as error:
         return _fail(str(error), 1 if isinstance(error, RunError) else 2)
     except KeyboardInterrupt:

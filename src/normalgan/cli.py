@@ -1,6 +1,5 @@
 """The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
 
-import re
 import sys
 import warnings
 from pathlib import Path
@@ -24,7 +23,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
 from normalgan.mistakes import check_config, refusal
-from normalgan.parser import Parser
+from normalgan.parser import Parser, given_configs
 from normalgan.plugins import REGISTRIES
 from normalgan.quiet import be_quiet
 
@@ -154,7 +153,7 @@ def run(arguments: list[str]) -> int:
         InputError: if something that was given cannot be used.
         KeyboardInterrupt: if it was stopped.
     """
-    for given in _configs(arguments):
+    for given in given_configs(arguments):
         check_config(given, SECTIONS)
     # One command's parser alone: each takes a fifth of a second to build.
     only = {command: skip for command, skip in NormalGANCLI.subcommands().items() if command == arguments[0]}
@@ -186,18 +185,3 @@ def run(arguments: list[str]) -> int:
             return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
     sys.stdout.flush()
     return 0
-
-
-def _configs(arguments: list[str]) -> list[str]:
-    """Return the configuration files among the arguments, however they are spelled.
-
-    >>> _configs(["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"])
-    ['a.yaml', 'b.yaml', 'c.yaml']
-    """
-    apart = {i + 1 for i, argument in enumerate(arguments) if argument in {"-c", "--config"}}
-    found = []
-    for i, argument in enumerate(arguments):
-        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", argument)
-        if i in apart or joined:
-            found.append(joined[1] if joined and i not in apart else argument)
-    return found

@@ -30,3 +30,18 @@ class Parser(LightningArgumentParser):
     def _settings(self) -> list[str]:
         commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]
         return [action.dest for parser in (self, *commands) for action in parser._actions]
+
+
+def given_configs(arguments: list[str]) -> list[str]:
+    """Return the configuration files among the arguments, however they are spelled.
+
+    >>> given_configs(["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"])
+    ['a.yaml', 'b.yaml', 'c.yaml']
+    """
+    apart = {i + 1 for i, argument in enumerate(arguments) if argument in {"-c", "--config"}}
+    found = []
+    for i, argument in enumerate(arguments):
+        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", argument)
+        if i in apart or joined:
+            found.append(joined[1] if joined and i not in apart else argument)
+    return found

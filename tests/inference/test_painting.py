@@ -7,8 +7,9 @@ from normalgan.errors import InputError
 from normalgan.inference.extension import extend
 from normalgan.inference.hint_files import Hints
 from normalgan.inference.jobs import MODEL
-from normalgan.inference.painting import Painted, paint, prepare
+from normalgan.inference.painting import Painted, paint
 from normalgan.inference.picture import Picture
+from normalgan.inference.preparation import prepare
 from normalgan.inference.session import Model
 from normalgan.inference.upsampling import sharpen
 from normalgan.normals import normalize

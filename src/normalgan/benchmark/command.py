@@ -19,10 +19,7 @@ def run(arguments: list[str]) -> int:
         InputError: if something that was given cannot be used.
         KeyboardInterrupt: if it was stopped.
     """
-    try:
-        options = build_parser().parse_args(arguments)
-    except SystemExit as stop:  # --help
-        return int(stop.code or 0)
+    options = build_parser().parse_args(arguments)
     plan, scale = _read(options)
     with warnings.catch_warnings():
         be_quiet()

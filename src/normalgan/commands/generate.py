@@ -14,9 +14,10 @@ from normalgan.inference.hint_files import load_hints
 from normalgan.inference.jobs import MODEL, OUTLINE, STDIN, Job, plan
 from normalgan.inference.masks import load_mask
 from normalgan.inference.outputs import Outputs
-from normalgan.inference.painting import Painted, Prepared, finish, prepare
+from normalgan.inference.painting import Painted, finish
 from normalgan.inference.picture import read_picture
 from normalgan.inference.pipeline import stream
+from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.session import Model, find_model
 
 
@@ -26,11 +27,7 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if something that was given cannot be used.
     """
-    try:
-        settings = build_parser().parse_args(arguments)
-    except SystemExit as stop:  # --help
-        return int(stop.code or 0)
-    return generate(settings)
+    return generate(build_parser().parse_args(arguments))
 
 
 def build_parser() -> LightParser:

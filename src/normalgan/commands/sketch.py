@@ -41,8 +41,6 @@ def run(arguments: list[str]) -> int:
     parser = build_parser()
     try:
         settings = parser.instantiate(parser.parse_args(arguments))
-    except SystemExit as stop:  # --help
-        return int(stop.code or 0)
     except InputError:
         raise
     except (ValueError, TypeError) as error:

@@ -22,10 +22,7 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if something that was given cannot be used.
     """
-    try:
-        options = build_parser().parse_args(arguments)
-    except SystemExit as stop:  # --help
-        return int(stop.code or 0)
+    options = build_parser().parse_args(arguments)
     target = _check(options)
     with warnings.catch_warnings():
         be_quiet()

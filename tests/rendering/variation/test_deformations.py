@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import trimesh
 
 from normalgan.rendering.variation.bending import (
     Deformed,
@@ -95,8 +96,9 @@ def table(legs: float) -> tuple[Doubles, np.ndarray]:
     for x in (-1.8, 1.6):
         for z in (-0.9, 0.7):
             parts.append(trimesh.creation.box(bounds=[[x, 0, z], [x + 0.2, legs, z + 0.2]]))
-    solid = trimesh.util.concatenate(parts).subdivide().subdivide().subdivide()
-    return np.asarray(solid.vertices), np.asarray(solid.faces)
+    fine = [part.subdivide().subdivide().subdivide() for part in parts]
+    vertices, faces = trimesh.util.append_faces([part.vertices for part in fine], [part.faces for part in fine])
+    return vertices.astype(np.float64), faces
 
 
 @pytest.mark.parametrize("legs", [0.5, 2.0, 3.0])
