@@ -97,7 +97,9 @@ def table(legs: float) -> tuple[Doubles, np.ndarray]:
         for z in (-0.9, 0.7):
             parts.append(trimesh.creation.box(bounds=[[x, 0, z], [x + 0.2, legs, z + 0.2]]))
     fine = [part.subdivide().subdivide().subdivide() for part in parts]
-    vertices, faces = trimesh.util.append_faces([part.vertices for part in fine], [part.faces for part in fine])
+    vertices, faces = trimesh.util.append_faces(
+        [part.vertices for part in fine], [part.faces for part in fine]
+    )
     return vertices.astype(np.float64), faces
 
 
