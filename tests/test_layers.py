@@ -18,13 +18,13 @@ LAYERS = (
     {"callbacks", "plugins"},
     {"parser"},
     {"cli", "commands"},
-    {"benchmark", "exporting"},
+    {"benchmark", "exporting", "studio"},
     {"__main__"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 LIGHT = (
     *("errors", "normals", "registry", "rendering", "drawings"),
-    *("framing", "gallery", "mistakes", "commands", "inference"),
+    *("framing", "gallery", "mistakes", "commands", "inference", "studio"),
 )
 """Rooms that never import torch."""
 

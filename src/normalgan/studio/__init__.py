@@ -1,0 +1,1 @@
+"""The studio: a page in the browser to draw, pin normals, light and export; served to this machine alone."""

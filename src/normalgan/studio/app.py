@@ -1,0 +1,99 @@
+"""App: the studio as an ASGI application: its page, and what the page asks for."""
+
+import mimetypes
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
+
+from normalgan import __version__
+from normalgan.errors import InputError
+from normalgan.studio.answers import Envelope, failed, refused
+from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
+from normalgan.studio.bucket import Bucket
+from normalgan.studio.drawing import MOST_HINTS, MOST_SIDE
+from normalgan.studio.guard import Guard
+from normalgan.studio.painter import Painter
+from normalgan.studio.painting_routes import PaintingRoutes
+from normalgan.studio.pictures import import_picture
+
+PAGE = Path(__file__).parent / "page"
+_SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
+
+
+def build_app(
+    painter: Painter, port: int, opened: dict[str, Any] | None = None, bucket: Bucket | None = None
+) -> Starlette:
+    """Return the application.
+
+    Args:
+        painter: paints the drawings.
+        port: that it will be served at.
+        opened: what the page is to open first, as `normalgan.studio.opening.find_opened` gives it.
+        bucket: how many requests are served; None lets 50 a second pass.
+    """
+    mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
+    painting = PaintingRoutes(painter)
+
+    async def about(_: Request) -> Response:
+        return JSONResponse(
+            {
+                "version": __version__,
+                "model": {"name": painter.name, "size": painter.model.size, "confidence": painter.confident},
+                "limits": {"side": MOST_SIDE, "hints": MOST_HINTS, "body": MOST_BYTES},
+                "text": f"normalgan {__version__}, {painter.name} at {painter.model.size} pixels",
+                "open": opened,
+            }
+        )
+
+    async def import_(request: Request) -> Response:
+        check_type(request, "image/", "application/octet-stream")
+        return JSONResponse(await run_in_threadpool(import_picture, await read_body(request)))
+
+    async def index(_: Request) -> Response:
+        return FileResponse(PAGE / "index.html")
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        yield
+        painting.close()
+
+    return Starlette(
+        routes=[
+            Route("/", index),
+            Route("/api/about", about),
+            Route("/api/import", import_, methods=["POST"]),
+            *painting.routes(),
+            Mount("/page", StaticFiles(directory=PAGE)),
+        ],
+        middleware=[
+            Middleware(Envelope),
+            Middleware(Guard, port=port, bucket=bucket or Bucket(rate=50, burst=100)),
+        ],
+        exception_handlers={InputError: _told, HTTPException: _known, ClientDisconnect: _left},
+        lifespan=lifespan,
+    )
+
+
+def _told(_: Request, error: Exception) -> Response:
+    assert isinstance(error, InputError)
+    return refused(error)
+
+
+def _known(_: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    sentence = _SENTENCES.get(error.status_code, f"{error.detail}.")
+    return failed(sentence, error.status_code, dict(error.headers or {}))
+
+
+def _left(_: Request, error: Exception) -> Response:
+    return failed("the request broke off.", 400)  # nobody reads it

@@ -1,0 +1,66 @@
+"""normalgan studio: draw, pin normals, light and export in the browser, with an exported model."""
+
+import threading
+import webbrowser
+from pathlib import Path
+
+from jsonargparse import Namespace
+
+from normalgan.commands.light_parser import LightParser
+from normalgan.inference.session import find_model
+from normalgan.studio.app import build_app
+from normalgan.studio.painter import Painter
+from normalgan.studio.serving import listen, serve
+
+
+def run(arguments: list[str]) -> int:
+    """Serve the studio until it is ended, and return the exit code.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+    """
+    return studio(build_parser().parse_args(arguments))
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan studio",
+        usage="%(prog)s [PROJECT|DRAWING] [--SETTING VALUE]...",
+        description="Draw, pin normals, light and export in the browser.",
+    )
+    parser.add_argument(
+        "opened",
+        nargs="?",
+        type=str | None,
+        metavar="PROJECT|DRAWING",
+        help="what to open: a project's name, a .normalgan file, or a drawing",
+    )
+    parser.add_argument(
+        "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
+    )
+    parser.add_argument("--port", type=int, default=8400, help="of this machine; 0 takes a free one")
+    parser.add_argument(
+        "--projects", type=str | None, help="folder of the projects; null is the user's own for data"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="only say the address")
+    return parser
+
+
+def studio(settings: Namespace) -> int:
+    """Serve the studio until it is ended, and return the exit code.
+
+    Raises:
+        InputError: if something cannot be used.
+    """
+    painter = Painter(Path(find_model(settings.model)))
+    with listen(settings.port) as listening:
+        port = listening.getsockname()[1]
+        app = build_app(painter, port)
+        address = f"http://127.0.0.1:{port}/"
+        print(f"The studio is at {address} (Ctrl-C ends it).", flush=True)
+        if not settings.no_browser:
+            # Some browsers return only when they are closed.
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+        serve(app, listening)
+    return 0

@@ -1,0 +1,88 @@
+"""Fields: the values in a JSON request, each checked as it is taken out."""
+
+import base64
+import binascii
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from normalgan.errors import InputError
+
+Fields = dict[str, Any]
+
+
+def parse_fields(body: bytes) -> Fields:
+    """Return the object that a JSON text holds.
+
+    Raises:
+        InputError: if it is no JSON, or no object.
+    """
+    try:
+        fields = json.loads(body)
+    except (ValueError, RecursionError):  # no UTF-8, a number of ten thousand digits, ten thousand brackets
+        raise InputError('the request is not JSON; it is like {"tab": "a1", "number": 1, …}.') from None
+    if not isinstance(fields, dict):
+        raise InputError("the request is no JSON object; it has fields in braces.")
+    return fields
+
+
+def take_integer(fields: Fields, name: str, least: int, most: int, default: int | None = None) -> int:
+    """Return a whole number from ``least`` to ``most``; None as default means that there is none.
+
+    Raises:
+        InputError: if it is none.
+    """
+    value = fields.get(name, default)
+    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+        raise InputError(f"{name} is {_shown(value)}; it is to be a whole number from {least} to {most}.")
+    return value
+
+
+def take_choice(fields: Fields, name: str, choices: Sequence[str | bool | None], default: Any = None) -> Any:
+    """Return one of some values.
+
+    Raises:
+        InputError: if it is another.
+    """
+    value = fields.get(name, default)
+    if not any(value is each or (isinstance(each, str) and value == each) for each in choices):
+        known = ", ".join(json.dumps(each) for each in choices)
+        raise InputError(f"{name} is {_shown(value)}; it is to be one of {known}.")
+    return value
+
+
+def take_text(fields: Fields, name: str, most: int) -> str:
+    """Return a text of 1 to ``most`` characters.
+
+    Raises:
+        InputError: if it is none.
+    """
+    value = fields.get(name)
+    if not isinstance(value, str) or not 1 <= len(value) <= most:
+        raise InputError(f"{name} is {_shown(value)}; it is to be a text of 1 to {most} characters.")
+    return value
+
+
+def take_bytes(fields: Fields, name: str) -> bytes:
+    """Return what a text in base64 stands for.
+
+    Raises:
+        InputError: if it is none.
+    """
+    value = fields.get(name)
+    try:
+        if isinstance(value, str):
+            return base64.b64decode(value, validate=True)
+    except (binascii.Error, ValueError):
+        pass
+    raise InputError(f"{name} is {_shown(value)}; it is to be a PNG in base64.")
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "missing"
+    try:
+        text = json.dumps(value, ensure_ascii=False)
+    except ValueError:  # an integer of more digits than Python writes
+        text = "too long a number"
+    return text if len(text) <= 40 else f"{text[:37]}…"

@@ -1,0 +1,35 @@
+"""Pictures: an image of any kind, made a PNG that the page can show and send back."""
+
+import base64
+import io
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from normalgan.inference.picture import fitted, read_picture
+from normalgan.studio.drawing import MOST_SIDE, check_sides
+
+Imported = dict[str, str | int]
+
+
+def import_picture(content: bytes, name: str = "the picture") -> Imported:
+    """Return an image as base64 of a PNG with alpha, and its width and height.
+
+    Args:
+        content: a file as `normalgan.inference.picture.read_picture` reads it.
+        name: what to call it in an error.
+
+    Raises:
+        InputError: if it is none, or too narrow.
+    """
+    picture = read_picture(Path(name), content)
+    if max(picture.shape) > MOST_SIDE:
+        picture = picture.resized(fitted(picture.shape, MOST_SIDE))
+    height, width = picture.shape
+    check_sides("picture", height, width)
+    alpha = np.ones(picture.shape, np.float32) if picture.alpha is None else picture.alpha
+    pixels = np.rint(255 * np.dstack([picture.colour, alpha])).astype(np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG", compress_level=1)
+    return {"picture": base64.b64encode(file.getvalue()).decode(), "width": width, "height": height}

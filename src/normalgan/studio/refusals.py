@@ -1,0 +1,45 @@
+"""Refusals: what the studio's server answers when it does not do what it was asked, each with its status."""
+
+from normalgan.errors import InputError
+
+
+class RefusedError(InputError):
+    """A request that is not served; its message is one sentence for the user."""
+
+    status = 400
+
+
+class Foreign(RefusedError):
+    """It comes from another page, or by another name of this machine."""
+
+    status = 403
+
+
+class Missing(RefusedError):
+    """There is nothing of that name."""
+
+    status = 404
+
+
+class Changed(RefusedError):
+    """Somebody else has saved in between."""
+
+    status = 412
+
+
+class TooLarge(RefusedError):
+    """The body is larger than is read."""
+
+    status = 413
+
+
+class WrongType(RefusedError):
+    """The body is not of the kind that is taken."""
+
+    status = 415
+
+
+class TooMany(RefusedError):
+    """More requests than are served."""
+
+    status = 429

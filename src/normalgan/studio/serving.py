@@ -1,0 +1,65 @@
+"""Serving: an application at a port of this machine, until Ctrl-C or a signal ends it."""
+
+import errno
+import signal
+import socket
+import sys
+from types import FrameType
+
+import uvicorn
+from starlette.types import ASGIApp
+
+from normalgan.errors import InputError
+
+_GRACE = 10
+"""Seconds that requests have to be finished when the server is ended."""
+
+
+def listen(port: int) -> socket.socket:
+    """Return a socket that listens at a port of 127.0.0.1; 0 is a free one.
+
+    Raises:
+        InputError: if it is taken, or none that may be used.
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"port is {port}; ports go from 1 to 65535, and 0 takes a free one.")
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    if sys.platform != "win32":  # there it would let two servers share a port
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind(("127.0.0.1", port))
+        listening.listen(128)
+    except OSError as error:
+        listening.close()
+        if error.errno == errno.EADDRINUSE:
+            raise InputError(
+                f"port {port} is taken, perhaps by another studio; give another --port, or 0 for a free one."
+            ) from None
+        raise InputError(f"port {port} cannot be used: {error.strerror}.") from None
+    return listening
+
+
+def serve(app: ASGIApp, listening: socket.socket) -> None:
+    """Serve until a signal; SIGTERM ends it as if all were done.
+
+    Raises:
+        KeyboardInterrupt: after Ctrl-C, once all requests are answered.
+    """
+    signal.signal(signal.SIGTERM, _leave)  # uvicorn raises it again once all is shut down
+    config = uvicorn.Config(
+        app,
+        http="h11",
+        ws="none",
+        loop="asyncio",
+        lifespan="on",
+        access_log=False,
+        log_level="error",
+        server_header=False,
+        proxy_headers=False,
+        timeout_graceful_shutdown=_GRACE,
+    )
+    uvicorn.Server(config).run(sockets=[listening])
+
+
+def _leave(number: int, frame: FrameType | None) -> None:
+    raise SystemExit(0)

@@ -1,0 +1,160 @@
+"""Suggestion: the points of a normal map where a hint would help most."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.inference.picture import fitted, resize
+from normalgan.normals import Floats, normalize
+
+_SIDE = 256
+"""Longest side at which points are looked for."""
+_RIM = 0.015
+"""Nearer to the edge than this share of the object's extent no hint is needed: the outline tells the normal."""
+_FLOOR = 0.05
+"""Gain of a flat place that the model is sure of."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A place for a hint.
+
+    Args:
+        x: pixels from the left.
+        y: pixels from the top.
+        normal: what is painted there.
+        gain: how much a hint there would help, in [0, 1], beside what the whole object could gain.
+    """
+
+    x: float
+    y: float
+    normal: tuple[float, float, float]
+    gain: float
+
+
+def suggest(
+    normals: Floats, mask: NDArray[np.bool_], confidence: Floats | None, taken: Floats, count: int
+) -> list[Point]:
+    """Return at most ``count`` points, best first.
+
+    A hint helps where the model is in doubt and where the surface bends, for there a small mistake of its
+    guess turns the most normals; and it helps all about it. So gains are averaged over the reach of a hint,
+    the best point is taken, and those within its reach are left out: greedy dart throwing, whose points lie
+    as blue noise does.
+
+    Args:
+        normals: (H, W, 3), unit, as painted.
+        mask: (H, W), the object.
+        confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
+        taken: (K, 2), x and y in pixels of the hints that are there already.
+        count: of points.
+
+    References:
+        Mitchell 1987, "Generating antialiased images at low sampling densities" (blue noise).
+
+    Example:
+        A roof has its ridge in the middle; flat slopes gain less:
+
+        >>> roof = np.zeros((32, 32, 3), np.float32)
+        >>> roof[:, :16], roof[:, 16:] = (-0.6, 0, 0.8), (0.6, 0, 0.8)
+        >>> best = suggest(roof, np.ones((32, 32), bool), None, np.empty((0, 2), np.float32), 1)[0]
+        >>> 13 < best.x < 19
+        True
+    """
+    if not mask.any():
+        return []
+    scale = min(_SIDE / max(mask.shape), 1.0)
+    shape = fitted((mask.shape[0], mask.shape[1]), _SIDE) if scale < 1 else (mask.shape[0], mask.shape[1])
+    small = resize(mask.astype(np.float32), shape) > 0.5
+    if not small.any():
+        return []
+    step = np.array([shape[1] / mask.shape[1], shape[0] / mask.shape[0]], np.float32)
+    area = float(small.sum())
+    reach = max(0.55 * np.sqrt(area / (count + len(taken))), 2.0)
+    gain = _gain(resize(normals, shape), small, None if confidence is None else resize(confidence, shape))
+    gain = _averaged(gain, small, reach / 2)
+    free = _inner(small)
+    rows, columns = np.mgrid[: shape[0], : shape[1]] + 0.5
+    for x, y in taken * step:
+        free &= np.hypot(columns - x, rows - y) >= reach
+    points: list[Point] = []
+    while free.any() and len(points) < count:
+        row, column = np.unravel_index(np.argmax(np.where(free, gain, -1)), shape)
+        free &= np.hypot(columns - column - 0.5, rows - row - 0.5) >= reach
+        points.append(_point(row, column, step, normals, mask, float(gain[row, column])))
+    return points
+
+
+def doubt(confidence: Floats) -> Floats:
+    """Return how far off the model expects its normals to be, as a share of a right angle.
+
+    For the density exp(-κ θ) on the sphere the mean angle is 2κ / (κ² + 1) + π / (exp(π κ) + 1): minus the
+    derivative of the logarithm of its integral, 2π (1 + exp(-π κ)) / (κ² + 1), by κ.
+
+    References:
+        Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the Aleatoric Uncertainty in Surface Normal
+        Estimation", equation 5.
+
+    >>> doubt(np.array([0.0, 200.0], np.float32)).round(3).tolist()
+    [1.0, 0.006]
+    """
+    kappa = np.clip(confidence.astype(np.float64), 0, 1e6)
+    angle = 2 * kappa / (kappa**2 + 1) + np.pi / (np.exp(np.minimum(np.pi * kappa, 700)) + 1)
+    return (angle / (np.pi / 2)).astype(np.float32)
+
+
+def _gain(normals: Floats, mask: NDArray[np.bool_], confidence: Floats | None) -> Floats:
+    """Return what a hint gains at each pixel (h, w), in [0, 1]."""
+    bent = _share(_bending(normals, mask), mask)
+    gain = bent if confidence is None else (0.7 * _share(doubt(confidence), mask) + 0.3 * bent)
+    return np.where(mask, _FLOOR + (1 - _FLOOR) * gain, 0).astype(np.float32)
+
+
+def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
+    """Return the length of the normals' change from pixel to pixel; steps across the mask's edge are none."""
+    squares = np.zeros(mask.shape, np.float32)
+    for axis in (0, 1):
+        change = np.square(np.diff(normals, axis=axis)).sum(-1)
+        both = np.take(mask, range(1, mask.shape[axis]), axis) & np.take(
+            mask, range(mask.shape[axis] - 1), axis
+        )
+        pad = [(0, 0), (0, 0)]
+        for pad[axis] in ((0, 1), (1, 0)):
+            squares += np.pad(np.where(both, change, 0), pad) / 2
+    return np.sqrt(squares)
+
+
+def _share(values: Floats, mask: NDArray[np.bool_]) -> Floats:
+    """Return values as shares of what all but a twentieth of the object have at most."""
+    most = float(np.percentile(values[mask], 95))
+    return np.clip(values / max(most, 1e-6), 0, 1)
+
+
+def _averaged(gain: Floats, mask: NDArray[np.bool_], reach: float) -> Floats:
+    there = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), reach)
+    return np.asarray(cv2.GaussianBlur(gain, (0, 0), reach) / np.maximum(there, 1e-6), np.float32)
+
+
+def _inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the object without its rim; all of it if it is no more than a rim."""
+    rows, columns = np.nonzero(mask)
+    extent = max(np.ptp(rows), np.ptp(columns)) + 1
+    depth = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+    inner: NDArray[np.bool_] = depth > max(_RIM * extent, 1.5)
+    return inner if inner.any() else mask.copy()
+
+
+def _point(
+    row: np.intp, column: np.intp, step: Floats, normals: Floats, mask: NDArray[np.bool_], gain: float
+) -> Point:
+    """Return a point of the small map in pixels of the large one, moved onto the object if it lies beside."""
+    x, y = (column + 0.5) / step[0], (row + 0.5) / step[1]
+    at = min(int(y), mask.shape[0] - 1), min(int(x), mask.shape[1] - 1)
+    if not mask[at]:
+        rows, columns = np.nonzero(mask)
+        nearest = np.argmin(np.hypot(columns + 0.5 - x, rows + 0.5 - y))
+        at = int(rows[nearest]), int(columns[nearest])
+    normal = normalize(normals[at][None])[0]
+    return Point(at[1] + 0.5, at[0] + 0.5, tuple(normal.astype(float).tolist()), min(gain, 1.0))
