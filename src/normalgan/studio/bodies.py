@@ -3,7 +3,7 @@
 from starlette.requests import Request
 
 from normalgan.studio.fields import Fields, parse_fields
-from normalgan.studio.refusals import TooLarge, WrongType
+from normalgan.studio.refusals import TooLargeError, WrongTypeError
 
 MOST_BYTES = 20 * 2**20
 """Longest body of a request."""
@@ -13,7 +13,7 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Return the body of a request.
 
     Raises:
-        TooLarge: as soon as it is longer than ``most`` bytes, or says that it will be.
+        TooLargeError: as soon as it is longer than ``most`` bytes, or says that it will be.
     """
     said = request.headers.get("content-length", "")
     body = bytearray()
@@ -24,15 +24,15 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
                 break
         else:
             return bytes(body)
-    raise TooLarge(f"that is more than {most // 2**20} MB; send less.")
+    raise TooLargeError(f"that is more than {most // 2**20} MB; send less.")
 
 
 async def read_json(request: Request) -> bytes:
     """Return the body of a request that says it is JSON; other pages cannot send such without being asked.
 
     Raises:
-        WrongType: if it says something else.
-        TooLarge: if it is too long.
+        WrongTypeError: if it says something else.
+        TooLargeError: if it is too long.
     """
     check_type(request, "application/json")
     return await read_body(request)
@@ -48,10 +48,10 @@ async def read_fields(request: Request) -> Fields:
 
 
 def check_type(request: Request, *prefixes: str) -> None:
-    """Raise `WrongType` if a request's body is of none of these types."""
+    """Raise `WrongTypeError` if a request's body is of none of these types."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not kind.startswith(prefixes):
-        raise WrongType(f"the body is {kind or 'of no type'}; it is to be {' or '.join(prefixes)}.")
+        raise WrongTypeError(f"the body is {kind or 'of no type'}; it is to be {' or '.join(prefixes)}.")
 
 
 async def gone(request: Request) -> None:

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from normalgan.studio.refusals import TooMany
+from normalgan.studio.refusals import TooManyError
 
 T = TypeVar("T")
 
@@ -49,13 +49,13 @@ class Desk:
             gone: returns when nobody waits for the answer any more.
 
         Raises:
-            TooMany: if too many tabs wait.
+            TooManyError: if too many tabs wait.
             Exception: what the work raises.
         """
         if number < self._newest.get(tab, number):
             return None
         if tab not in self._waiting and len(self._waiting) >= self._most:
-            raise TooMany("too many drawings wait to be painted; try again in a moment.")
+            raise TooManyError("too many drawings wait to be painted; try again in a moment.")
         self._remember(tab, number)
         entry: _Entry[T] = _Entry(work, asyncio.get_running_loop().create_future())
         older, self._waiting[tab] = self._waiting.get(tab), entry  # type: ignore[assignment]

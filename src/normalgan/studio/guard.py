@@ -5,7 +5,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from normalgan.studio.answers import refused
 from normalgan.studio.bucket import Bucket
-from normalgan.studio.refusals import Foreign, RefusedError, TooMany
+from normalgan.studio.refusals import ForeignError, RefusedError, TooManyError
 
 _MOST_AT_ONCE = 64
 
@@ -47,13 +47,13 @@ class Guard:
     def _refusal(self, headers: Headers, api: bool) -> RefusedError | None:
         host, origin = headers.get("host", ""), headers.get("origin")
         if host not in self._hosts:
-            return Foreign(f"the studio is at {' or '.join(sorted(self._hosts))}, not at {host[:80]!r}.")
+            return ForeignError(f"the studio is at {' or '.join(sorted(self._hosts))}, not at {host[:80]!r}.")
         if origin is not None and origin != f"http://{host}":
-            return Foreign("another page has asked; the studio answers its own alone.")
+            return ForeignError("another page has asked; the studio answers its own alone.")
         if not api:
             return None
         if headers.get("sec-fetch-site", "none") not in {"same-origin", "none"}:
-            return Foreign("another page has asked; the studio answers its own alone.")
+            return ForeignError("another page has asked; the studio answers its own alone.")
         if self._at_once >= _MOST_AT_ONCE or not self._bucket.take():
-            return TooMany("too many requests at once; wait a moment.")
+            return TooManyError("too many requests at once; wait a moment.")
         return None

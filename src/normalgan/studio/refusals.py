@@ -9,37 +9,37 @@ class RefusedError(InputError):
     status = 400
 
 
-class Foreign(RefusedError):
+class ForeignError(RefusedError):
     """It comes from another page, or by another name of this machine."""
 
     status = 403
 
 
-class Missing(RefusedError):
+class MissingError(RefusedError):
     """There is nothing of that name."""
 
     status = 404
 
 
-class Changed(RefusedError):
+class ChangedError(RefusedError):
     """Somebody else has saved in between."""
 
     status = 412
 
 
-class TooLarge(RefusedError):
+class TooLargeError(RefusedError):
     """The body is larger than is read."""
 
     status = 413
 
 
-class WrongType(RefusedError):
+class WrongTypeError(RefusedError):
     """The body is not of the kind that is taken."""
 
     status = 415
 
 
-class TooMany(RefusedError):
+class TooManyError(RefusedError):
     """More requests than are served."""
 
     status = 429

@@ -12,7 +12,7 @@ from normalgan.normals import Floats, normalize
 _SIDE = 256
 """Longest side at which points are looked for."""
 _RIM = 0.015
-"""Nearer to the edge than this share of the object's extent no hint is needed: the outline tells the normal."""
+"""Nearer to the edge than this share of the object's extent the outline tells the normal."""
 _FLOOR = 0.05
 """Gain of a flat place that the model is sure of."""
 
@@ -97,7 +97,7 @@ def doubt(confidence: Floats) -> Floats:
         Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the Aleatoric Uncertainty in Surface Normal
         Estimation", equation 5.
 
-    >>> doubt(np.array([0.0, 200.0], np.float32)).round(3).tolist()
+    >>> doubt(np.array([0.0, 200.0], np.float32)).astype(float).round(3).tolist()
     [1.0, 0.006]
     """
     kappa = np.clip(confidence.astype(np.float64), 0, 1e6)
@@ -115,14 +115,11 @@ def _gain(normals: Floats, mask: NDArray[np.bool_], confidence: Floats | None) -
 def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
     """Return the length of the normals' change from pixel to pixel; steps across the mask's edge are none."""
     squares = np.zeros(mask.shape, np.float32)
-    for axis in (0, 1):
-        change = np.square(np.diff(normals, axis=axis)).sum(-1)
-        both = np.take(mask, range(1, mask.shape[axis]), axis) & np.take(
-            mask, range(mask.shape[axis] - 1), axis
-        )
-        pad = [(0, 0), (0, 0)]
-        for pad[axis] in ((0, 1), (1, 0)):
-            squares += np.pad(np.where(both, change, 0), pad) / 2
+    for before, after in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+        both = mask[before] & mask[after]
+        change = np.where(both, np.square(normals[after] - normals[before]).sum(-1), 0)
+        squares[before] += change / 2
+        squares[after] += change / 2
     return np.sqrt(squares)
 
 
