@@ -25,8 +25,10 @@ Commands:
   render     only render the training samples to disk
   sketch     draw a mesh from a view, as SVG or PNG
   generate   paint normal maps for drawings with an exported model, without torch
+  studio     draw, pin normals, light and export in the browser, with an exported model
   export     write a checkpoint as a file that runs without this package: ONNX, TorchScript
   benchmark  train and measure the methods of a plan on one split, or a model of yours
+  plugins    list the samplers, networks, losses, renderers and line styles there are
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
 """
@@ -34,8 +36,10 @@ TRAINING = ("fit", "validate", "test", "predict", "render")
 OTHERS = {
     "sketch": "normalgan.commands.sketch",
     "generate": "normalgan.commands.generate",
+    "studio": "normalgan.studio.command",
     "export": "normalgan.exporting.command",
     "benchmark": "normalgan.benchmark.command",
+    "plugins": "normalgan.commands.plugins",
 }
 """The commands that are not the Trainer's, and the module of each, which has a ``run``."""
 COMMANDS = (*TRAINING, *OTHERS)

@@ -39,22 +39,23 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     >>> explain("Subcommand 'fit' does not accept option 'data.sise'", {}, ["data.size"])
     'there is no setting data.sise. Did you mean data.size?'
     """
-    key = ".".join(re.findall(r'Parser key "([^"]+)":', message))
-    where = f'argument "{key}": ' if key else ""
+    found_keys = re.findall(r'Parser key "([^"]+)"(?: element (\d+))?:', message)
+    key = ".".join(name for name, _ in found_keys)
+    item = "".join(f", item {number}" for _, number in found_keys if number)
+    where = f'argument "{key}"{item}: ' if key else ""
     registry = plugins.get(key.rpartition(".")[2])
     if found := re.search(r"(?:does not accept option|unrecognized arguments:) '?(?:--)?([^\s'=]+)", message):
         return f"there is no setting {found[1]}.{did_you_mean(found[1], settings)}"
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
         return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
-    if registry and (found := re.search(r"Expected a dot import path string: (.+)", message)):
-        return where + _unknown(registry, found[1])
+    if found := re.search(r"Expected a dot import path string: (.+)", message):
+        return where + (_unknown(registry, found[1]) if registry else f"no class named {found[1]!r}.")
     if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
         advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
         return f"{where}{found[1]} cannot be imported ({found[2]}){advice}"
-    if registry and "Not a valid subclass" in message:
-        return (
-            f"{where}{_given(message)} is no {registry.base.__name__}; known: {', '.join(registry.names())}."
-        )
+    if found := re.search(r"Not a valid subclass of (\w+)", message):
+        known = f"; known: {', '.join(registry.names())}" if registry else ""
+        return f"{where}{_given(message)} is no {found[1]}{known}."
     if found := re.search(r"the following arguments are required: (.+)", message):
         return f"{where}missing: {found[1]}."
     wanted = list(dict.fromkeys(_wanted(message)))

@@ -8,7 +8,7 @@ from lightning.pytorch.cli import LightningArgumentParser
 
 from normalgan.errors import InputError
 from normalgan.mistakes import did_you_mean, explain
-from normalgan.plugins import namable
+from normalgan.plugins import SETTINGS, described, namable
 
 
 class Parser(LightningArgumentParser):
@@ -23,9 +23,13 @@ class Parser(LightningArgumentParser):
         super().error(message + (did_you_mean(unknown[1], self._settings()) if unknown else ""), ex)
 
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
-        """Return the help, opened by a usage in which nothing stands between program and command."""
+        """Return the help, opened by a usage in which nothing stands between program and command.
+
+        That of a command ends with the plug-ins its settings can name.
+        """
         self.prog = self.prog.replace(" [options]", "")
-        return super().format_help(formatter)
+        names_plugins = {action.dest for action in self._actions} >= set(SETTINGS.values())
+        return super().format_help(formatter) + (f"\n{described()}" if names_plugins else "")
 
     def _settings(self) -> list[str]:
         commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]

@@ -3,18 +3,14 @@
 import contextlib
 import inspect
 from collections.abc import Iterator
+from importlib.metadata import entry_points
 from typing import Any
 
-from lightning.pytorch import Callback
-from lightning.pytorch.loggers import Logger
-from torch.optim import Optimizer
-from torch.optim.lr_scheduler import LRScheduler
-
-from normalgan.data.augmentation import Augmentation
 from normalgan.hints import HINT_SAMPLERS
+from normalgan.mistakes import did_you_mean
 from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
-from normalgan.registry import Registry
+from normalgan.registry import LeftOut, Registry, offerer, summary
 from normalgan.rendering.lines import LINE_DRAWINGS
 from normalgan.rendering.renderers import RENDERERS
 
@@ -29,9 +25,20 @@ REGISTRIES: dict[str, Registry[Any]] = {
 }
 """The registry behind each setting that names a plug-in."""
 
+SETTINGS = {kind: f"{'data' if kind in {'renderer', 'lines'} else 'model'}.{kind}" for kind in REGISTRIES}
+"""The setting that names a plug-in of each kind."""
+
 
 def namable() -> dict[str, Registry[Any]]:
     """Return what each setting that takes a class may name, by the last part of the setting."""
+    # Late: lightning takes ten seconds to import, and a list of our plug-ins does without.
+    from lightning.pytorch import Callback
+    from lightning.pytorch.loggers import Logger
+    from torch.optim import Optimizer
+    from torch.optim.lr_scheduler import LRScheduler
+
+    from normalgan.data.augmentation import Augmentation
+
     optimizers = _subclasses(Optimizer)
     return {
         **REGISTRIES,
@@ -43,6 +50,33 @@ def namable() -> dict[str, Registry[Any]]:
         "callbacks": _subclasses(Callback),
         "augmentation": _subclasses(Augmentation),
     }
+
+
+def misplaced() -> list[LeftOut]:
+    """Return what packages offer in groups that look like ours and are none: a typo nobody would notice."""
+    groups = [registry.group for registry in REGISTRIES.values()]
+    strange = [g for g in entry_points().groups if g.startswith("normalgan.") and g not in groups]
+    return [
+        LeftOut(
+            entry.name,
+            entry.value,
+            entry.group,
+            offerer(entry),
+            f"there is no group {entry.group}.{did_you_mean(entry.group, groups)}".rstrip("."),
+        )
+        for group in sorted(strange)
+        for entry in entry_points(group=group)
+    ]
+
+
+def described() -> str:
+    """Return every plug-in with its summary, by setting, as the end of a command's help."""
+    parts = ["plug-ins by setting; normalgan plugins tells which package each is from:"]
+    for kind, registry in REGISTRIES.items():
+        parts.append(f"\n  --{SETTINGS[kind]}")
+        width = max(map(len, registry.names()))
+        parts += [f"    {cls.__name__:{width}}  {summary(cls)}".rstrip() for cls in registry]
+    return "\n".join(parts) + "\n"
 
 
 def _subclasses(base: type[Any]) -> Registry[Any]:

@@ -1,18 +1,43 @@
 """Plug-ins by class name: a decorator, entry points, and an answer to a typo.
 
 jsonargparse already finds every imported subclass of an annotated base by its short name, lists the
-choices in ``--help`` and checks ``init_args``. A registry adds the four things it does not do.
+choices in ``--help`` and checks ``init_args``. A registry adds what it does not do.
 """
 
 import difflib
 import inspect
 import warnings
 from collections.abc import Iterator
-from importlib.metadata import entry_points
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
 from typing import Any, Generic, TypeVar
+
+from normalgan.errors import brief
 
 T = TypeVar("T")
 C = TypeVar("C", bound=type[Any])
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A plug-in that some package offers and that cannot be used.
+
+    Args:
+        entry: its name in the package's list of entry points.
+        value: the class as ``module:Class``.
+        group: the group of entry points it is offered in.
+        package: who offers it, with its version; empty if unknown.
+        reason: why it cannot be used, a sentence without a full stop.
+    """
+
+    entry: str
+    value: str
+    group: str
+    package: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"the plug-in {self.entry!r} ({self.value}) of {self.group} is left out: {self.reason}"
 
 
 class Registry(Generic[T]):
@@ -34,7 +59,10 @@ class Registry(Generic[T]):
     def __init__(self, base: type[T], group: str) -> None:
         self.base = base
         self.group = group
+        self.left_out: list[LeftOut] = []
+        """What `discover` found and could not use."""
         self._classes: dict[str, type[T]] = {}
+        self._packages: dict[str, str] = {}
 
     def register(self, cls: C) -> C:
         """Add a class under its own name; usable as a decorator.
@@ -44,6 +72,8 @@ class Registry(Generic[T]):
             ValueError: if another class already has the name.
         """
         plugin: type[Any] = cls  # so that the checks do not narrow the type that is returned
+        if not inspect.isclass(plugin):
+            raise TypeError(f"{getattr(cls, '__name__', cls)} is no class.")
         name = plugin.__name__
         if not issubclass(plugin, self.base):
             raise TypeError(f"{name} is not a subclass of {self.base.__name__}.")
@@ -59,19 +89,62 @@ class Registry(Generic[T]):
         return cls
 
     def load_entry_points(self) -> None:
-        """Import and register what other installed packages offer.
+        """Import and register what other installed packages offer; warn of what is left out."""
+        self.discover()
+        with warnings.catch_warnings():
+            # Even where warnings are made errors: a broken plug-in must not stop what does not need it.
+            warnings.simplefilter("always")
+            for left in self.left_out:
+                warnings.warn(str(left), stacklevel=2)
 
-        A plug-in that cannot be loaded is left out with a warning, so that it breaks nothing else.
-        """
+    def discover(self) -> None:
+        """Import and register what other installed packages offer; keep in `left_out` what cannot be used."""
+        self._hide_namesakes()
+        self.left_out = []
         for entry in entry_points(group=self.group):
+            reason = self._adopt(entry)
+            if reason:
+                self.left_out.append(LeftOut(entry.name, entry.value, self.group, offerer(entry), reason))
+
+    def _adopt(self, entry: EntryPoint) -> str:
+        """Import and register a class, and return why it cannot be; nothing if it can."""
+        try:
+            cls = entry.load()
+        except KeyboardInterrupt:
+            raise
+        except SystemExit:
+            return "it ends the program while it is imported"
+        except BaseException as error:  # whatever a foreign package raises on import
+            return f"{type(error).__name__}: {brief(error)}".rstrip(".")
+        try:
+            self.register(cls)
+        except (TypeError, ValueError) as error:
+            return brief(error).rstrip(".")
+        self._packages[cls.__name__] = offerer(entry)
+        return ""
+
+    def _hide_namesakes(self) -> None:
+        """Let the class that has a name keep it, though some package defines another one of that name.
+
+        jsonargparse walks the subclasses of the base and refuses a short name that two of them have, be it
+        registered or not: a foreign class would take away the names of ours.
+        """
+
+        def unambiguous(cls: type[Any]) -> list[type[Any]]:
+            children: list[type[Any]] = type.__subclasses__(cls)
+            return [child for child in children if self._classes.get(child.__name__, child) is child]
+
+        self.base.__subclasses__ = classmethod(unambiguous)  # type: ignore[assignment, method-assign]
+
+    def package(self, name: str) -> str:
+        """Return the package and version that a registered class comes from, such as ``normalgan 0.1.0``."""
+        if name not in self._packages:
+            top = self._classes[name].__module__.partition(".")[0]
             try:
-                self.register(entry.load())
-            except Exception as error:  # whatever a foreign package raises on import
-                warnings.warn(
-                    f"the plug-in {entry.name!r} ({entry.value}) of {self.group} is left out: "
-                    f"{type(error).__name__}: {error}",
-                    stacklevel=2,
-                )
+                self._packages[name] = f"{top} {version(top)}"
+            except PackageNotFoundError:
+                self._packages[name] = top  # a module in the working directory
+        return self._packages[name]
 
     def names(self) -> list[str]:
         """Return the registered class names in alphabetical order."""
@@ -85,3 +158,19 @@ class Registry(Generic[T]):
         near = difflib.get_close_matches(name, self.names(), n=1, cutoff=0.5)
         hint = f" Did you mean {near[0]}?" if near else ""
         return f"no {self.base.__name__} named {name!r}.{hint} Known: {', '.join(self.names())}."
+
+
+def summary(cls: type[Any]) -> str:
+    """Return the first line of a class's own docstring; empty if it has none.
+
+    >>> summary(LeftOut)
+    'A plug-in that some package offers and that cannot be used.'
+    """
+    doc = (cls.__dict__.get("__doc__") or "").strip()
+    # A dataclass without a docstring is given its signature for one.
+    return "" if doc.startswith(f"{cls.__name__}(") else doc.partition("\n")[0].strip()
+
+
+def offerer(entry: EntryPoint) -> str:
+    """Return the package that an entry point is of, with its version; empty if that is not known."""
+    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""

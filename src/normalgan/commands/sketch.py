@@ -26,7 +26,7 @@ from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
 
-PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS}
+PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS, "styles": LINE_DRAWINGS}
 """The registry behind each setting that names a plug-in."""
 
 
@@ -36,7 +36,7 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if something that was given cannot be used.
     """
-    for registry in PLUGINS.values():
+    for registry in (RENDERERS, LINE_DRAWINGS):
         registry.load_entry_points()
     parser = build_parser()
     try:
