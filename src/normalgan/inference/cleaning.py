@@ -43,12 +43,12 @@ def clean(picture: Picture) -> Cleaned:
         seen = float((colour @ _GREY * picture.alpha).sum() / max(float(picture.alpha.sum()), 1e-6))
         paper = 1.0 if seen < 0.6 else 0.0  # light lines on nothing were drawn for a dark ground
         colour = colour * picture.alpha[..., None] + paper * (1 - picture.alpha[..., None])
-    if is_light_on_dark(colour @ _GREY):
+    if is_light_on_dark(cv2.transform(colour, _GREY[None])):
         colour = 1 - colour
     ink = without_specks(ink_on_paper(colour))
     if silhouette is not None:
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
-    if ink.max() < 0.3:
+    if float(ink.max()) < 0.3:
         raise InputError("no line is seen in it; a sketch needs lines that differ from their paper.")
     return Cleaned(ink.astype(np.float32), silhouette)
 
@@ -63,8 +63,8 @@ def without_specks(ink: Floats) -> Floats:
         return ink
     spans = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
     # Paler than half all over is no dot of a pen either.
-    darkest = np.zeros(count, np.float32)
-    np.maximum.at(darkest, labels.ravel().astype(np.intp), ink.ravel())
-    kept = (spans >= max(ink.shape) / 150) & (darkest > 0.5)
+    dark = np.zeros(count, np.bool_)
+    dark[labels[ink > 0.5]] = True
+    kept = (spans >= max(ink.shape) / 150) & dark
     kept[0] = True
-    return np.where(kept[labels], ink, 0)
+    return ink if kept.all() else np.where(kept[labels], ink, 0)

@@ -19,17 +19,21 @@ Mark = NDArray[np.bool_]
 def show(ink: Floats, frame: Frame) -> Floats:
     """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1].
 
-    Lines much wider or narrower than `KNOWN_WIDTH` are drawn anew along their middle; areas, whose width is
-    no line's, are drawn as their outline.
+    Lines much narrower than `KNOWN_WIDTH` are made thicker, much wider ones are drawn anew along their
+    middle; areas, whose width is no line's, are drawn as their outline.
     """
     fine = Frame(frame.shape, frame.left, frame.top, frame.side, frame.size * _FINER)
     inked = fine.cut(ink) > 0.5
-    width = line_width(inked) / _FINER
-    if _LEFT_ALONE[0] <= width <= _LEFT_ALONE[1] and not areas(inked, width * _FINER).any():
+    depth = _depth(inked)
+    width = _width(inked, depth)
+    if areas(inked, width, depth).any() or width > _LEFT_ALONE[1] * _FINER:
+        lines, drawn_width = middle(inked, width), KNOWN_WIDTH * _FINER
+    elif width >= _LEFT_ALONE[0] * _FINER:
         return frame.cut(ink)
-    lines = middle(inked, width * _FINER)
+    else:
+        lines, drawn_width = inked, KNOWN_WIDTH * _FINER - width + 1
     away = cv2.distanceTransform((~lines).astype(np.uint8), cv2.DIST_L2, 5)
-    drawn = np.clip(KNOWN_WIDTH * _FINER / 2 + 0.5 - away, 0, 1).astype(np.float32)
+    drawn = np.clip(np.float32(drawn_width / 2 + 0.5) - away, 0, 1)
     shown = cv2.resize(drawn, (frame.size, frame.size), interpolation=cv2.INTER_AREA)
     return np.asarray(shown, np.float32)
 
@@ -42,20 +46,23 @@ def line_width(inked: Mark) -> float:
     >>> round(line_width(inked))
     5
     """
-    depth = _depth(inked)
+    return _width(inked, _depth(inked))
+
+
+def _width(inked: Mark, depth: Floats) -> float:
     # Pixels as far inside as their neighbours or farther lie on the middle of a line.
-    ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - 1e-4)
+    ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(1e-4))
     return float(np.median(2 * depth[ridge] - 1)) if ridge.any() else 0.0
 
 
-def areas(inked: Mark, width: float) -> Mark:
+def areas(inked: Mark, width: float, depth: Floats | None = None) -> Mark:
     """Return the parts of a drawing (H, W) too thick for a line, when most lines are ``width`` wide.
 
     A patch that is thick for the most part is an area with all its thin parts: a silhouette's legs.
     """
     side = max(inked.shape)
     thickest = min(max(1.5 * width, 0.02 * side), 0.035 * side)  # half the width that is none of a line
-    core: Mark = _depth(inked) > thickest
+    core: Mark = (_depth(inked) if depth is None else depth) > thickest
     if not core.any():
         return core
     away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)

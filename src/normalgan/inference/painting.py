@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from normalgan.errors import InputError
@@ -11,7 +10,8 @@ from normalgan.inference.picture import resize
 from normalgan.inference.preparation import Mark, Prepared
 from normalgan.inference.session import Model
 from normalgan.inference.upsampling import sharpen
-from normalgan.normals import Floats, normalize
+from normalgan.inference.vectors import lengths, unit
+from normalgan.normals import Floats
 
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
@@ -56,7 +56,7 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
         InputError: if the model sees no object.
     """
     frame = prepared.frame
-    length = np.linalg.norm(painted, axis=-1)
+    length = lengths(painted)
     present = frame.restore(length[..., None]).reshape(prepared.ink.shape) > 0.5
     mask, warning = _choose(prepared, present)
     painted_share = float((mask & present).sum() / max(int(mask.sum()), 1))
@@ -71,40 +71,33 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
         raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
     if not mask.any():
         raise InputError("its mask is empty; paint the object white.")
-    vectors = extend(normalize(painted), known, needed)
-    normals = frame.restore(vectors)
+    normals = frame.restore(extend(unit(painted), known, needed))
     if frame.side > _ENLARGED * frame.size:
-        _sharpen(normals, known, mask, prepared)
+        _sharpen(normals, mask, prepared)
     shown = None
     if confidence is not None:
         shown = frame.restore(confidence[..., None]).reshape(mask.shape)
     if prepared.shape != mask.shape:
         normals, mask = resize(normals, prepared.shape), resize(mask.astype(np.float32), prepared.shape) > 0.5
         shown = None if shown is None else resize(shown, prepared.shape)
-    normals = normalize(normals)
-    cancelled = np.abs(normals).sum(-1, keepdims=True) == 0  # between opposite ones, and beyond the frame
-    normals = np.where(cancelled, np.array([0, 0, 1], np.float32), normals)
+    normals = unit(normals)
+    normals[~normals.any(-1)] = (0, 0, 1)  # between opposite ones, and beyond the frame
     alpha = mask.astype(np.float32) if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
     return Painted(normals, mask, np.clip(alpha, 0, 1), prepared.seen, shown, warning)
 
 
-def _sharpen(normals: Floats, known: Mark, mask: Mark, prepared: Prepared) -> None:
+def _sharpen(normals: Floats, mask: Mark, prepared: Prepared) -> None:
     """Make enlarged normals (h, w, 3) change at the lines again, in place.
 
     Args:
         normals: brought back from the model's size.
-        known: (S, S), where the model painted a direction.
         mask: (h, w), the object, not empty.
         prepared: the drawing.
     """
     frame = prepared.frame
-    # A line darkens a pixel of the model on either side.
-    trusted = 1 - np.minimum(2 * _around(prepared.seen), 1)
-    weight = frame.restore((trusted * known)[..., None].astype(np.float32)).reshape(mask.shape)
     rows, columns = (np.flatnonzero(mask.any(axis)) for axis in (1, 0))
     box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    scale = frame.side / frame.size
-    normals[box] = sharpen(normals[box], weight[box], prepared.ink[box], mask[box], scale)
+    normals[box] = sharpen(normals[box], prepared.ink[box], mask[box], frame.side / frame.size)
 
 
 def _known(length: Floats, needed: Mark) -> Mark:
@@ -139,8 +132,3 @@ def _choose(prepared: Prepared, present: Mark) -> tuple[Mark, str]:
         f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "
         "not, the mask is the model's guess (close the gaps, or give --mask)"
     )
-
-
-def _around(seen: Floats) -> Floats:
-    """Return ink that has spread to the pixels next to it."""
-    return np.asarray(cv2.dilate(seen, np.ones((3, 3), np.uint8)), np.float32)

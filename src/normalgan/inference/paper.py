@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.inference.levels import Levels
 from normalgan.inference.painted import darkest, painted_areas, paper_colour, steps, surroundings
 from normalgan.inference.picture import fitted, resize
 from normalgan.normals import Floats
@@ -34,11 +35,13 @@ def ink_on_paper(colour: Floats) -> Floats:
     level = paper_colour(paper)
     step = steps(darkest(small / level))
     painted, paper = painted_areas(small, paper, level, step)
-    beside = resize(paper, shape)
+    beside = _enlarged(paper, shape)
     # Of a dark paint, a share would be mere noise.
-    ink = -darkest((colour - beside) / np.maximum(beside, _DARKEST * level))
+    share = np.maximum(beside, _DARKEST * level)
+    np.divide(np.subtract(beside, colour, out=beside), share, out=share)
+    ink = -darkest(np.negative(share, out=share))
     around = surroundings(painted)
-    ink = _without_grain(np.clip(ink - float(np.median(ink)), 0, 1))
+    ink = _without_grain(np.clip(ink - Levels(ink, -1, 1).quantile(0.5), 0, 1))
     if painted.any():
         rim = _rim(painted & ~around, step)
         ink = np.maximum(ink, resize(rim, shape).clip(0, 1))
@@ -58,19 +61,25 @@ def _paper(colour: Floats) -> Floats:
     return np.asarray(cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, window), np.float32)
 
 
+def _enlarged(paper: Floats, shape: tuple[int, int]) -> Floats:
+    """Return the paper with (H, W) pixels: it is smooth, so that lines between the pixels do."""
+    if paper.shape[:2] == shape:
+        return paper.copy()
+    return np.asarray(cv2.resize(paper, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
+
+
 def _without_grain(ink: Floats) -> Floats:
     """Return ink with the paper's grain at 0 and the lines brought to 1."""
-    paper = ink[ink < 0.3]
-    grain = 1.4826 * float(np.median(np.abs(paper - np.median(paper)))) if paper.size else 0.0
+    levels = Levels(ink, 0, 1)
+    usual = levels.quantile(0.5, below=0.3)
+    grain = 0.0 if np.isnan(usual) else 1.4826 * levels.spread(usual, below=0.3)
     least = max(4 * grain, 0.06)
-    lines = ink[ink > 2 * least]
-    if not lines.size:
-        lines = ink[ink > least]
-    if not lines.size:
+    faintest = 2 * least if levels.count(2 * least) else least
+    if not levels.count(faintest):
         return np.zeros_like(ink)
     # A pen's edge is pale and its middle dark: the darker half tells how dark it draws.
-    dark = max(float(np.percentile(lines, 70)), 2 * least)
-    return np.asarray(np.clip((ink - least) / (dark - least), 0, 1), np.float32)
+    dark = max(levels.quantile(0.7, above=faintest), 2 * least)
+    return np.asarray(np.clip((ink - np.float32(least)) / np.float32(dark - least), 0, 1), np.float32)
 
 
 def _rim(painted: Mark, step: Mark) -> Floats:

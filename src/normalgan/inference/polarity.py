@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 
+from normalgan.inference.levels import Levels
 from normalgan.inference.picture import fitted, resize
 from normalgan.normals import Floats
 
@@ -22,10 +23,11 @@ def is_light_on_dark(brightness: Floats) -> bool:
     (True, False)
     """
     small = resize(brightness, fitted((brightness.shape[0], brightness.shape[1]), _SIDE))
-    low, high = (float(v) for v in np.percentile(small, (0.5, 99.5)))
+    levels = Levels(small, 0, 1)
+    low, high = levels.quantile(0.005), levels.quantile(0.995)
     sides = [small[:2].ravel(), small[-2:].ravel(), small[:, :2].ravel(), small[:, -2:].ravel()]
     middle, border = (low + high) / 2, float(np.median(np.concatenate(sides)))
-    if min(border, float(np.median(small))) > middle:
+    if min(border, levels.quantile(0.5)) > middle:
         return False
     contrast = max(high - low, 1e-3)
     for width in _WINDOWS:

@@ -1,0 +1,25 @@
+"""Vectors: unit vectors of large pictures, by planes, in a tenth of the time of the general way."""
+
+import cv2
+import numpy as np
+
+from normalgan.normals import Floats
+
+_NONE = 1e-8
+
+
+def lengths(vectors: Floats) -> Floats:
+    """Return the lengths (H, W) of vectors (H, W, 3), float32."""
+    x, y, z = cv2.split(vectors)
+    return np.asarray(cv2.magnitude(cv2.magnitude(x, y), z), np.float32)
+
+
+def unit(vectors: Floats) -> Floats:
+    """Return unit vectors (H, W, 3) of float32 ones; those shorter than 1e-8 become zero.
+
+    >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()
+    [[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]]
+    """
+    length = lengths(vectors)
+    scale = (length > _NONE) / np.maximum(length, np.float32(_NONE))
+    return np.asarray(cv2.merge([plane * scale for plane in cv2.split(vectors)]), np.float32)
