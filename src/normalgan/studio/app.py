@@ -4,7 +4,6 @@ import mimetypes
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
@@ -22,21 +21,26 @@ from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.bucket import Bucket
 from normalgan.studio.drawing import MOST_HINTS, MOST_SIDE
 from normalgan.studio.guard import Guard
+from normalgan.studio.opening import Opened
 from normalgan.studio.painter import Painter
 from normalgan.studio.painting_routes import PaintingRoutes
 from normalgan.studio.pictures import import_picture
+from normalgan.studio.shelf import Shelf
+from normalgan.studio.shelf_routes import ShelfRoutes
 
 PAGE = Path(__file__).parent / "page"
+_AUTOSAVES = 50
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
 
 
 def build_app(
-    painter: Painter, port: int, opened: dict[str, Any] | None = None, bucket: Bucket | None = None
+    painter: Painter, projects: Shelf, port: int, opened: Opened | None = None, bucket: Bucket | None = None
 ) -> Starlette:
     """Return the application.
 
     Args:
         painter: paints the drawings.
+        projects: where they are kept, and in a folder below what is not saved yet.
         port: that it will be served at.
         opened: what the page is to open first, as `normalgan.studio.opening.find_opened` gives it.
         bucket: how many requests are served; None lets 50 a second pass.
@@ -51,9 +55,11 @@ def build_app(
                 "model": {"name": painter.name, "size": painter.model.size, "confidence": painter.confident},
                 "limits": {"side": MOST_SIDE, "hints": MOST_HINTS, "body": MOST_BYTES},
                 "text": f"normalgan {__version__}, {painter.name} at {painter.model.size} pixels",
-                "open": opened,
             }
         )
+
+    async def first(_: Request) -> Response:
+        return JSONResponse(opened)
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
@@ -71,8 +77,11 @@ def build_app(
         routes=[
             Route("/", index),
             Route("/api/about", about),
+            Route("/api/open", first),
             Route("/api/import", import_, methods=["POST"]),
             *painting.routes(),
+            *ShelfRoutes("/api/projects", projects, guarded=True).routes(),
+            *ShelfRoutes("/api/autosave", Shelf(projects.folder / "autosave"), False, _AUTOSAVES).routes(),
             Mount("/page", StaticFiles(directory=PAGE)),
         ],
         middleware=[

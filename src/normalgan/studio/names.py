@@ -18,8 +18,7 @@ def check_name(name: str) -> str:
     'Fuchs im Schnee_2'
     """
     name = unicodedata.normalize("NFC", name)
-    plain = all(each in " -_" or unicodedata.category(each)[0] in "LMN" for each in name)
-    if not plain or name != name.strip() or not 1 <= len(name) <= LONGEST or _too_long(name):
+    if not is_name(name):
         raise InputError(
             f"{name[:LONGEST]!r} is no name; it has 1 to {LONGEST} letters, digits, spaces, - and _, and "
             "no space at its ends."
@@ -27,5 +26,27 @@ def check_name(name: str) -> str:
     return name
 
 
-def _too_long(name: str) -> bool:
-    return len(name.encode()) > _MOST_BYTES
+def is_name(name: str) -> bool:
+    """Return whether a project may be called so.
+
+    >>> is_name("fox"), is_name("../fox"), is_name(" fox")
+    (True, False, False)
+    """
+    fits = 1 <= len(name) <= LONGEST and len(name.encode(errors="replace")) <= _MOST_BYTES
+    return fits and name == name.strip() and all(map(_is_plain, name))
+
+
+def to_name(text: str) -> str:
+    """Return the name that is nearest to a text.
+
+    >>> to_name("fox (2)."), to_name("...")
+    ('fox 2', 'drawing')
+    """
+    plain = "".join(filter(_is_plain, unicodedata.normalize("NFC", text)))[:LONGEST]
+    while len(plain.encode()) > _MOST_BYTES:
+        plain = plain[:-1]
+    return plain.strip() or "drawing"
+
+
+def _is_plain(character: str) -> bool:
+    return character in " -_" or unicodedata.category(character)[0] in "LMN"

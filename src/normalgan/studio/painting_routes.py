@@ -37,6 +37,7 @@ class PaintingRoutes:
         self._painter = painter
         # Heights and exports take seconds; no stroke waits for them.
         self._quick, self._slow = Desk(), Desk()
+        self._exports = 0
 
     def routes(self) -> list[Route]:
         """Return where they are asked for."""
@@ -78,16 +79,19 @@ class PaintingRoutes:
         """Answer with a file as ``normalgan generate`` writes it."""
         fields = await read_fields(request)
         work = partial(self._file, take_drawing(fields), fields)
-        file = await self._ordered(self._slow, request, fields, work)
+        self._exports += 1  # none takes another one's place
+        file = await self._ordered(self._slow, request, fields, work, f"{self._exports} ")
         if file is None:
             return _dropped()
         name, content = file
         attachment = f"attachment; filename*=UTF-8''{quote(name, safe='')}"
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
-    async def _ordered(self, desk: Desk, request: Request, fields: Fields, work: Callable[[], T]) -> T | None:
+    async def _ordered(
+        self, desk: Desk, request: Request, fields: Fields, work: Callable[[], T], apart: str = ""
+    ) -> T | None:
         """Return what the work gives, in its turn; None if it is not wanted any more."""
-        tab = f"{request.url.path} {take_text(fields, 'tab', 64)}"
+        tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
         return await desk.do(tab, take_integer(fields, "number", 0, _LARGEST), work, partial(gone, request))
 
     def _map(self, drawing: Drawing) -> tuple[bytes, Painted]:

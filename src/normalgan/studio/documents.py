@@ -1,0 +1,26 @@
+"""Documents: whether what is to be kept is a project of the studio."""
+
+from normalgan.errors import InputError
+from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
+from normalgan.studio.fields import Fields, parse_fields, take_integer
+
+FORMAT, VERSION = "normalgan-studio", 1
+
+
+def check_document(content: bytes) -> Fields:
+    """Return a project's fields; what its strokes, hints and layers hold is the page's business.
+
+    Raises:
+        InputError: if it is no project, or one of a later version.
+    """
+    fields = parse_fields(content)
+    if fields.get("format") != FORMAT:
+        raise InputError(f'that is no project of the studio, which begins with "format": "{FORMAT}".')
+    if fields.get("version") != VERSION:
+        raise InputError(f"the project is of another version; this studio knows {VERSION}, so update it.")
+    for side in ("width", "height"):
+        take_integer(fields, side, LEAST_SIDE, MOST_SIDE)
+    for name, kind in (("strokes", list), ("hints", list), ("layers", list), ("settings", dict)):
+        if not isinstance(fields.get(name), kind):
+            raise InputError(f"the project has no {name}; the file is damaged.")
+    return fields

@@ -1,0 +1,53 @@
+"""Opening: what the page shows first, if the command line names a project or a drawing."""
+
+from pathlib import Path
+from typing import Any
+
+from normalgan.errors import InputError
+from normalgan.studio.documents import check_document
+from normalgan.studio.names import check_name, to_name
+from normalgan.studio.pictures import import_picture
+from normalgan.studio.refusals import MissingError
+from normalgan.studio.shelf import SUFFIX, Shelf
+
+Opened = dict[str, Any]
+
+
+def find_opened(given: str, shelf: Shelf) -> Opened:
+    """Return what the page is to open: ``kind`` (project, document or drawing), ``name``, and the rest of it.
+
+    Args:
+        given: name of a project, a ``.normalgan`` file, or a drawing's file.
+        shelf: the projects.
+
+    Raises:
+        InputError: if it is none of these.
+    """
+    path = Path(given)
+    if path.is_file():
+        return _of_file(path)
+    try:
+        shelf.read(given)
+    except MissingError:
+        pass
+    except InputError:  # no name of a project
+        pass
+    else:
+        return {"kind": "project", "name": check_name(given)}
+    raise InputError(
+        f"there is neither a project nor a file called {given}; give a project's name or a drawing's file."
+    )
+
+
+def _of_file(path: Path) -> Opened:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from None
+    name = to_name(path.stem)
+    if path.suffix.lower() != SUFFIX:
+        return {"kind": "drawing", "name": name, **import_picture(content, str(path))}
+    try:
+        return {"kind": "document", "name": name, "document": check_document(content)}
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
