@@ -1,0 +1,85 @@
+// Draws the views without WebGL: shaded by CPU at the map's size, then scaled to the canvas.
+
+import { CHECKER, fitted } from "./viewer_fit.js";
+import { celShader, clayShader, matcapShader } from "./viewer_shading.js";
+
+const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
+
+// sRGB RGBA bytes of a map {rgba, width, height} in one of the shaded views.
+export function shadedPixels({ rgba }, view, light) {
+  const shade = SHADERS[view](light);
+  const pixels = new Uint8ClampedArray(rgba.length);
+  for (let at = 0; at < rgba.length; at += 4) {
+    if (rgba[at + 3] === 0) continue;
+    const [x, y, z] = [rgba[at] / 127.5 - 1, rgba[at + 1] / 127.5 - 1, rgba[at + 2] / 127.5 - 1];
+    const length = Math.sqrt(x * x + y * y + z * z);
+    shade(x / length, y / length, z / length, pixels, at);
+    pixels[at + 3] = rgba[at + 3];
+  }
+  return pixels;
+}
+
+// A painter {setMap, setHeight, draw, dispose}; the relief is the sentence that it needs WebGL.
+export function createPlainPainter(canvas, text) {
+  const context = canvas.getContext("2d");
+  const sheet = document.createElement("canvas");
+  let drawn = ""; // the view and light that the sheet shows
+
+  function setMap(map) {
+    [sheet.width, sheet.height] = map ? [map.width, map.height] : [1, 1];
+    drawn = "";
+  }
+
+  function fillSheet({ map, view, light }) {
+    const wanted = view === "map" ? view : `${view} ${light}`;
+    if (drawn === wanted) return;
+    const pixels = view === "map" ? new Uint8ClampedArray(map.rgba) : shadedPixels(map, view, light);
+    sheet.getContext("2d").putImageData(new ImageData(pixels, map.width), 0, 0);
+    drawn = wanted;
+  }
+
+  function drawChecker(place, ratio) {
+    const side = CHECKER.side * ratio;
+    context.save();
+    context.beginPath();
+    context.rect(place.x, place.y, place.width, place.height);
+    context.clip();
+    context.fillStyle = `rgba(${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.alpha})`;
+    for (let row = 0; row * side < place.height; row++) {
+      for (let column = (row + 1) % 2; column * side < place.width; column += 2) {
+        context.fillRect(place.x + column * side, place.y + row * side, side, side);
+      }
+    }
+    context.restore();
+  }
+
+  function write(sentence, ratio) {
+    context.font = `${15 * ratio}px system-ui, sans-serif`;
+    context.fillStyle = getComputedStyle(canvas).color;
+    context.textAlign = "center";
+    const lines = [""];
+    for (const word of sentence.split(" ")) {
+      const longer = `${lines.at(-1)} ${word}`.trim();
+      if (context.measureText(longer).width < 0.85 * canvas.width) lines[lines.length - 1] = longer;
+      else lines.push(word);
+    }
+    const first = canvas.height / 2 - 11 * ratio * (lines.length - 1);
+    lines.forEach((line, i) => context.fillText(line, canvas.width / 2, first + 22 * ratio * i));
+  }
+
+  function draw(scene) {
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    if (scene.view === "relief") {
+      write(text.reliefNeedsWebgl, scene.ratio);
+    } else if (scene.map) {
+      const place = fitted(scene.map, canvas);
+      if (scene.view === "map") drawChecker(place, scene.ratio);
+      fillSheet(scene);
+      context.imageSmoothingQuality = "high";
+      context.drawImage(sheet, place.x, place.y, place.width, place.height);
+    }
+  }
+
+  setMap(null);
+  return { setMap, setHeight() {}, draw, dispose: () => setMap(null) };
+}

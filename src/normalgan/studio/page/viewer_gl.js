@@ -1,0 +1,88 @@
+// Draws the views by WebGL 2.
+
+import { CHECKER, fitted } from "./viewer_fit.js";
+import { createProgram, createTexture } from "./viewer_program.js";
+import { createRelief } from "./viewer_relief.js";
+import { FLAT_FRAGMENT, FLAT_VERTEX } from "./viewer_shaders.js";
+import { MATCAP_SIZE, matcapPixels } from "./viewer_shading.js";
+
+const VIEWS = { map: 0, lit: 1, matcap: 2, flat: 3 };
+const MAP_UNIT = 0;
+const BALL_UNIT = 1;
+
+// A copy of RGBA bytes whose colours are multiplied by their alpha.
+function premultiplied(rgba) {
+  const copy = new Uint8Array(rgba);
+  for (let i = 3; i < copy.length; i += 4) {
+    const alpha = copy[i];
+    if (alpha === 255) continue;
+    for (let k = i - 3; k < i; k++) copy[k] = Math.round((copy[k] * alpha) / 255);
+  }
+  return copy;
+}
+
+// A painter {setMap, setHeight, draw, dispose}; throws an Error if the shaders do not compile.
+export function createGlPainter(canvas, gl) {
+  const flat = createProgram(gl, FLAT_VERTEX, FLAT_FRAGMENT);
+  const relief = createRelief(gl, MAP_UNIT);
+  const nothing = gl.createVertexArray(); // the triangle comes from gl_VertexID
+  const map = createTexture(gl, MAP_UNIT, gl.LINEAR_MIPMAP_LINEAR);
+  const ball = createTexture(gl, BALL_UNIT, gl.LINEAR);
+  let ballLight = "";
+  gl.disable(gl.DITHER);
+  gl.clearColor(0, 0, 0, 0);
+  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+
+  function upload(unit, width, height, pixels) {
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  }
+
+  function setMap(picture) {
+    const { rgba, width, height } = picture ?? { rgba: [0, 0, 0, 0], width: 1, height: 1 };
+    upload(MAP_UNIT, width, height, premultiplied(rgba));
+    gl.generateMipmap(gl.TEXTURE_2D);
+  }
+
+  function makeBall(light) {
+    if (ballLight === light.join()) return;
+    upload(BALL_UNIT, MATCAP_SIZE, MATCAP_SIZE, new Uint8Array(matcapPixels(light).buffer));
+    ballLight = light.join();
+  }
+
+  function drawFlat(scene) {
+    const place = fitted(scene.map, canvas);
+    if (scene.view === "matcap") makeBall(scene.light);
+    gl.disable(gl.DEPTH_TEST);
+    gl.viewport(place.x, canvas.height - place.y - place.height, place.width, place.height);
+    gl.useProgram(flat.program);
+    gl.uniform1i(flat.at.map, MAP_UNIT);
+    gl.uniform1i(flat.at.ball, BALL_UNIT);
+    gl.uniform1i(flat.at.view, VIEWS[scene.view]);
+    gl.uniform3fv(flat.at.light, scene.light);
+    gl.uniform3f(flat.at.checker, CHECKER.side * scene.ratio, place.x, canvas.height - place.y);
+    gl.bindVertexArray(nothing);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  function draw(scene) {
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (scene.view === "relief") {
+      if (scene.heights) relief.draw(scene, fitted(scene.heights, canvas), canvas);
+    } else if (scene.map) {
+      drawFlat(scene);
+    }
+  }
+
+  function dispose() {
+    relief.dispose();
+    gl.deleteProgram(flat.program);
+    gl.deleteVertexArray(nothing);
+    gl.deleteTexture(map);
+    gl.deleteTexture(ball);
+  }
+
+  setMap(null);
+  return { setMap, setHeight: relief.setHeight, draw, dispose };
+}

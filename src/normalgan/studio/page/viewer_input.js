@@ -1,0 +1,100 @@
+// Pointer, wheel and keyboard over the viewer: they move the light, or turn the relief.
+
+import { normalised } from "./viewer_shading.js";
+
+export const DEFAULT_LIGHT = normalised([-0.5, 0.6, 0.62]); // the upper left, before the surface
+export const FRONT = { yaw: 0, pitch: 0, zoom: 1 };
+const LOWEST = 0.97; // how far out the light goes: at 1 it would graze the picture's plane
+const STEP = 0.08; // of the light, for a key
+const TURN = Math.PI / 36;
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const ZOOMS = { "+": 1, "=": 1, "-": -1, _: -1 };
+
+// The light over the point (x, y) of a disc of radius 1, y up: in the middle it shines from the viewer.
+export function lightOver(x, y) {
+  const shrink = Math.min(1, LOWEST / Math.max(Math.hypot(x, y), 1e-9));
+  const [a, b] = [x * shrink, y * shrink];
+  return [a, b, Math.sqrt(1 - a * a - b * b)];
+}
+
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+
+// Moves scene.light or scene.turn and calls changed("light" | "turn"). Ends with the signal.
+export function listen(canvas, scene, changed, signal) {
+  const isTurning = () => scene.view === "relief";
+  const isStill = () => scene.view === "map";
+  let last = null; // pointer while it drags
+
+  function setLight(x, y) {
+    scene.light = lightOver(x, y);
+    changed("light");
+  }
+
+  function turn(yaw, pitch) {
+    scene.turn.yaw = (scene.turn.yaw + yaw) % (2 * Math.PI);
+    scene.turn.pitch = clamp(scene.turn.pitch + pitch, -Math.PI / 2, Math.PI / 2);
+    changed("turn");
+  }
+
+  function drag(event) {
+    const box = canvas.getBoundingClientRect();
+    const radius = Math.min(box.width, box.height) / 2;
+    if (isTurning()) {
+      const [right, down] = [event.clientX - last.clientX, event.clientY - last.clientY];
+      turn(((right / radius) * Math.PI) / 2, ((down / radius) * Math.PI) / 2);
+    } else {
+      const x = (event.clientX - box.x - box.width / 2) / radius;
+      setLight(x, -(event.clientY - box.y - box.height / 2) / radius);
+    }
+    last = event;
+  }
+
+  // Nearer: a larger relief, or a light that is higher above the surface.
+  function approach(amount) {
+    if (isTurning()) {
+      scene.turn.zoom = clamp(scene.turn.zoom * Math.exp(amount), 0.3, 5);
+      changed("turn");
+    } else {
+      const [x, y] = scene.light;
+      setLight(x * Math.exp(-amount), y * Math.exp(-amount));
+    }
+  }
+
+  function press(event) {
+    const factor = event.shiftKey ? 3 : 1;
+    const arrow = ARROWS[event.key]?.map((value) => value * factor);
+    if (arrow && isTurning()) turn(arrow[0] * TURN, -arrow[1] * TURN);
+    else if (arrow) setLight(scene.light[0] + arrow[0] * STEP, scene.light[1] + arrow[1] * STEP);
+    else if (event.key in ZOOMS) approach(0.12 * ZOOMS[event.key]);
+    else if (event.key === "Home" && isTurning()) {
+      Object.assign(scene.turn, FRONT);
+      changed("turn");
+    } else if (event.key === "Home") setLight(DEFAULT_LIGHT[0], DEFAULT_LIGHT[1]);
+    else return;
+    event.preventDefault();
+  }
+
+  const on = (name, act) => canvas.addEventListener(name, act, { signal, passive: false });
+  on("pointerdown", (event) => {
+    if (!event.isPrimary || event.button !== 0 || isStill()) return;
+    canvas.setPointerCapture(event.pointerId);
+    last = event;
+    if (!isTurning()) drag(event);
+  });
+  on("pointermove", (event) => {
+    if (last && event.pointerId === last.pointerId) drag(event);
+  });
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+    on(end, (event) => {
+      if (event.pointerId === last?.pointerId) last = null;
+    });
+  }
+  on("wheel", (event) => {
+    if (isStill() || event.ctrlKey) return; // Ctrl and the wheel zoom the page
+    event.preventDefault();
+    approach(clamp(-event.deltaY / 800, -0.2, 0.2));
+  });
+  on("keydown", (event) => {
+    if (!isStill() && !event.ctrlKey && !event.metaKey && !event.altKey) press(event);
+  });
+}

@@ -1,0 +1,69 @@
+// Draws the surface of the heights in perspective, lit by the normals of the map.
+
+import { meshOf } from "./viewer_mesh.js";
+import { createProgram } from "./viewer_program.js";
+import { RELIEF_FRAGMENT, RELIEF_VERTEX } from "./viewer_shaders.js";
+
+export const EYE = 6; // how far the viewer stands, in halves of the drawing's longer side
+const ROOM = 0.85; // of the canvas that an unturned relief fills: turned, it needs more
+
+// Rotation, column by column: first about y (yaw, the front goes to the right), then about x (pitch, the
+// front goes down); radians.
+export function turnMatrix({ yaw, pitch }) {
+  const [ca, sa, cb, sb] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
+  return [ca, sb * sa, -cb * sa, 0, cb, sb, sa, -sb * ca, cb * ca];
+}
+
+export function createRelief(gl, mapUnit) {
+  const { program, at } = createProgram(gl, RELIEF_VERTEX, RELIEF_FRAGMENT);
+  const array = gl.createVertexArray();
+  const places = gl.createBuffer();
+  const wheres = gl.createBuffer();
+  const indices = gl.createBuffer();
+  let count = 0;
+  gl.bindVertexArray(array);
+  for (const [location, buffer, channels] of [
+    [0, places, 3],
+    [1, wheres, 2],
+  ]) {
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.enableVertexAttribArray(location);
+    gl.vertexAttribPointer(location, channels, gl.FLOAT, false, 0, 0);
+  }
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
+  gl.bindVertexArray(null);
+
+  function setHeight(heights) {
+    const mesh = meshOf(heights ?? { heights: new Float32Array(), width: 0, height: 0 });
+    count = mesh.corners.length;
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, places);
+    gl.bufferData(gl.ARRAY_BUFFER, mesh.places, gl.STATIC_DRAW);
+    gl.bindBuffer(gl.ARRAY_BUFFER, wheres);
+    gl.bufferData(gl.ARRAY_BUFFER, mesh.wheres, gl.STATIC_DRAW);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.corners, gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+  }
+
+  // `place` is where the drawing lies on the canvas when it is seen from the front.
+  function draw(scene, place, canvas) {
+    const size = ROOM * scene.turn.zoom * Math.max(place.width, place.height);
+    gl.enable(gl.DEPTH_TEST);
+    gl.useProgram(program);
+    gl.uniform1i(at.map, mapUnit);
+    gl.uniformMatrix3fv(at.turn, false, turnMatrix(scene.turn));
+    gl.uniform2f(at.scale, size / canvas.width, size / canvas.height);
+    gl.uniform1f(at.eye, EYE);
+    gl.uniform3fv(at.light, scene.light);
+    gl.bindVertexArray(array);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+  }
+
+  function dispose() {
+    gl.deleteProgram(program);
+    gl.deleteVertexArray(array);
+    for (const buffer of [places, wheres, indices]) gl.deleteBuffer(buffer);
+  }
+
+  return { setHeight, draw, dispose };
+}

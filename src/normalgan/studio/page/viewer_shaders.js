@@ -1,0 +1,116 @@
+// GLSL of the viewer; numbers come from viewer_shading.js, which shades the same by CPU.
+
+import { CEL, CLAY } from "./viewer_shading.js";
+
+const number = (value) => (Number.isInteger(value) ? `${value}.0` : `${value}`);
+const vec = (values) => `vec3(${values.map(number).join(", ")})`;
+
+const CLAY_SHADING = `
+vec3 srgb(vec3 linear) {
+  vec3 clipped = clamp(linear, 0.0, 1.0);
+  vec3 bent = 1.055 * pow(max(clipped, 1e-6), vec3(1.0 / 2.4)) - 0.055;
+  return mix(bent, 12.92 * clipped, vec3(lessThanEqual(clipped, vec3(0.0031308))));
+}
+
+// Linear colour of clay under one lamp.
+vec3 clay(vec3 n, vec3 light) {
+  vec3 halfway = normalize(light + vec3(0.0, 0.0, 1.000001));
+  float lambert = max(dot(n, light), 0.0);
+  float glint = pow(max(dot(n, halfway), 1e-6), ${number(CLAY.sharpness)}) * min(4.0 * lambert, 1.0);
+  float up = (n.y + 1.0) / 2.0;
+  vec3 lamp = ${vec(CLAY.lamp)};
+  vec3 around = lambert * lamp + up * ${vec(CLAY.sky)} + (1.0 - up) * ${vec(CLAY.ground)};
+  return ${vec(CLAY.colour)} * around + ${number(CLAY.gloss)} * glint * lamp;
+}`;
+
+const CEL_SHADING = `
+float step_at(float edge, float value, float soft) { return smoothstep(edge - soft, edge + soft, value); }
+
+// sRGB paints, one beside the other.
+vec3 cel(vec3 n, vec3 light) {
+  float soft = ${number(CEL.soft)};
+  vec3 halfway = normalize(light + vec3(0.0, 0.0, 1.000001));
+  float lambert = dot(n, light);
+  vec3 paint = mix(${vec(CEL.paints[0])}, ${vec(CEL.paints[1])}, step_at(${number(CEL.thresholds[0])}, lambert, soft));
+  paint = mix(paint, ${vec(CEL.paints[2])}, step_at(${number(CEL.thresholds[1])}, lambert, soft));
+  return mix(paint, ${vec(CEL.paints[3])}, step_at(${number(CEL.glint)}, dot(n, halfway), soft / 8.0));
+}`;
+
+// One triangle over the whole viewport; `at` runs from the map's upper left corner.
+export const FLAT_VERTEX = `#version 300 es
+out vec2 at;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
+  at = vec2(corner.x + 1.0, 1.0 - corner.y) / 2.0;
+  gl_Position = vec4(corner, 0.0, 1.0);
+}`;
+
+// The map is premultiplied by its alpha, so that filtering mixes no background into the rim.
+export const FLAT_FRAGMENT = `#version 300 es
+precision highp float;
+precision highp int;
+uniform sampler2D map;
+uniform sampler2D ball;
+uniform int view; // 0 map, 1 lit, 2 matcap, 3 flat
+uniform vec3 light;
+uniform vec3 checker; // side of a cell in pixels, then the viewport's upper left corner
+in vec2 at;
+out vec4 colour;
+${CLAY_SHADING}
+${CEL_SHADING}
+vec3 mirrored(vec3 n) {
+  vec2 place = n.z < 0.0 ? normalize(n.xy) : n.xy;
+  return texture(ball, (place + 1.0) / 2.0).rgb;
+}
+void main() {
+  vec4 texel = texture(map, at);
+  if (view == 0) {
+    vec2 cell = floor(vec2(gl_FragCoord.x - checker.y, checker.z - gl_FragCoord.y) / checker.x);
+    float grey = mod(cell.x + cell.y, 2.0) * ${number(0.25)} * (1.0 - texel.a);
+    colour = vec4(texel.rgb + 0.5 * grey, texel.a + grey);
+    return;
+  }
+  float alpha = texel.a;
+  if (fwidth(at.x) * float(textureSize(map, 0).x) < 0.99) { // enlarged: the mask's staircase would show
+    vec4 around = textureLod(map, at, 1.0);
+    alpha = smoothstep(0.25, 0.75, around.a);
+    if (texel.a < 0.5) texel = around;
+  }
+  if (alpha * texel.a < 0.002) { colour = vec4(0.0); return; }
+  vec3 n = normalize(texel.rgb / texel.a * 2.0 - 1.0);
+  vec3 shaded = view == 1 ? srgb(clay(n, light)) : view == 2 ? mirrored(n) : cel(n, light);
+  colour = vec4(shaded * alpha, alpha);
+}`;
+
+// The relief: half the longer side of the drawing is one unit, and the viewer stands `eye` of them before it.
+export const RELIEF_VERTEX = `#version 300 es
+precision highp float;
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec2 texture_place;
+uniform mat3 turn;
+uniform vec2 scale;
+uniform float eye;
+out vec2 at;
+void main() {
+  vec3 turned = turn * place;
+  at = texture_place;
+  float away = eye - turned.z;
+  gl_Position = vec4(turned.xy * scale * eye, (away - eye) / 4.0 * away, away);
+}`;
+
+export const RELIEF_FRAGMENT = `#version 300 es
+precision highp float;
+uniform sampler2D map;
+uniform mat3 turn;
+uniform vec3 light;
+in vec2 at;
+out vec4 colour;
+${CLAY_SHADING}
+void main() {
+  vec4 texel = texture(map, at);
+  vec3 n = texel.a < 0.002 ? vec3(0.0, 0.0, 1.0) : normalize(texel.rgb / texel.a * 2.0 - 1.0);
+  vec3 turned = turn * n;
+  // Seen from behind, it is the inside of a shell: darker, so that nobody takes it for the front.
+  vec3 shaded = gl_FrontFacing ? clay(turned, light) : 0.35 * clay(-turned, light);
+  colour = vec4(srgb(shaded), 1.0);
+}`;

@@ -1,0 +1,141 @@
+// How the viewer shades a normal: materials, and their colours by CPU. viewer_shaders.js says the same in GLSL.
+// Normals and lights: x right, y up, z to the viewer. Colours: linear, 0 to 1, unless sRGB is said.
+
+// The clay of normalgan.inference.lighting, so that the page and `generate --preview` look alike.
+export const CLAY = {
+  colour: [0.5, 0.465, 0.42],
+  lamp: [1.1, 1.05, 0.97],
+  sky: [0.17, 0.19, 0.22],
+  ground: [0.07, 0.06, 0.055],
+  gloss: 0.12,
+  sharpness: 24,
+};
+
+// Cel shading: three paints and a glint, each from a threshold on; sRGB.
+export const CEL = {
+  paints: [
+    [0.36, 0.35, 0.52],
+    [0.8, 0.6, 0.5],
+    [0.96, 0.83, 0.66],
+    [1, 0.97, 0.9],
+  ],
+  thresholds: [0.12, 0.62], // of Lambert's cosine
+  glint: 0.988, // cosine between the normal and the half-way vector
+  soft: 0.02, // half width of a step
+};
+
+// Matcap: a glazed ball in a photographer's studio.
+export const GLAZE = {
+  dark: [0.012, 0.03, 0.05],
+  body: [0.1, 0.36, 0.38],
+  window: [1, 0.96, 0.88],
+  fill: [0.5, 0.22, 0.1],
+  rim: [0.35, 0.5, 0.6],
+};
+
+export const MATCAP_SIZE = 256;
+
+export function normalised(vector) {
+  const length = Math.hypot(...vector);
+  return vector.map((value) => value / length);
+}
+
+// Unit vector half-way between the light and the viewer.
+export function halfway(light) {
+  return normalised([light[0], light[1], light[2] + 1 + 1e-6]);
+}
+
+const dot = (a, x, y, z) => a[0] * x + a[1] * y + a[2] * z;
+
+function smoothstep(from, to, value) {
+  const t = Math.min(Math.max((value - from) / (to - from), 0), 1);
+  return t * t * (3 - 2 * t);
+}
+
+const TABLE = Uint8ClampedArray.from({ length: 4097 }, (_, i) => {
+  const linear = i / 4096;
+  return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
+});
+
+// sRGB level 0 to 255 of a linear value (IEC 61966-2-1).
+export function toSrgb(linear) {
+  return TABLE[Math.round(4096 * Math.min(Math.max(linear, 0), 1))];
+}
+
+// Each of these returns a function (x, y, z, out, at) that writes three sRGB levels into out, from index at on.
+
+// Lambert's law, Blinn's highlight, and a sky that shines on what faces up (Blinn 1977).
+export function clayShader(light) {
+  const half = halfway(light);
+  return (x, y, z, out, at) => {
+    const lambert = Math.max(dot(light, x, y, z), 0);
+    const facing = Math.max(dot(half, x, y, z), 0);
+    const glint = CLAY.gloss * facing ** CLAY.sharpness * Math.min(4 * lambert, 1);
+    const up = (y + 1) / 2;
+    for (let i = 0; i < 3; i++) {
+      const around = lambert * CLAY.lamp[i] + up * CLAY.sky[i] + (1 - up) * CLAY.ground[i];
+      out[at + i] = toSrgb(CLAY.colour[i] * around + glint * CLAY.lamp[i]);
+    }
+  };
+}
+
+export function celShader(light) {
+  const half = halfway(light);
+  const { paints, thresholds, soft } = CEL;
+  const step = (edge, value) => smoothstep(edge - soft, edge + soft, value);
+  return (x, y, z, out, at) => {
+    const lambert = dot(light, x, y, z);
+    const lit = step(thresholds[0], lambert);
+    const bright = step(thresholds[1], lambert);
+    const glint = smoothstep(CEL.glint - soft / 8, CEL.glint + soft / 8, dot(half, x, y, z));
+    for (let i = 0; i < 3; i++) {
+      let paint = paints[0][i] + (paints[1][i] - paints[0][i]) * lit;
+      paint += (paints[2][i] - paint) * bright;
+      out[at + i] = 255 * (paint + (paints[3][i] - paint) * glint);
+    }
+  };
+}
+
+// The ball itself: a body that darkens away from the light, a window and a warm fill mirrored in the glaze.
+function glazeShader(light) {
+  const fillLight = normalised([-light[0], 0.3 - light[1], 0.35]);
+  return (x, y, z, out, at) => {
+    const [rx, ry, rz] = [2 * z * x, 2 * z * y, 2 * z * z - 1];
+    const wrapped = (0.5 + 0.5 * dot(light, x, y, z)) ** 2;
+    const window = 0.75 * smoothstep(0.86, 0.96, dot(light, rx, ry, rz));
+    const fill = smoothstep(0.2, 1, dot(fillLight, rx, ry, rz)) * 0.55;
+    const rim = (1 - z) ** 3 * (0.6 + 0.4 * y);
+    for (let i = 0; i < 3; i++) {
+      const body = GLAZE.dark[i] + (GLAZE.body[i] - GLAZE.dark[i]) * wrapped;
+      out[at + i] = toSrgb(body + window * GLAZE.window[i] + fill * GLAZE.fill[i] + rim * GLAZE.rim[i]);
+    }
+  };
+}
+
+// sRGB RGBA bytes of the ball, MATCAP_SIZE a side, rows from the bottom: y grows as in normals.
+export function matcapPixels(light) {
+  const shade = glazeShader(light);
+  const pixels = new Uint8ClampedArray(4 * MATCAP_SIZE ** 2).fill(255);
+  for (let row = 0, at = 0; row < MATCAP_SIZE; row++) {
+    for (let column = 0; column < MATCAP_SIZE; column++, at += 4) {
+      let x = ((column + 0.5) / MATCAP_SIZE) * 2 - 1;
+      let y = ((row + 0.5) / MATCAP_SIZE) * 2 - 1;
+      const outside = Math.max(Math.hypot(x, y), 1); // beyond the ball its rim goes on
+      x /= outside;
+      y /= outside;
+      shade(x, y, Math.sqrt(Math.max(1 - x * x - y * y, 0)), pixels, at);
+    }
+  }
+  return pixels;
+}
+
+export function matcapShader(light) {
+  const ball = matcapPixels(light);
+  return (x, y, z, out, at) => {
+    const outside = z < 0 ? Math.hypot(x, y) : 1; // what faces away looks like the rim
+    const cell = (value) =>
+      Math.min(Math.max(Math.floor(((value / outside + 1) / 2) * MATCAP_SIZE), 0), MATCAP_SIZE - 1);
+    const from = 4 * (cell(y) * MATCAP_SIZE + cell(x));
+    for (let i = 0; i < 3; i++) out[at + i] = ball[from + i];
+  };
+}
