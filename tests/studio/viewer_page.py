@@ -8,30 +8,39 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from chromium import page as open_page
 from numpy.typing import NDArray
 from PIL import Image
-from web_folder import serve
 
 import normalgan
+from chromium import page as open_page
+from web_folder import serve
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Route
 
 PAGE_FOLDER = Path(normalgan.__file__).parent / "studio" / "page"
 View = Literal["map", "lit", "matcap", "flat", "relief"]
-HTML = """<!doctype html><html lang="en"><meta charset="utf-8"><title>viewer</title><link rel="icon" href="data:,">
-<style>body {{ margin: 0; background: rgb(60, 70, 80); color: white }}
-canvas {{ display: block; width: {width}px; height: {height}px }}</style>
-<canvas></canvas><script type="module">
-import {{ createViewer }} from "./viewer.js";
-window.said = [];
-window.moves = [];
-window.viewer = createViewer(document.querySelector("canvas"), {{
-  onError: (sentence) => window.said.push(sentence),
-  onMove: (move) => window.moves.push(move.light),
-  text: {{ reliefNeedsWebgl: "no relief here", contextLost: "lost", webglFailed: "failed:" }},
-}});
+HTML = """<!doctype html><html lang="en"><meta charset="utf-8"><title>viewer</title>
+<link rel="icon" href="data:,">
+<style>body { margin: 0; background: rgb(60, 70, 80); color: white }
+canvas { display: block; outline: none }</style>
+<script type="module">
+import { createViewer } from "./viewer.js";
+const text = { reliefNeedsWebgl: "no relief here", contextLost: "lost", webglFailed: "failed:" };
+// A new viewer on a new canvas, and nothing left of the one before.
+window.renew = (width, height) => {
+  window.viewer?.dispose();
+  window.canvas?.remove();
+  window.canvas = document.createElement("canvas");
+  canvas.style.width = `${width}px`;
+  canvas.style.height = `${height}px`;
+  document.body.append(canvas);
+  window.said = [];
+  window.moves = [];
+  window.viewer = createViewer(canvas, {
+    onError: (sentence) => said.push(sentence), onMove: (move) => moves.push(move.light), text,
+  });
+};
 window.bytes = (text) => Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
 // Two frames: the drawing is asked for in one and shown by the next.
 window.shown = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
@@ -49,6 +58,10 @@ class Viewer:
 
     def __init__(self, page: "Page", width: int, height: int) -> None:
         self.page, self.width, self.height = page, width, height
+
+    def renew(self) -> None:
+        """Begin again with a viewer that knows of nothing."""
+        self.page.evaluate("([width, height]) => renew(width, height)", [self.width, self.height])
 
     def set_map(self, rgba: NDArray[np.uint8]) -> None:
         """Show a map (H, W, 4)."""
@@ -87,10 +100,12 @@ def open_viewer(
     """Open the viewer at a size in CSS pixels; on leaving, its page must have logged nothing."""
 
     def answer(route: "Route") -> None:
-        route.fulfill(content_type="text/html", body=HTML.format(width=width, height=height))
+        route.fulfill(content_type="text/html", body=HTML)
 
     with serve(PAGE_FOLDER) as address, open_page(opened, scale=scale, tolerate=tolerate) as page:
         page.route("**/viewer_alone.html", answer)
         page.goto(f"{address}/viewer_alone.html")
-        page.wait_for_function("window.viewer !== undefined")
-        yield Viewer(page, width, height)
+        page.wait_for_function("window.shown !== undefined")
+        viewer = Viewer(page, width, height)
+        viewer.renew()
+        yield viewer

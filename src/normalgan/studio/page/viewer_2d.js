@@ -75,7 +75,7 @@ export function createPlainPainter(canvas, text) {
       const place = fitted(scene.map, canvas);
       if (scene.view === "map") drawChecker(place, scene.ratio);
       fillSheet(scene);
-      context.imageSmoothingQuality = "high";
+      context.imageSmoothingQuality = "medium"; // "high" enlarges with halos
       context.drawImage(sheet, place.x, place.y, place.width, place.height);
     }
   }
