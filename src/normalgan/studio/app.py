@@ -73,7 +73,7 @@ def build_app(
         yield
         painting.close()
 
-    return Starlette(
+    app = Starlette(
         routes=[
             Route("/", index),
             Route("/api/about", about),
@@ -91,6 +91,8 @@ def build_app(
         exception_handlers={InputError: _told, HTTPException: _known, ClientDisconnect: _left},
         lifespan=lifespan,
     )
+    app.router.redirect_slashes = False  # an empty name is none, and not the list of all
+    return app
 
 
 def _told(_: Request, error: Exception) -> Response:

@@ -66,7 +66,7 @@ class Drawing:
             if not mask.any():
                 raise InputError("the mask is empty; paint the object white.")
         try:
-            hints = parse_hints(self.hints, "of the request", picture.shape)
+            hints = parse_hints(self.hints, "the request", picture.shape)
         except OverflowError:  # a whole number beyond those of floats
             raise InputError("a hint has a number that is too large; x and y are pixels.") from None
         return picture, hints if len(hints.points) else None, mask
@@ -79,7 +79,9 @@ def take_drawing(fields: Fields) -> Drawing:
         InputError: if a field cannot be used.
     """
     hints = fields.get("hints", [])
-    if isinstance(hints, list) and len(hints) > MOST_HINTS:
+    if not isinstance(hints, list):
+        raise InputError('the hints are no list; they are like [{"x": 9, "y": 7, "normal": [0, 0, 1]}].')
+    if len(hints) > MOST_HINTS:
         raise InputError(f"there are {len(hints)} hints; a drawing has at most {MOST_HINTS}.")
     return Drawing(
         take_bytes(fields, "picture"),

@@ -13,8 +13,6 @@ _SIDE = 256
 """Longest side at which points are looked for."""
 _RIM = 0.015
 """Nearer to the edge than this share of the object's extent the outline tells the normal."""
-_FLOOR = 0.05
-"""Gain of a flat place that the model is sure of."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class Point:
         x: pixels from the left.
         y: pixels from the top.
         normal: what is painted there.
-        gain: how much a hint there would help, in [0, 1], beside what the whole object could gain.
+        gain: how much a hint there would help, in [0, 1]; 1 is where most is to be gained.
     """
 
     x: float
@@ -40,9 +38,9 @@ def suggest(
     """Return at most ``count`` points, best first.
 
     A hint helps where the model is in doubt and where the surface bends, for there a small mistake of its
-    guess turns the most normals; and it helps all about it. So gains are averaged over the reach of a hint,
-    the best point is taken, and those within its reach are left out: greedy dart throwing, whose points lie
-    as blue noise does.
+    guess turns the most normals; and it helps all about it. So gains are summed over the reach of a hint, the
+    best point is taken, the gain about it falls, and those within its reach are left out: points lie as blue
+    noise does, as with the best candidates of Mitchell.
 
     Args:
         normals: (H, W, 3), unit, as painted.
@@ -52,7 +50,7 @@ def suggest(
         count: of points.
 
     References:
-        Mitchell 1987, "Generating antialiased images at low sampling densities" (blue noise).
+        Mitchell 1991, "Spectrally Optimal Sampling for Distribution Ray Tracing".
 
     Example:
         A roof has its ridge in the middle; flat slopes gain less:
@@ -67,23 +65,30 @@ def suggest(
         return []
     scale = min(_SIDE / max(mask.shape), 1.0)
     shape = fitted((mask.shape[0], mask.shape[1]), _SIDE) if scale < 1 else (mask.shape[0], mask.shape[1])
-    small = resize(mask.astype(np.float32), shape) > 0.5
-    if not small.any():
-        return []
+    cover = resize(mask.astype(np.float32), shape)
+    small = cover > (0.5 if cover.max() > 0.5 else 0)  # a thread fills no pixel of the small map
     step = np.array([shape[1] / mask.shape[1], shape[0] / mask.shape[0]], np.float32)
     area = float(small.sum())
     reach = max(0.55 * np.sqrt(area / (count + len(taken))), 2.0)
-    gain = _gain(resize(normals, shape), small, None if confidence is None else resize(confidence, shape))
-    gain = _averaged(gain, small, reach / 2)
+    bent = _peaked(_bending(resize(normals, shape), small), small, reach / 2)
+    gain = bent.copy()
+    if confidence is not None:
+        gain = 0.7 * _peaked(doubt(resize(confidence, shape)), small, reach / 2) + 0.3 * bent
     free = _inner(small)
     rows, columns = np.mgrid[: shape[0], : shape[1]] + 0.5
+
+    def take(x: float, y: float) -> None:
+        away = np.hypot(columns - x, rows - y)
+        free[away < reach] = False
+        gain[:] *= 1 - np.exp(-((away / reach) ** 2) / 4)  # some of what is to be gained there is gained now
+
     for x, y in taken * step:
-        free &= np.hypot(columns - x, rows - y) >= reach
+        take(x, y)
     points: list[Point] = []
     while free.any() and len(points) < count:
         row, column = np.unravel_index(np.argmax(np.where(free, gain, -1)), shape)
-        free &= np.hypot(columns - column - 0.5, rows - row - 0.5) >= reach
         points.append(_point(row, column, step, normals, mask, float(gain[row, column])))
+        take(column + 0.5, row + 0.5)
     return points
 
 
@@ -105,13 +110,6 @@ def doubt(confidence: Floats) -> Floats:
     return (angle / (np.pi / 2)).astype(np.float32)
 
 
-def _gain(normals: Floats, mask: NDArray[np.bool_], confidence: Floats | None) -> Floats:
-    """Return what a hint gains at each pixel (h, w), in [0, 1]."""
-    bent = _share(_bending(normals, mask), mask)
-    gain = bent if confidence is None else (0.7 * _share(doubt(confidence), mask) + 0.3 * bent)
-    return np.where(mask, _FLOOR + (1 - _FLOOR) * gain, 0).astype(np.float32)
-
-
 def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
     """Return the length of the normals' change from pixel to pixel; steps across the mask's edge are none."""
     squares = np.zeros(mask.shape, np.float32)
@@ -123,15 +121,11 @@ def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
     return np.sqrt(squares)
 
 
-def _share(values: Floats, mask: NDArray[np.bool_]) -> Floats:
-    """Return values as shares of what all but a twentieth of the object have at most."""
-    most = float(np.percentile(values[mask], 95))
-    return np.clip(values / max(most, 1e-6), 0, 1)
-
-
-def _averaged(gain: Floats, mask: NDArray[np.bool_], reach: float) -> Floats:
-    there = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), reach)
-    return np.asarray(cv2.GaussianBlur(gain, (0, 0), reach) / np.maximum(there, 1e-6), np.float32)
+def _peaked(values: Floats, mask: NDArray[np.bool_], reach: float) -> Floats:
+    """Return values summed over the object within a reach, as shares of the greatest sum."""
+    # Beside the object nothing is gained, so that near its rim the sum is small.
+    around = cv2.GaussianBlur(np.where(mask, values, 0).astype(np.float32), (0, 0), reach)
+    return np.asarray(np.where(mask, around, 0) / max(float(around.max()), 1e-6), np.float32)
 
 
 def _inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:

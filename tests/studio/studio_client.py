@@ -1,0 +1,85 @@
+"""What the tests of the studio's server share: a client, and requests that paint."""
+
+import base64
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from starlette.testclient import TestClient
+
+from normalgan.studio.app import build_app
+from normalgan.studio.bucket import Bucket
+from normalgan.studio.opening import Opened
+from normalgan.studio.painter import Painter
+from normalgan.studio.shelf import Shelf
+
+PORT = 8400
+HEIGHT, WIDTH = 120, 160
+CENTRE, RADIUS = (70.0, 60.0), 42.0
+Pixels = NDArray[np.uint8]
+
+
+@contextmanager
+def serving(
+    model: Path, folder: Path, bucket: Bucket | None = None, opened: Opened | None = None
+) -> Iterator[TestClient]:
+    """Give a client of a studio in this process."""
+    app = build_app(Painter(model), Shelf(folder), PORT, opened, bucket or Bucket(1e6, 1e6))
+    with TestClient(app, base_url=f"http://127.0.0.1:{PORT}") as client:
+        yield client
+
+
+def away() -> NDArray[np.float64]:
+    """Return how far each pixel is from the circle's middle."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH] + 0.5
+    return np.asarray(np.hypot(x - CENTRE[0], y - CENTRE[1]))
+
+
+def circle() -> Pixels:
+    """Return a circle, black on white."""
+    return np.where(np.abs(away() - RADIUS) < 1.3, 0, 255).astype(np.uint8)
+
+
+def png(pixels: Pixels) -> bytes:
+    """Return the PNG of some pixels."""
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG")
+    return file.getvalue()
+
+
+def b64(content: bytes) -> str:
+    """Return bytes as JSON carries them."""
+    return base64.b64encode(content).decode()
+
+
+def asking(number: int = 1, **fields: Any) -> dict[str, Any]:
+    """Return a request that paints."""
+    return {
+        "tab": "tab",
+        "number": number,
+        "picture": b64(png(circle())),
+        "hints": [],
+        "mask": None,
+        "source": None,
+        **fields,
+    }
+
+
+def document(**fields: Any) -> dict[str, Any]:
+    """Return a project."""
+    return {
+        "format": "normalgan-studio",
+        "version": 1,
+        "width": 160,
+        "height": 120,
+        "strokes": [],
+        "hints": [],
+        "layers": [],
+        "settings": {},
+        **fields,
+    }

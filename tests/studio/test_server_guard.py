@@ -1,0 +1,153 @@
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import quote
+
+import pytest
+from starlette.testclient import TestClient
+from studio_client import PORT, asking, document, serving
+
+from normalgan.studio.app import PAGE
+from normalgan.studio.bucket import Bucket
+from onnx_models import write_model
+
+NO_NAMES = (
+    *(
+        "",
+        "..",
+        ".hidden",
+        "../secret",
+        "../../secret.txt",
+        "/etc/passwd",
+        "..\\secret",
+        "a/b",
+        "C:",
+        "con.txt",
+    ),
+    *("a\0b", "a\nb", " a", "a ", "~", "💾", "x" * 81, "名" * 80),
+)
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+    folder = tmp_path_factory.mktemp("studio")
+    (folder / "secret.txt").write_text("hush")
+    with serving(write_model(folder / "ramp.onnx"), folder / "projects") as client:
+        yield client
+
+
+@pytest.mark.parametrize("path", ["/api/about", "/page/text.js", "/"])
+@pytest.mark.parametrize(
+    "host", ["evil.example", f"evil.example:{PORT}", "127.0.0.1", "127.0.0.1:1", f"[::1]:{PORT}", ""]
+)
+def test_another_host_is_refused(client: TestClient, path: str, host: str) -> None:
+    answer = client.get(path, headers={"Host": host})
+    assert answer.status_code == 403
+    assert "the studio is at 127.0.0.1:8400 or localhost:8400" in answer.json()["error"]
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Origin": f"https://127.0.0.1:{PORT}"},
+        {"Origin": f"http://localhost:{PORT}"},  # of another page, though it is ours as well
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Sec-Fetch-Site": "same-site"},
+    ],
+)
+def test_another_page_is_refused(client: TestClient, headers: dict[str, str]) -> None:
+    for answer in (
+        client.post("/api/paint", json=asking(), headers=headers),
+        client.get("/api/projects", headers=headers),
+        client.put("/api/autosave/a", json=document(), headers=headers),
+    ):
+        assert answer.status_code == 403
+        assert "another page has asked" in answer.json()["error"]
+    assert client.get("/api/autosave").json() == []
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost"])
+def test_its_own_page_is_served(client: TestClient, host: str) -> None:
+    own = {"Host": f"{host}:{PORT}", "Origin": f"http://{host}:{PORT}", "Sec-Fetch-Site": "same-origin"}
+    assert client.get("/api/about", headers=own).status_code == 200
+    assert client.get("/page/text.js", headers={"Sec-Fetch-Site": "cross-site"}).status_code == 200  # a link
+
+
+def test_every_answer_has_its_headers(client: TestClient) -> None:
+    for answer in (
+        client.get("/page/text.js"),
+        client.get("/api/about"),
+        client.get("/nothing"),
+        client.get("/api/about", headers={"Host": "evil.example"}),
+    ):
+        policy = answer.headers["content-security-policy"]
+        assert policy.startswith("default-src 'self'; img-src 'self' data: blob:;")
+        assert "unsafe" not in policy
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert answer.headers["cross-origin-resource-policy"] == "same-origin"
+        assert "server" not in answer.headers
+    assert client.get("/api/about").headers["cache-control"] == "no-store"
+
+
+def test_files_of_the_page_are_served_and_no_others(client: TestClient) -> None:
+    answer = client.get("/page/text.js")
+    assert answer.content == (PAGE / "text.js").read_bytes()
+    assert answer.headers["content-type"].startswith("text/javascript")
+    assert answer.headers["cache-control"] == "no-cache"
+    assert client.get("/page/text.js", headers={"If-None-Match": answer.headers["etag"]}).status_code == 304
+    for path in ("../app.py", "../../errors.py", "../../../../../../../../../../etc/passwd", "/etc/passwd"):
+        for written in (path, quote(path, safe=""), quote(path).replace(".", "%2e"), path.replace("/", "\\")):
+            assert client.get(f"/page/{written}").status_code == 404
+    assert client.get("/page/text.js%00.png").status_code == 404
+    assert client.get("/page/").status_code == 404
+
+
+@pytest.mark.parametrize("shelf", ["projects", "autosave"])
+@pytest.mark.parametrize("name", NO_NAMES)
+def test_no_path_is_a_name(
+    client: TestClient, tmp_path_factory: pytest.TempPathFactory, shelf: str, name: str
+) -> None:
+    base = tmp_path_factory.getbasetemp()
+    before = sorted(base.rglob("*"))
+    for written in {quote(name, safe=""), quote(name, safe="").replace(".", "%2E")}:
+        path = f"/api/{shelf}/{written}"
+        for answer in (
+            client.get(path),
+            client.put(path, json=document(), headers={"If-None-Match": "*"}),
+            client.delete(path, headers={"If-Match": '"a"'}),
+        ):
+            assert answer.status_code in {400, 404, 405}, answer.text
+            assert "hush" not in answer.text
+    assert sorted(base.rglob("*")) == before
+
+
+def test_too_much_is_not_read(client: TestClient) -> None:
+    large = b" " * (20 * 2**20 + 1)
+    headers = {"Content-Type": "application/json", "If-None-Match": "*"}
+    for method, path in (("POST", "/api/paint"), ("PUT", "/api/projects/fox"), ("POST", "/api/import")):
+        kind = {"Content-Type": "image/png"} if path.endswith("import") else headers
+        answer = client.request(method, path, content=large, headers=kind)
+        assert answer.status_code == 413
+        assert answer.json() == {"error": "that is more than 20 MB; send less."}
+
+
+def test_too_many_requests_are_refused_until_some_time_has_passed(model: Path, tmp_path: Path) -> None:
+    now = [0.0]
+    with serving(model, tmp_path, Bucket(2, 5, lambda: now[0])) as client:
+        assert [client.get("/api/about").status_code for _ in range(7)] == [200] * 5 + [429] * 2
+        answer = client.get("/api/projects")
+        assert answer.json() == {"error": "too many requests at once; wait a moment."}
+        assert answer.headers["retry-after"] == "1"
+        assert client.get("/page/text.js").status_code == 200  # the page itself always loads
+        now[0] = 1.0
+        assert [client.get("/api/about").status_code for _ in range(3)] == [200, 200, 429]
+
+
+def test_only_this_machine_can_reach_it() -> None:
+    from normalgan.studio.serving import listen
+
+    with listen(0) as listening:
+        assert listening.getsockname()[0] == "127.0.0.1"
+        assert listening.family == socket.AF_INET

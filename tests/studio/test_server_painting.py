@@ -1,0 +1,172 @@
+import base64
+import io
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+from PIL import Image
+from starlette.testclient import TestClient
+from studio_client import HEIGHT, RADIUS, WIDTH, Pixels, asking, away, b64, circle, png, serving
+
+from normalgan.__main__ import main
+from normalgan.inference.height import integrate
+from normalgan.normals import decode
+from onnx_models import write_model
+
+SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'
+
+
+def painted(client: TestClient, **fields: object) -> Pixels:
+    answer = client.post("/api/paint", json=asking(**fields))  # type: ignore[arg-type]
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "application/octet-stream"
+    size = int(answer.headers["x-height"]), int(answer.headers["x-width"])
+    assert float(answer.headers["x-seconds"]) > 0
+    return np.frombuffer(answer.content, np.uint8).reshape(*size, 4)
+
+
+def test_it_paints_what_generate_paints(model: Path, tmp_path: Path) -> None:
+    (tmp_path / "fox.png").write_bytes(png(circle()))
+    out = tmp_path / "out"
+    assert (
+        main(["generate", str(tmp_path / "fox.png"), "-o", str(out), "--model", str(model), "--alpha"]) == 0
+    )
+    with Image.open(out / "fox_normal.png") as image:
+        truth = np.asarray(image)
+    with serving(model, tmp_path / "p") as client:
+        pixels = painted(client)
+    assert pixels.shape == truth.shape == (HEIGHT, WIDTH, 4)
+    assert np.array_equal(pixels[..., 3], truth[..., 3])
+    inside = pixels[..., 3] == 255
+    assert set(np.unique(pixels[..., 3])) == {0, 255}
+    assert abs(int(inside.sum()) - np.pi * RADIUS**2) < 0.1 * np.pi * RADIUS**2
+    assert np.array_equal(pixels[inside], truth[inside])
+
+
+def test_a_hint_is_followed_where_it_is(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        free = decode(painted(client)[..., :3])
+        normal = (-0.6, 0.0, 0.8)
+        hinted = decode(painted(client, number=2, hints=[{"x": 70.5, "y": 60.5, "normal": normal}])[..., :3])
+    before, after = (
+        np.degrees(np.arccos(np.clip(each[60, 70] @ np.array(normal), -1, 1))) for each in (free, hinted)
+    )
+    # The model's pixel at the hint is half again as large as the drawing's, and blends with those about it.
+    assert before > 30
+    assert after < 15
+    changed = np.linalg.norm(hinted - free, axis=-1) > 0.05
+    assert changed[60, 70]
+    assert np.hypot(*(np.argwhere(changed) - (60, 70)).T).max() < 12
+
+
+def test_a_mask_says_where_the_object_is(model: Path, tmp_path: Path) -> None:
+    mask = np.zeros((HEIGHT, WIDTH), np.uint8)
+    mask[40:80, 50:90] = 255
+    with serving(model, tmp_path) as client:
+        assert np.array_equal(painted(client, mask=b64(png(mask)))[..., 3], mask)
+
+
+def test_a_warning_can_be_read_from_its_header(model: Path, tmp_path: Path) -> None:
+    arc = circle()
+    arc[:, 90:] = 255
+    with serving(model, tmp_path) as client:
+        warning = client.post("/api/paint", json=asking(picture=b64(png(arc)))).headers["x-warning"]
+        assert client.post("/api/paint", json=asking(2)).headers["x-warning"] == ""
+    assert "its outline is not closed" in unquote(warning)
+    assert " " not in warning
+
+
+def test_heights_belong_to_the_map(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        pixels = painted(client)
+        answer = client.post("/api/height", json=asking())
+    heights = np.frombuffer(answer.content, "<f4").reshape(HEIGHT, WIDTH)
+    inside = pixels[..., 3] == 255
+    assert np.array_equal(np.isfinite(heights), inside)
+    truth = integrate(decode(pixels[..., :3]), inside)
+    assert np.abs(heights - truth)[inside].max() < 0.05 * np.ptp(truth)
+
+
+def test_points_are_on_the_object_apart_and_away_from_hints(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        pixels = painted(client)
+        hints = [{"x": 70, "y": 60, "normal": [0, 0, 1]}]
+        points = client.post("/api/suggest", json=asking(count=6, hints=hints)).json()["points"]
+    assert 3 <= len(points) <= 6
+    at = np.array([(point["x"], point["y"]) for point in points])
+    between = np.linalg.norm(at[:, None] - at[None], axis=-1)[~np.eye(len(at), dtype=bool)]
+    assert between.min() > 10
+    assert np.linalg.norm(at - (70.5, 60.5), axis=1).min() > 10
+    for point in points:
+        row, column = int(point["y"]), int(point["x"])
+        assert pixels[row, column, 3] == 255
+        assert np.abs(decode(pixels[row, column, :3]) - point["normal"]).max() < 0.02
+    gains = [point["gain"] for point in points]
+    assert gains == sorted(gains, reverse=True)
+    assert 0 <= gains[-1] <= gains[0] <= 1
+
+
+@pytest.mark.parametrize(
+    ("wish", "options", "name"),
+    [
+        ({}, [], "fox 2_normal.png"),
+        ({"format": "png16", "y": "down"}, ["--bits", "16", "--y", "down"], "fox 2_normal.png"),
+        ({"format": "exr", "alpha": True}, ["--format", "exr", "--alpha"], "fox 2_normal.exr"),
+        ({"format": "tiff", "size": 90}, ["--format", "tiff", "--size", "90"], "fox 2_normal.tiff"),
+        ({"what": "preview", "format": "gif"}, ["--preview", "gif"], "fox 2_preview.gif"),
+        ({"what": "height"}, ["--height", "png"], "fox 2_height.png"),
+        ({"what": "relief", "format": "glb"}, ["--relief", "glb"], "fox 2_relief.glb"),
+    ],
+)
+def test_an_export_is_the_file_that_generate_writes(
+    model: Path, tmp_path: Path, wish: dict[str, object], options: list[str], name: str
+) -> None:
+    (tmp_path / "fox 2.png").write_bytes(png(circle()))
+    out = tmp_path / "out"
+    assert (
+        main(["generate", str(tmp_path / "fox 2.png"), "-o", str(out), "--model", str(model), *options]) == 0
+    )
+    with serving(model, tmp_path / "p") as client:
+        answer = client.post("/api/export", json=asking(name="fox 2", **wish))
+    assert answer.status_code == 200, answer.text
+    assert unquote(answer.headers["content-disposition"]) == f"attachment; filename*=UTF-8''{name}"
+    assert answer.content == (out / name).read_bytes()
+
+
+def test_about_names_the_model_and_the_limits(tmp_path: Path) -> None:
+    path = write_model(tmp_path / "sure.onnx", size=32, confidence=False)
+    with serving(path, tmp_path / "p") as client:
+        about = client.get("/api/about").json()
+        assert client.get("/api/open").json() is None
+    assert about["model"] == {"name": "sure.onnx", "size": 32, "confidence": False}
+    assert about["limits"] == {"side": 2048, "hints": 200, "body": 20 * 2**20}
+
+
+@pytest.mark.parametrize("kind", ["png", "jpeg", "webp", "svg", "large"])
+def test_an_image_of_any_kind_is_imported(model: Path, tmp_path: Path, kind: str) -> None:
+    content, size = SVG, (1024, 683)
+    if kind != "svg":
+        image = Image.fromarray(circle())
+        if kind == "large":
+            image = image.resize((4096, 96))
+        file = io.BytesIO()
+        image.save(file, "png" if kind == "large" else kind)
+        content, size = file.getvalue(), (2048, 48) if kind == "large" else (WIDTH, HEIGHT)
+    with serving(model, tmp_path) as client:
+        answer = client.post("/api/import", content=content, headers={"Content-Type": "image/*"})
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert (found["width"], found["height"]) == size
+    with Image.open(io.BytesIO(base64.b64decode(found["picture"]))) as picture:
+        assert picture.mode == "RGBA"
+        assert picture.size == size
+        pixels = np.asarray(picture)
+    if kind == "svg":
+        assert pixels[0, 0, 3] == 0
+        assert pixels[307, 307].tolist() == [0, 0, 0, 255]
+    else:
+        assert (pixels[..., 3] == 255).all()
+        if kind != "large":
+            assert np.abs(pixels[..., 0].astype(int) - circle()).mean() < 4
+            assert pixels[..., 0][np.abs(away() - RADIUS) < 0.5].max() < 120
