@@ -13,7 +13,7 @@ LAYERS = (
     {"normals", "registry", "seeds"},
     {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
     | {"checkpoints", "mistakes", "quiet"},
-    {"painter", "inference"},
+    {"painter", "inference", "testing"},
     {"data", "gan"},
     {"callbacks", "plugins"},
     {"parser"},

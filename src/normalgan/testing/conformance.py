@@ -1,0 +1,119 @@
+"""Checks as objects: each has a name and says in one sentence what a class did and what was asked of it."""
+
+import pickle
+import random
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+import torch
+
+from normalgan.errors import brief
+
+T = TypeVar("T")
+
+
+class ConformanceError(AssertionError):
+    """A plug-in does not do what its kind is asked to do; the message is one sentence."""
+
+
+@dataclass(frozen=True)
+class Check(Generic[T]):
+    """One thing that is asked of a plug-in; call it with the plug-in.
+
+    Args:
+        name: what is asked, in a few words; the id of the test in pytest.
+        ask: raises `ConformanceError` if the plug-in does something else.
+        contract: what a plug-in is to do, told if it raises an exception instead.
+    """
+
+    name: str
+    ask: Callable[[T], None]
+    contract: str
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __call__(self, plugin: T) -> None:
+        """Ask it of a plug-in.
+
+        Raises:
+            ConformanceError: if the plug-in does something else, or raises anything.
+        """
+        try:
+            self.ask(plugin)
+        except ConformanceError:
+            raise
+        except Exception as error:  # whatever somebody else's class may raise
+            raise ConformanceError(
+                f"{called(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked for "
+                f"{self.name}; {self.contract}."
+            ) from error
+
+
+def hold(plugin: T, checks: Iterable[Check[T]]) -> None:
+    """Ask everything of a plug-in.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise.
+    """
+    for check in checks:
+        check(plugin)
+
+
+def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
+    """Go on only if something is fulfilled.
+
+    Raises:
+        ConformanceError: ``<Class> <did>; <asked>.`` if not.
+    """
+    if not fulfilled:
+        raise ConformanceError(f"{called(plugin)} {did}; {asked}.")
+
+
+def called(plugin: object) -> str:
+    """Return what a plug-in is called: the name of its class."""
+    return type(plugin).__name__
+
+
+@contextmanager
+def global_randomness_untouched(plugin: object) -> Iterator[None]:
+    """Demand that the global random states of Python, numpy and torch stay as they are.
+
+    Raises:
+        ConformanceError: if one of them was drawn from or set.
+    """
+    kept = random.getstate(), np.random.get_state(), torch.get_rng_state()  # noqa: NPY002
+    # States that nobody has seen: one that is seeded with a number of the plug-in's own then differs.
+    random.seed()
+    np.random.seed()  # noqa: NPY002
+    torch.seed()
+    before = _global_states()
+    try:
+        yield
+        after = _global_states()
+    finally:
+        random.setstate(kept[0])
+        np.random.set_state(kept[1])  # noqa: NPY002
+        torch.set_rng_state(kept[2])
+    for library, state in after.items():
+        demand(
+            state == before[library],
+            plugin,
+            f"drew from or seeded {library}'s global random state",
+            "all randomness must come from the generator that is handed in, so that a resumed run repeats",
+        )
+
+
+def _global_states() -> dict[str, bytes]:
+    states = {"Python": random.getstate(), "numpy": np.random.get_state()}  # noqa: NPY002
+    return {name: pickle.dumps(state) for name, state in states.items()} | {
+        "torch": torch.get_rng_state().numpy().tobytes()
+    }
+
+
+def device_list() -> list[torch.device]:
+    """Return the devices that there are here: the CPU and the first GPU."""
+    return [torch.device("cpu"), *([torch.device("cuda", 0)] if torch.cuda.is_available() else [])]

@@ -1,0 +1,146 @@
+"""What is asked of a line style."""
+
+import copy
+from functools import cache
+
+import numpy as np
+
+from normalgan.rendering.animals import Animal
+from normalgan.rendering.lines import LineDrawing
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.renderers import EmbreeRenderer
+from normalgan.rendering.strokes import Stroke, rasterise
+from normalgan.rendering.view import View
+from normalgan.testing.conformance import Check, called, demand, global_randomness_untouched, hold
+from normalgan.testing.settings import frozen_check, settings_checks
+from normalgan.testing.solids import away, camera
+
+_STROKES = "trace must return a list of Stroke in pixels of the sketch"
+_SIZE = 96
+_SLACK = 2.0  # pixels that a line may go beyond the frame: what lies outside is cut off
+
+
+def check_line_drawing(style: LineDrawing) -> None:
+    """Ask a line style everything that its kind must do.
+
+    Args:
+        style: with the settings it is to be checked with.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise, in one sentence.
+    """
+    hold(style, line_drawing_checks())
+
+
+def line_drawing_checks() -> list[Check[LineDrawing]]:
+    """Return the checks of a line style, each with a name, for ``pytest.mark.parametrize``."""
+    return [
+        *settings_checks(LineDrawing),  # type: ignore[type-abstract]
+        frozen_check(),
+        Check("strokes", _strokes, _STROKES),
+        Check("strokes within the picture", _within, _STROKES),
+        Check("pens that draw", _pens, _STROKES),
+        Check("ink about an animal", _ink, _STROKES),
+        Check("views of other sizes and cameras", _views, "every size and camera must do"),
+        Check("an empty view", _empty, "a view that shows nothing gets no strokes"),
+        Check("the same strokes under a seed", _seeded, "rng alone may decide"),
+        Check("global randomness left alone", _no_global, "all randomness comes from rng"),
+        Check("the view left as it is", _untouched, "the maps of the view belong to all styles"),
+    ]
+
+
+@cache
+def _animal() -> Mesh:
+    return Animal("horse", 1).load()
+
+
+def _view(size: int = _SIZE, field_of_view: float | None = None) -> View:
+    mesh = _animal()
+    return View(mesh, camera(mesh, field_of_view), EmbreeRenderer(), size)
+
+
+def _trace(style: LineDrawing, view: View, seed: int = 0) -> list[Stroke]:
+    strokes = style.trace(view, np.random.default_rng(seed))
+    good = isinstance(strokes, list) and all(isinstance(stroke, Stroke) for stroke in strokes)
+    first = f" of {called(strokes[0])}" if isinstance(strokes, list) and strokes else ""
+    demand(good, style, f"returned {called(strokes)}{first}", _STROKES)
+    return strokes
+
+
+def _strokes(style: LineDrawing) -> None:
+    for stroke in _trace(style, _view()):
+        for name in ("points", "width", "darkness"):
+            finite = bool(np.isfinite(getattr(stroke, name)).all())
+            demand(finite, style, f"traced a stroke whose {name} are no numbers", "they must be finite")
+
+
+def _within(style: LineDrawing) -> None:
+    for stroke in _trace(style, _view()):
+        reach = _SLACK + float(stroke.width.max())
+        low, high = float(stroke.points.min()), float(stroke.points.max())
+        did = f"traced a stroke from {low:.0f} to {high:.0f} pixels in a sketch of {_SIZE}"
+        asked = "points are in pixels of the sketch, view.size a side, x to the right and y down"
+        demand(-reach <= low and high <= _SIZE + reach, style, did, asked)
+
+
+def _pens(style: LineDrawing) -> None:
+    for stroke in _trace(style, _view()):
+        demand(
+            stroke.width.min() > 0, style, "traced a stroke of width 0 or less", "a pen has a width above 0"
+        )
+        good = bool(((stroke.darkness >= 0) & (stroke.darkness <= 1)).all())
+        did = f"traced a stroke of darkness {stroke.darkness.min():.2g} to {stroke.darkness.max():.2g}"
+        demand(good, style, did, "darkness lies from 0, paper, to 1")
+
+
+def _ink(style: LineDrawing) -> None:
+    view = _view()
+    ink = rasterise(_trace(style, view), _SIZE)
+    demand(ink.max() > 0.1, style, "drew nothing of an animal", "every object must leave some ink")
+    # Lines belong to the object: its mask, widened by a few pixels, holds nearly all of them.
+    rows, columns = np.nonzero(view.maps().mask)
+    box = np.s_[max(rows.min() - 4, 0) : rows.max() + 5, max(columns.min() - 4, 0) : columns.max() + 5]
+    share = float(ink[box].sum() / ink.sum())
+    asked = "lines must lie on the object; y grows downwards in strokes"
+    demand(share > 0.95, style, f"put {1 - share:.0%} of its ink beside the animal", asked)
+
+
+def _views(style: LineDrawing) -> None:
+    for size, field_of_view in ((32, None), (49, 40.0)):
+        _trace(style, _view(size, field_of_view))
+
+
+def _empty(style: LineDrawing) -> None:
+    mesh = _animal()
+    strokes = _trace(style, View(mesh, away(mesh), EmbreeRenderer(), _SIZE))
+    ink = float(rasterise(strokes, _SIZE).sum())
+    demand(ink == 0, style, "drew something in a view that shows nothing", "it must draw nothing there")
+
+
+def _seeded(style: LineDrawing) -> None:
+    np.random.rand(3)  # noqa: NPY002 -- another global state
+    one, other = _trace(style, _view(), seed=4), _trace(style, _view(), seed=4)
+    same = len(one) == len(other) and all(
+        np.array_equal(getattr(a, name), getattr(b, name))
+        for a, b in zip(one, other, strict=False)
+        for name in ("points", "width", "darkness")
+    )
+    asked = "the same view and rng must give the same strokes, for samples are kept by their settings"
+    demand(same, style, "traced the same view twice differently under one seed", asked)
+
+
+def _no_global(style: LineDrawing) -> None:
+    with global_randomness_untouched(style):
+        _trace(style, _view())
+
+
+def _untouched(style: LineDrawing) -> None:
+    view = _view()
+    kept = {scale: copy.deepcopy(view.maps(scale)) for scale in (1, 2)}
+    _trace(style, view)
+    for scale, before in kept.items():
+        same = all(
+            np.array_equal(getattr(view.maps(scale), name), getattr(before, name))
+            for name in ("normal", "depth", "mask")
+        )
+        demand(same, style, "changed the maps of the view", "they belong to all styles; copy them")

@@ -1,0 +1,129 @@
+"""What is asked of a reconstruction loss."""
+
+import torch
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.objectives import Reconstruction, Term
+from normalgan.testing.conformance import Check, called, demand, hold
+from normalgan.testing.pictures import pictures
+from normalgan.testing.settings import settings_checks
+
+_TERMS = "terms must return the parts of the loss by name, each a Term of a scalar and a weight"
+_TAKEN = {"adversarial", "discriminator"}
+"""What training logs itself."""
+
+
+def check_reconstruction(reconstruction: Reconstruction) -> None:
+    """Ask a reconstruction loss everything that its kind must do.
+
+    Args:
+        reconstruction: with the settings it is to be checked with.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise, in one sentence.
+    """
+    hold(reconstruction, reconstruction_checks())
+
+
+def reconstruction_checks() -> list[Check[Reconstruction]]:
+    """Return the checks of a reconstruction loss, for ``pytest.mark.parametrize``."""
+    return [
+        *settings_checks(Reconstruction),  # type: ignore[type-abstract]
+        Check("terms that are numbers", _terms, _TERMS),
+        Check("a loss least at the truth", _least_at_truth, _TERMS),
+        Check("a finite gradient", _gradient, "its gradient must be finite, at the truth and at zero too"),
+        Check("pictures without an object or hints", _empty, "nothing to compare must make a finite loss"),
+        Check("arguments left as they are", _untouched, "the tensors belong to the caller"),
+    ]
+
+
+def _compare(
+    reconstruction: Reconstruction, normals: Tensor, target: Tensor, mask: Tensor
+) -> tuple[Tensor, Tensor, dict[str, Term]]:
+    """Return the weighted loss, what was painted, and the terms; with a confidence where that is needed."""
+    where = torch.zeros_like(mask)
+    where[..., ::5, ::5] = 1
+    painted, terms = normals.detach().requires_grad_(), None
+    try:
+        terms = reconstruction.terms(painted, target, mask, where * mask)
+    except InputError:  # it wants a fourth channel
+        painted = torch.cat([normals.detach(), torch.ones_like(mask)], dim=1).requires_grad_()
+        terms = reconstruction.terms(painted, target, mask, where * mask)
+    good = isinstance(terms, dict) and terms and all(isinstance(term, Term) for term in terms.values())
+    demand(good, reconstruction, f"returned {called(terms)} of something else", _TERMS)
+    return torch.stack([term.weight * term.value for term in terms.values()]).sum(), painted, terms
+
+
+def _terms(reconstruction: Reconstruction) -> None:
+    for count in (1, 3):
+        target, mask = pictures(count)
+        _, _, terms = _compare(reconstruction, 0.5 * target, target, mask)
+        for name, term in terms.items():
+            demand(
+                name not in _TAKEN,
+                reconstruction,
+                f"has a term named {name}",
+                "training logs one itself; rename it",
+            )
+            shape = tuple(term.value.shape)
+            demand(shape == (), reconstruction, f"returned {shape} as its term {name}", "a term is a scalar")
+            finite = bool(term.value.isfinite())
+            demand(
+                finite,
+                reconstruction,
+                f"returned {term.value.item()} as its term {name}",
+                "it must be finite",
+            )
+            demand(
+                term.weight >= 0, reconstruction, f"weighs {name} by {term.weight}", "weights are 0 or more"
+            )
+
+
+def _least_at_truth(reconstruction: Reconstruction) -> None:
+    target, mask = pictures(2)
+    true, _, _ = _compare(reconstruction, target, target, mask)
+    for did, wrong in (
+        ("mirrored normals", target * torch.tensor([-1.0, 1, 1]).view(3, 1, 1)),
+        ("nothing", 0 * target),
+    ):
+        false, _, _ = _compare(reconstruction, wrong, target, mask)
+        demand(
+            true < false,
+            reconstruction,
+            f"is {true.item():.3g} for the truth and {false.item():.3g} for {did}",
+            "the loss is minimised, so it must be less for the truth",
+        )
+
+
+def _gradient(reconstruction: Reconstruction) -> None:
+    target, mask = pictures(2)
+    for place, normals in (
+        ("at the truth", target),
+        ("where nothing is painted", 0 * target),
+        ("halfway", target / 2),
+    ):
+        loss, painted, _ = _compare(reconstruction, normals, target, mask)
+        demand(
+            loss.requires_grad, reconstruction, "has no gradient", "the generator learns from its gradient"
+        )
+        (grad,) = torch.autograd.grad(loss, painted)
+        finite = bool(grad.isfinite().all())
+        asked = "one infinite value spoils all weights"
+        demand(finite, reconstruction, f"has a gradient that is infinite or no number {place}", asked)
+    demand(grad[:, :3].any(), reconstruction, "teaches the normals nothing", "its gradient must reach them")
+
+
+def _empty(reconstruction: Reconstruction) -> None:
+    target, mask = (torch.zeros_like(part) for part in pictures(2))
+    loss, _, _ = _compare(reconstruction, target, target, mask)
+    did = f"is {loss.item()} for pictures without an object or a hint"
+    demand(loss.isfinite(), reconstruction, did, "it must be finite; mind a mean of nothing")
+
+
+def _untouched(reconstruction: Reconstruction) -> None:
+    target, mask = pictures(2)
+    kept = target.clone(), mask.clone()
+    _compare(reconstruction, target / 2, target, mask)
+    same = torch.equal(target, kept[0]) and torch.equal(mask, kept[1])
+    demand(same, reconstruction, "changed the tensors it was given", "they belong to the caller; copy them")

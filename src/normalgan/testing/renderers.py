@@ -1,0 +1,164 @@
+"""What is asked of a renderer."""
+
+import numpy as np
+
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.renderers import Renderer
+from normalgan.rendering.views import Camera
+from normalgan.testing.conformance import Check, called, demand, global_randomness_untouched, hold
+from normalgan.testing.settings import frozen_check, settings_checks
+from normalgan.testing.solids import RADII, away, bowl, camera, degrees, ellipsoid, exact_ellipsoid
+
+_MAPS = "render must return Maps of size × size pixels"
+_SIZE = 96
+_VIEWS = (None, 40.0)
+"""Fields of view: orthographic, and perspective."""
+
+
+def check_renderer(renderer: Renderer) -> None:
+    """Ask a renderer everything that its kind must do.
+
+    Args:
+        renderer: with the settings it is to be checked with, on a machine that has what it needs.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise, in one sentence.
+    """
+    hold(renderer, renderer_checks())
+
+
+def renderer_checks() -> list[Check[Renderer]]:
+    """Return the checks of a renderer, each with a name, for ``pytest.mark.parametrize``."""
+    return [
+        *settings_checks(Renderer),  # type: ignore[type-abstract]
+        frozen_check(),
+        Check("running here", lambda r: r.check(), "check must pass where the renderer can be used"),
+        Check("shapes and types", _shapes, _MAPS),
+        Check("unit normals on the object", _unit, _MAPS),
+        Check("nothing off the object", _background, _MAPS),
+        Check("the mask of an ellipsoid", _mask, _MAPS),
+        Check("the normals of an ellipsoid", _normals, _MAPS),
+        Check("the depth of an ellipsoid", _depth, _MAPS),
+        Check("the inside of an open shell", _inside, _MAPS),
+        Check("an empty view", _empty, "a frame without the object must give maps of nothing"),
+        Check("the same maps again", _repeats, _MAPS),
+        Check("global randomness left alone", _no_global, "it must not draw random numbers"),
+    ]
+
+
+def _render(renderer: Renderer, mesh: Mesh, seen_by: Camera, size: int = _SIZE) -> Maps:
+    maps = renderer.render(mesh, seen_by, size)
+    demand(isinstance(maps, Maps), renderer, f"returned {called(maps)}", _MAPS)
+    return maps
+
+
+def _shapes(renderer: Renderer) -> None:
+    for size in (33, 64):
+        maps = _render(renderer, ellipsoid(), camera(ellipsoid()), size)
+        for name, shape, dtype in (
+            ("normal", (size, size, 3), np.float32),
+            ("depth", (size, size), np.float32),
+            ("mask", (size, size), np.bool_),
+        ):
+            part = getattr(maps, name)
+            did = f"returned {name} {part.shape} of {part.dtype} for {size} pixels"
+            demand(
+                part.shape == shape and part.dtype == dtype,
+                renderer,
+                did,
+                f"it must be {shape} of {dtype.__name__}",
+            )
+
+
+def _unit(renderer: Renderer) -> None:
+    maps = _render(renderer, ellipsoid(), camera(ellipsoid()))
+    demand(
+        maps.mask.any(),
+        renderer,
+        "sees nothing of an ellipsoid in the frame",
+        "its mask is True on the object",
+    )
+    length = np.linalg.norm(maps.normal[maps.mask], axis=-1)
+    off = float(np.abs(length - 1).max())
+    asked = "normals on the object are unit vectors, never blended with the background"
+    demand(off < 1e-3, renderer, f"painted a normal whose length is {off:.2g} off from 1", asked)
+
+
+def _background(renderer: Renderer) -> None:
+    maps = _render(renderer, ellipsoid(), camera(ellipsoid()))
+    demand(
+        not maps.normal[~maps.mask].any(), renderer, "painted normals off the object", "there they are zero"
+    )
+    good = bool(np.isposinf(maps.depth[~maps.mask]).all())
+    demand(good, renderer, "has a finite depth off the object", "there it is infinite")
+
+
+def _mask(renderer: Renderer) -> None:
+    for field_of_view in _VIEWS:
+        seen_by = camera(ellipsoid(), field_of_view)
+        mask = _render(renderer, ellipsoid(), seen_by).mask
+        true = exact_ellipsoid(RADII, seen_by, _SIZE).mask
+        share = (mask & true).sum() / max((mask | true).sum(), 1)
+        did = f"shares {share:.0%} of the mask with the true {_projection(field_of_view)} one of an ellipsoid"
+        asked = "the object must be where the camera's window shows it, one sample at each pixel's centre"
+        demand(share > 0.98, renderer, did, asked)
+
+
+def _normals(renderer: Renderer) -> None:
+    for field_of_view in _VIEWS:
+        seen_by = camera(ellipsoid(), field_of_view)
+        maps, true = _render(renderer, ellipsoid(), seen_by), exact_ellipsoid(RADII, seen_by, _SIZE)
+        both = maps.mask & true.mask
+        error = float(degrees(maps.normal[both], true.normal[both]).mean()) if both.any() else np.nan
+        did = f"is {error:.1f}° off from the true {_projection(field_of_view)} normals of an ellipsoid"
+        asked = "normals are in camera space, x to the right, y up and z to the viewer, row 0 on top"
+        demand(error < 1, renderer, did, asked)
+
+
+def _depth(renderer: Renderer) -> None:
+    for field_of_view in _VIEWS:
+        seen_by = camera(ellipsoid(), field_of_view)
+        maps, true = _render(renderer, ellipsoid(), seen_by), exact_ellipsoid(RADII, seen_by, _SIZE)
+        both = maps.mask & true.mask
+        error = float(np.median(np.abs(maps.depth[both] - true.depth[both]))) if both.any() else np.nan
+        did = f"is {error:.3g} off from the true {_projection(field_of_view)} depth of an ellipsoid"
+        asked = "depth is the distance from the camera's plane along its axis, in units of the mesh"
+        demand(error < 5e-3, renderer, did, asked)
+
+
+def _inside(renderer: Renderer) -> None:
+    for field_of_view in _VIEWS:
+        seen_by = camera(bowl(), field_of_view, front=True)
+        maps = _render(renderer, bowl(), seen_by)
+        sight = seen_by.rays(_SIZE)[1] @ seen_by.rotation.T
+        away_share = float(((maps.normal * sight).sum(-1)[maps.mask] > 0.05).mean())
+        did = f"turned {away_share:.0%} of the normals of an open shell away from the viewer"
+        asked = "a surface seen from behind gets the normal that faces the viewer"
+        demand(away_share < 0.02, renderer, did, asked)
+
+
+def _empty(renderer: Renderer) -> None:
+    maps = _render(renderer, ellipsoid(), away(ellipsoid()))
+    nothing = not maps.mask.any() and not maps.normal.any()
+    demand(
+        nothing, renderer, "painted something in a frame without the object", "the maps of nothing are empty"
+    )
+
+
+def _repeats(renderer: Renderer) -> None:
+    # Other meshes between, and a size that changes: something may be kept from render to render.
+    first = _render(renderer, ellipsoid(), camera(ellipsoid()))
+    _render(renderer, bowl(), camera(bowl()), 40)
+    again = _render(renderer, ellipsoid(), camera(ellipsoid()))
+    same = all(np.array_equal(getattr(first, n), getattr(again, n)) for n in ("normal", "depth", "mask"))
+    demand(same, renderer, "rendered the same twice differently", "samples are kept by their settings alone")
+
+
+def _no_global(renderer: Renderer) -> None:
+    with global_randomness_untouched(renderer):
+        _render(renderer, ellipsoid(), camera(ellipsoid()))
+
+
+def _projection(field_of_view: float | None) -> str:
+    return "orthographic" if field_of_view is None else "perspective"

@@ -1,0 +1,173 @@
+"""Checks of any plug-in as the command line, checkpoints and worker processes take it."""
+
+import inspect
+import io
+import pickle
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from typing import Any, TypeVar
+
+import torch
+from docstring_parser import DocstringStyle, parse
+from jsonargparse import ArgumentParser, Namespace
+
+from normalgan.registry import summary
+from normalgan.testing.conformance import Check, demand
+
+T = TypeVar("T")
+
+
+def settings_checks(base: type[T]) -> list[Check[T]]:
+    """Return what is asked of the settings of a plug-in, whatever its kind.
+
+    Args:
+        base: the abstract base of its kind.
+    """
+
+    def command_line(plugin: T) -> None:
+        _read_from_the_command_line(plugin, base)
+
+    return [
+        Check("an importable class", _importable, "a class must be defined at the top of a module"),
+        Check("a documented class", _documented, "its docstring must be readable, in Google style"),
+        Check("settings on the command line", command_line, "settings must be plain values with types"),
+        Check(
+            "settings in a checkpoint", _in_a_checkpoint, "settings must be numbers, texts, lists and such"
+        ),
+        Check("being handed to another process", _pickled, "it must survive pickle, as all it opens is lazy"),
+    ]
+
+
+def frozen_check() -> Check[Any]:
+    """Return what is asked of parts whose settings enter the key under which samples are stored."""
+    return Check("a frozen dataclass", _frozen, "it must be a dataclass with frozen=True")
+
+
+def _frozen(plugin: object) -> None:
+    params = getattr(type(plugin), "__dataclass_params__", None)
+    demand(
+        params is not None and params.frozen,
+        plugin,
+        "is no frozen dataclass",
+        "its fields are its settings, and enter the key under which samples are stored",
+    )
+
+
+def _importable(plugin: object) -> None:
+    cls = type(plugin)
+    found = getattr(import_module(cls.__module__), cls.__qualname__, None)
+    demand(
+        found is cls,
+        plugin,
+        f"cannot be imported as {cls.__module__}.{cls.__qualname__}",
+        "YAML and checkpoints name a class by its module, so define it at the top of one",
+    )
+    demand(
+        not any(part.startswith("_") and part != "__main__" for part in class_path(cls).split(".")),
+        plugin,
+        f"has a part that begins with an underscore in its path {class_path(cls)}",
+        "jsonargparse gives such classes no short name",
+    )
+
+
+def _documented(plugin: object) -> None:
+    cls = type(plugin)
+    demand(
+        summary(cls),
+        plugin,
+        "has no docstring of its own",
+        "its first line is what --help and normalgan plugins say of it",
+    )
+    told = {each.arg_name for each in parse(inspect.getdoc(cls) or "", style=DocstringStyle.GOOGLE).params}
+    untold = [name for name in settings_of(cls) if name not in told]
+    demand(
+        not untold,
+        plugin,
+        f"does not explain {', '.join(untold)} in its docstring",
+        "the docstring of the class needs a line under Args for each setting",
+    )
+
+
+def _read_from_the_command_line(plugin: T, base: type[T]) -> None:
+    cls = type(plugin)
+    for name, parameter in settings_of(cls).items():
+        demand(
+            parameter.annotation is not inspect.Parameter.empty,
+            plugin,
+            f"has a setting {name} without a type",
+            "the command line reads the type of each setting from the signature",
+        )
+    needed = [n for n, p in settings_of(cls).items() if p.default is inspect.Parameter.empty]
+    if not is_dataclass(plugin) and needed:
+        return  # nobody knows with what it was built
+    parser = ArgumentParser(exit_on_error=False)
+    parser.add_argument("--plugin", type=base)
+    given = {"plugin": as_config(plugin)}
+    read = parser.parse_object(given)
+    again = parser.parse_string(parser.dump(read))
+    demand(
+        again == read,
+        plugin,
+        "comes back from YAML with other settings",
+        "settings must be numbers, texts, booleans, lists, tuples or null",
+    )
+    if not is_dataclass(plugin):
+        return  # a network by its defaults may be large, and has no settings to be compared
+    built = parser.instantiate(Namespace(plugin=again.plugin)).plugin
+    demand(
+        type(built) is cls and built == plugin,
+        plugin,
+        "built from its own settings is another one",
+        "its fields must be its settings, unchanged",
+    )
+
+
+def _in_a_checkpoint(plugin: object) -> None:
+    buffer = io.BytesIO()
+    torch.save(as_config(plugin), buffer)
+    buffer.seek(0)
+    try:
+        loaded = torch.load(buffer, weights_only=True)
+    except pickle.UnpicklingError:
+        loaded = None
+    demand(
+        loaded == as_config(plugin),
+        plugin,
+        "has settings that a checkpoint read with weights_only=True does not give back",
+        "settings must be numbers, texts, booleans, lists, tuples or null",
+    )
+
+
+def _pickled(plugin: object) -> None:
+    again = pickle.loads(pickle.dumps(plugin))  # of what was just pickled here
+    demand(
+        not is_dataclass(plugin) or again == plugin,
+        plugin,
+        "is another one after pickle",
+        "worker processes must get the same settings",
+    )
+
+
+def class_path(cls: type[Any]) -> str:
+    """Return where a class is, in dots."""
+    return f"{cls.__module__}.{cls.__qualname__}"
+
+
+def settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
+    """Return the settings of a class, as its signature has them, by name."""
+    return dict(inspect.signature(cls).parameters)
+
+
+def as_config(plugin: object) -> dict[str, Any]:
+    """Return the configuration that builds a plug-in: class_path, and init_args if they are known."""
+    if not is_dataclass(plugin):
+        return {"class_path": class_path(type(plugin))}
+    values = {field.name: _plain(getattr(plugin, field.name)) for field in fields(plugin) if field.init}
+    return {"class_path": class_path(type(plugin)), "init_args": values}
+
+
+def _plain(value: Any) -> Any:
+    """Return a setting as YAML has it: parts of a plug-in that are plug-ins, as configurations."""
+    if is_dataclass(value):
+        return as_config(value)
+    return [_plain(item) for item in value] if isinstance(value, list) else value

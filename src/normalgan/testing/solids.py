@@ -1,0 +1,68 @@
+"""Solids whose maps are known exactly, and cameras about them."""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from trimesh.creation import icosphere
+
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.views import Camera, framed, look_at_origin
+
+Doubles = NDArray[np.float64]
+RADII = (1.0, 0.6, 0.4)
+"""Half the axes of the ellipsoid that renderers are checked with: another one along x, y and z."""
+
+
+@cache
+def ellipsoid() -> Mesh:
+    """Return an ellipsoid of 20 480 triangles, with the normals of the true surface."""
+    ball = icosphere(subdivisions=5)
+    normals = np.asarray(ball.vertices) / RADII
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    vertices = (ball.vertices * np.array(RADII)).astype(np.float32)
+    return Mesh("ellipsoid", vertices, ball.faces.astype(np.int32), normals.astype(np.float32))
+
+
+@cache
+def bowl() -> Mesh:
+    """Return a sphere without its cap about +Z: from there one sees its inside through the hole."""
+    ball = icosphere(subdivisions=4)
+    vertices = np.asarray(ball.vertices, np.float32)
+    faces = ball.faces[ball.triangles_center[:, 2] < 0.5].astype(np.int32)
+    return Mesh("bowl", vertices, faces, vertices / np.linalg.norm(vertices, axis=1, keepdims=True))
+
+
+def camera(mesh: Mesh, field_of_view: float | None = None, front: bool = False) -> Camera:
+    """Return a camera that looks at a mesh from the front, or from a bit aside and above, tilted."""
+    rotation = look_at_origin(0, 0, 0) if front else look_at_origin(30, 20, 10)
+    return framed(mesh.vertices, rotation, field_of_view, 0.06)
+
+
+def away(mesh: Mesh) -> Camera:
+    """Return a camera whose frame lies beside the mesh, so that it sees nothing."""
+    seen = camera(mesh)
+    side = seen.window[1] - seen.window[0]
+    aside = (seen.window[0] + 3 * side, seen.window[1] + 3 * side, seen.window[2], seen.window[3])
+    return Camera(seen.rotation, seen.translation, seen.perspective, aside, seen.near, seen.far)
+
+
+def exact_ellipsoid(radii: tuple[float, float, float], seen_by: Camera, size: int) -> Maps:
+    """Return the maps of an ellipsoid about the origin by solving the equation of each pixel's ray."""
+    origins, directions = seen_by.rays(size)
+    o, d = origins / radii, directions / radii
+    a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 1
+    mask = b * b - a * c > 0
+    depth = np.where(mask, (-b - np.sqrt(np.maximum(b * b - a * c, 0))) / a, np.inf)
+    points = origins + np.where(mask, depth, 0)[..., None] * directions
+    normal = (points / np.square(radii)) @ seen_by.rotation.T * mask[..., None]
+    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
+    return Maps(normal.astype(np.float32), depth.astype(np.float32), mask)
+
+
+def degrees(one: NDArray[np.floating], other: NDArray[np.floating]) -> Doubles:
+    """Return the angles in degrees between vectors (..., 3)."""
+    a, b = one.astype(np.float64), other.astype(np.float64)
+    across = np.linalg.norm(np.cross(a, b), axis=-1)
+    return np.asarray(np.rad2deg(np.arctan2(across, (a * b).sum(axis=-1))))

@@ -1,0 +1,54 @@
+import pytest
+import torch
+from broken_samplers import FAULTS, Right
+from torch import Tensor
+
+from normalgan.hints import HintSampler
+from normalgan.testing import ConformanceError, check_hint_sampler, hint_sampler_checks
+
+
+@pytest.mark.parametrize(("cls", "sentence"), FAULTS, ids=[cls.__name__ for cls, _ in FAULTS])
+def test_a_fault_is_told_in_one_sentence(cls: type[HintSampler], sentence: str) -> None:
+    with pytest.raises(ConformanceError, match=f"^{sentence}") as caught:
+        check_hint_sampler(cls())
+    said = str(caught.value)
+    assert "\n" not in said
+    assert said.endswith(".")
+    assert len(said) < 300
+
+
+def test_what_does_as_asked_passes() -> None:
+    check_hint_sampler(Right())
+
+
+def test_a_class_inside_a_function_is_told_off() -> None:
+    class Inner(Right):
+        """Cannot be named."""
+
+    with pytest.raises(
+        ConformanceError, match=r"Inner cannot be imported as .*<locals>\.Inner; YAML and check"
+    ):
+        check_hint_sampler(Inner())
+
+
+@pytest.mark.parametrize("library", ["numpy", "torch"])
+def test_each_global_random_state_is_watched(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    import numpy as np
+
+    def sample(self: Right, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
+        np.random.rand() if library == "numpy" else torch.rand(1)  # noqa: NPY002
+        return torch.zeros_like(mask)
+
+    monkeypatch.setattr(Right, "sample", sample)
+    with pytest.raises(ConformanceError, match=f"Right drew from or seeded {library}'s global random state"):
+        check_hint_sampler(Right())
+
+
+def test_checks_have_names_of_their_own() -> None:
+    names = [str(check) for check in hint_sampler_checks()]
+    assert len(set(names)) == len(names) > 10
+    assert "hints on the object" in names
+
+
+def test_a_failed_check_is_a_failed_assertion() -> None:
+    assert issubclass(ConformanceError, AssertionError)

@@ -1,0 +1,117 @@
+"""Every plug-in of ours through the kit: a class that is registered and not listed here fails a test."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import torch
+from opengl_here import needs_opengl
+
+from normalgan.hints import HINT_SAMPLERS, CurvatureHints, NoHints, UniformHints
+from normalgan.models import (
+    DISCRIMINATORS,
+    GENERATORS,
+    GlobalDiscriminator,
+    PatchDiscriminator,
+    ResidualUNetGenerator,
+    UNetDiscriminator,
+    UNetGenerator,
+)
+from normalgan.objectives import (
+    ADVERSARIAL_OBJECTIVES,
+    RECONSTRUCTIONS,
+    AngularLikelihood,
+    CrossEntropy,
+    L1AndHints,
+    Wasserstein,
+    WassersteinGradientPenalty,
+)
+from normalgan.registry import Registry
+from normalgan.rendering.lines import (
+    LINE_DRAWINGS,
+    Brush,
+    Mixture,
+    ObjectSpaceSuggestive,
+    OccludingContours,
+    RidgesAndValleys,
+    Silhouette,
+    SuggestiveContours,
+)
+from normalgan.rendering.renderers import RENDERERS, EmbreeRenderer, PyrenderRenderer
+from normalgan.testing import (
+    Check,
+    discriminator_checks,
+    generator_checks,
+    hint_sampler_checks,
+    line_drawing_checks,
+    objective_checks,
+    reconstruction_checks,
+    renderer_checks,
+)
+
+torch.set_num_threads(1)  # networks this small are slower with more
+
+OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
+    (
+        HINT_SAMPLERS,
+        hint_sampler_checks(),
+        [
+            CurvatureHints(),
+            CurvatureHints(dropout=0.0),
+            NoHints(),
+            UniformHints(3, 20),
+            UniformHints(none=0.5),
+        ],
+    ),
+    (GENERATORS, generator_checks(), [UNetGenerator(64, 4), ResidualUNetGenerator((4, 8, 8), (1, 1, 1))]),
+    (
+        DISCRIMINATORS,
+        discriminator_checks(),
+        [
+            UNetDiscriminator(64, 4),
+            UNetDiscriminator(64, 4, encoder_head=True, see_mask=True),
+            PatchDiscriminator(4),
+            GlobalDiscriminator(64, 4),
+        ],
+    ),
+    (
+        ADVERSARIAL_OBJECTIVES,
+        objective_checks(),
+        [CrossEntropy(), Wasserstein(), WassersteinGradientPenalty()],
+    ),
+    (RECONSTRUCTIONS, reconstruction_checks(), [L1AndHints(), AngularLikelihood()]),
+    (RENDERERS, renderer_checks(), [EmbreeRenderer(), PyrenderRenderer()]),
+    (
+        LINE_DRAWINGS,
+        line_drawing_checks(),
+        [
+            Brush(resolution=192),
+            Mixture([Silhouette(), OccludingContours(resolution=192)], [1, 2]),
+            ObjectSpaceSuggestive(resolution=192),
+            OccludingContours(resolution=192, crease=30),
+            RidgesAndValleys(resolution=192),
+            Silhouette(resolution=192),
+            SuggestiveContours(resolution=192),
+        ],
+    ),
+]
+
+
+def asked() -> Iterator[Any]:
+    """Yield each plug-in with each check of its kind, as a case of its own."""
+    for _, checks, plugins in OURS:
+        for i, plugin in enumerate(plugins):
+            marks = [needs_opengl] if isinstance(plugin, PyrenderRenderer) else []
+            for check in checks:
+                yield pytest.param(plugin, check, id=f"{type(plugin).__name__}{i}-{check}", marks=marks)
+
+
+@pytest.mark.parametrize(("plugin", "check"), list(asked()))
+def test_ours_do_what_is_asked_of_others(plugin: Any, check: Check[Any]) -> None:
+    check(plugin)
+
+
+@pytest.mark.parametrize(("registry", "plugins"), [(r, p) for r, _, p in OURS], ids=lambda x: "")
+def test_none_of_ours_is_forgotten(registry: Registry[Any], plugins: list[Any]) -> None:
+    ours = {cls.__name__ for cls in registry if cls.__module__.startswith("normalgan.")}
+    assert {type(plugin).__name__ for plugin in plugins} == ours
