@@ -1,7 +1,7 @@
 """What training minimises: adversarial objectives and reconstruction losses, each a plug-in."""
 
 from normalgan.objectives.angular_likelihood import AngularLikelihood
-from normalgan.objectives.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
+from normalgan.objectives.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
 from normalgan.objectives.cross_entropy import CrossEntropy
 from normalgan.objectives.gradient_penalty import WassersteinGradientPenalty
 from normalgan.objectives.l1_and_hints import L1AndHints
@@ -14,6 +14,7 @@ __all__ = [
     "RECONSTRUCTIONS",
     "AdversarialObjective",
     "AngularLikelihood",
+    "Critic",
     "CrossEntropy",
     "L1AndHints",
     "Reconstruction",
