@@ -51,7 +51,8 @@ def _compare(
         painted = torch.cat([normals.detach(), torch.ones_like(mask)], dim=1).requires_grad_()
         terms = reconstruction.terms(painted, target, mask, where * mask)
     good = isinstance(terms, dict) and terms and all(isinstance(term, Term) for term in terms.values())
-    demand(good, reconstruction, f"returned {called(terms)} of something else", _TERMS)
+    parts = f" of {called(next(iter(terms.values()), None))}" if isinstance(terms, dict) else ""
+    demand(good, reconstruction, f"returned {called(terms)}{parts}", _TERMS)
     return torch.stack([term.weight * term.value for term in terms.values()]).sum(), painted, terms
 
 
