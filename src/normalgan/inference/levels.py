@@ -34,7 +34,7 @@ class Levels:
         self._counts = cv2.calcHist([inside], [0], None, [_BINS], ends).ravel().astype(np.int64)
 
     def quantile(self, share: float, above: float = -np.inf, below: float = np.inf) -> float:
-        """Return the value that ``share`` of those between two bounds do not exceed; NaN if there are none."""
+        """Return what ``share`` of the values between two bounds do not exceed; NaN if there are none."""
         first, last = self._bin(above), self._bin(below)
         counts = self._counts[first : last + 1]
         return self._low + self._step * (first + _rank(counts, share)) if counts.any() else float("nan")

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from normalgan.errors import InputError
@@ -73,7 +74,7 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
         raise InputError("its mask is empty; paint the object white.")
     normals = frame.restore(extend(unit(painted), known, needed))
     if frame.side > _ENLARGED * frame.size:
-        _sharpen(normals, mask, prepared)
+        _sharpen(normals, known, mask, prepared)
     shown = None
     if confidence is not None:
         shown = frame.restore(confidence[..., None]).reshape(mask.shape)
@@ -86,18 +87,26 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
     return Painted(normals, mask, np.clip(alpha, 0, 1), prepared.seen, shown, warning)
 
 
-def _sharpen(normals: Floats, mask: Mark, prepared: Prepared) -> None:
+def _sharpen(normals: Floats, known: Mark, mask: Mark, prepared: Prepared) -> None:
     """Make enlarged normals (h, w, 3) change at the lines again, in place.
 
     Args:
         normals: brought back from the model's size.
+        known: (S, S), where the model painted a direction.
         mask: (h, w), the object, not empty.
         prepared: the drawing.
     """
     frame = prepared.frame
+    # A line darkens a pixel of the model on either side.
+    around = cv2.dilate(prepared.seen, np.ones((3, 3), np.uint8))
+    trusted = (1 - np.minimum(2 * around, 1)) * known
+    weight = frame.restore(trusted[..., None].astype(np.float32)).reshape(mask.shape)
     rows, columns = (np.flatnonzero(mask.any(axis)) for axis in (1, 0))
-    box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    normals[box] = sharpen(normals[box], prepared.ink[box], mask[box], frame.side / frame.size)
+    scale = frame.side / frame.size
+    beside = int(np.ceil(2 * scale))  # so that the contour is seen to be one
+    top, left = max(rows[0] - beside, 0), max(columns[0] - beside, 0)
+    box = np.s_[top : rows[-1] + 1 + beside, left : columns[-1] + 1 + beside]
+    normals[box] = sharpen(normals[box], weight[box], prepared.ink[box], mask[box], scale)
 
 
 def _known(length: Floats, needed: Mark) -> Mark:

@@ -1,17 +1,18 @@
-"""Vectors: unit vectors of large pictures, by planes, in a tenth of the time of the general way."""
+"""Vectors: unit vectors of large pictures, plane by plane, in a fraction of the time of the general way."""
 
 import cv2
 import numpy as np
 
 from normalgan.normals import Floats
 
-_NONE = 1e-8
+_NONE = np.float32(1e-8)
 
 
 def lengths(vectors: Floats) -> Floats:
     """Return the lengths (H, W) of vectors (H, W, 3), float32."""
-    x, y, z = cv2.split(vectors)
-    return np.asarray(cv2.magnitude(cv2.magnitude(x, y), z), np.float32)
+    # Not by cv2.magnitude: its last bits depend on where in the memory the result lies.
+    total = sum(plane * plane for plane in cv2.split(vectors))
+    return np.asarray(np.sqrt(total), np.float32)
 
 
 def unit(vectors: Floats) -> Floats:
@@ -21,5 +22,5 @@ def unit(vectors: Floats) -> Floats:
     [[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]]
     """
     length = lengths(vectors)
-    scale = (length > _NONE) / np.maximum(length, np.float32(_NONE))
+    scale = (length > _NONE) / np.maximum(length, _NONE)
     return np.asarray(cv2.merge([plane * scale for plane in cv2.split(vectors)]), np.float32)
