@@ -1,0 +1,94 @@
+/** The server, as functions; each fails with `Refused` (it said why) or `Away` (it does not answer). */
+
+/** What the server says is wrong. */
+export class Refused extends Error {
+  /** @param {number} status @param {string} message */
+  constructor(status, message) {
+    super(message);
+    this.status = status;
+  }
+}
+
+/** The server does not answer. */
+export class Away extends Error {}
+
+/** @param {string} path @param {RequestInit} [options] @returns {Promise<Response>} */
+async function ask(path, options = {}) {
+  let response;
+  try {
+    response = await fetch(path, { cache: "no-store", ...options });
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Away(String(error));
+  }
+  if (response.ok) return response;
+  const answer = await response.json().catch(() => ({}));
+  throw new Refused(response.status, answer.error ?? response.statusText);
+}
+
+const post = (path, body, signal) =>
+  ask(path, { method: "POST", body: JSON.stringify(body), headers: { "Content-Type": "application/json" }, signal });
+
+const number = (response, name) => Number(response.headers.get(name));
+const words = (response, name) => decodeURIComponent(response.headers.get(name) ?? "");
+
+/** @returns {Promise<{version: string, model: {name: string, size: number}}>} */
+export const about = async () => (await ask("/api/about")).json();
+
+/** Returns a painted map, or null if a newer request came in between. */
+export async function paint(request, signal) {
+  const response = await post("/api/paint", request, signal);
+  if (response.status === 204) return null;
+  const rgba = new Uint8Array(await response.arrayBuffer());
+  const [width, height] = [number(response, "X-Width"), number(response, "X-Height")];
+  return { rgba, width, height, warning: words(response, "X-Warning") };
+}
+
+/** Returns heights in pixels, NaN off the object, or null if a newer request came in between. */
+export async function height(request, signal) {
+  const response = await post("/api/height", request, signal);
+  if (response.status === 204) return null;
+  const heights = new Float32Array(await response.arrayBuffer());
+  return { heights, width: number(response, "X-Width"), height: number(response, "X-Height") };
+}
+
+/** @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
+export const suggest = async (request) => (await (await post("/api/suggest", request)).json()).points;
+
+/** Returns a file and what it is called. @returns {Promise<{blob: Blob, name: string}>} */
+export async function exported(request) {
+  const response = await post("/api/export", request);
+  const header = response.headers.get("Content-Disposition") ?? "";
+  const encoded = /filename\*=utf-8''([^;]+)/i.exec(header)?.[1];
+  const name = encoded ? decodeURIComponent(encoded) : /filename="?([^";]+)/.exec(header)?.[1];
+  return { blob: await response.blob(), name: name ?? request.name };
+}
+
+/** Reads an image file of any kind. @param {Blob} file @returns {Promise<{picture: string, width: number, height: number}>} */
+export async function imported(file) {
+  const headers = { "Content-Type": file.type || "application/octet-stream" };
+  return (await ask("/api/import", { method: "POST", body: file, headers })).json();
+}
+
+/** Projects and autosaves: documents in a folder of the server. */
+const folder = (path) => ({
+  list: async () => (await ask(path)).json(),
+  read: async (name) => {
+    const response = await ask(`${path}/${encodeURIComponent(name)}`);
+    return { doc: await response.json(), etag: response.headers.get("ETag") };
+  },
+  /** Writes a document; `etag` null writes only a new one, undefined whatever is there. */
+  write: async (name, doc, etag) => {
+    const guard = etag === null ? { "If-None-Match": "*" } : etag ? { "If-Match": etag } : {};
+    const headers = { "Content-Type": "application/json", ...guard };
+    const options = { method: "PUT", body: JSON.stringify(doc), headers };
+    return (await ask(`${path}/${encodeURIComponent(name)}`, options)).headers.get("ETag");
+  },
+  remove: async (name, etag) => {
+    const headers = etag ? { "If-Match": etag } : {};
+    await ask(`${path}/${encodeURIComponent(name)}`, { method: "DELETE", headers });
+  },
+});
+
+export const projects = folder("/api/projects");
+export const autosaves = folder("/api/autosave");

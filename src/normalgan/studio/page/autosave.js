@@ -1,0 +1,108 @@
+/** Autosave: each change goes to the browser's store at once and to the server some seconds later. */
+
+import { Away, autosaves } from "./api.js";
+import { isEmpty } from "./document.js";
+import { forget, keep, kept } from "./store.js";
+
+const LATER = 2500;
+
+/** Event `failed` (detail: the error) when the browser cannot keep the work. */
+export class Autosave extends EventTarget {
+  /**
+   * @param {import("./editor.js").Editor} editor
+   * @param {import("./connection.js").Connection} connection
+   * @param {string} tab
+   */
+  constructor(editor, connection, tab) {
+    super();
+    Object.assign(this, { editor, connection, tab });
+    /** The document as it was last saved or opened: nothing to keep. */
+    this.clean = editor.doc;
+    this.writing = false;
+    this.stale = false;
+    this.timer = 0;
+    /** @type {import("./document.js").Doc | null} what the server holds */
+    this.sent = null;
+    editor.addEventListener("change", (event) => event.detail.live || this.#changed());
+    connection.addEventListener("back", () => this.flush());
+    addEventListener("pagehide", () => this.flush());
+  }
+
+  get dirty() {
+    return this.editor.history.state !== this.clean;
+  }
+
+  /** Notes that the document is saved as a project, or fresh: what was kept is dropped. */
+  async settle(doc = this.editor.history.state) {
+    this.clean = doc;
+    if (this.dirty) return;
+    clearTimeout(this.timer);
+    this.timer = 0;
+    const there = this.sent !== null;
+    this.sent = null;
+    await this.drop(this.tab, there);
+  }
+
+  /** Drops what a tab has kept, here and on the server. @param {string} tab @param {boolean} there it is on the server */
+  async drop(tab, there) {
+    await forget(tab);
+    if (there) await autosaves.remove(tab).catch((error) => this.#failed(error));
+  }
+
+  /** Sends what has changed to the server. */
+  async flush() {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    const doc = this.editor.history.state;
+    if (!this.dirty || isEmpty(doc) || this.sent === doc || this.connection.away) return;
+    try {
+      await autosaves.write(this.tab, doc);
+      this.sent = doc;
+    } catch (error) {
+      this.#failed(error);
+    }
+  }
+
+  #changed() {
+    this.#keep();
+    this.timer ||= setTimeout(() => this.flush(), LATER);
+  }
+
+  /** Writes to the browser's store, one writing at a time, the newest last. */
+  async #keep() {
+    this.stale = true;
+    if (this.writing) return;
+    this.writing = true;
+    try {
+      while (this.stale) {
+        this.stale = false;
+        if (!this.dirty) await forget(this.tab);
+        else await keep({ tab: this.tab, changed: new Date().toISOString(), doc: this.editor.history.state });
+      }
+    } catch (error) {
+      this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+    } finally {
+      this.writing = false;
+    }
+  }
+
+  #failed(error) {
+    if (error instanceof Away) this.connection.lost();
+    else if (error.status !== 404) this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+  }
+}
+
+/**
+ * Returns unsaved work of tabs that are closed, newest first; what both stores hold counts once.
+ * @param {Set<string>} open tabs that live
+ * @returns {Promise<{tab: string, changed: string, there: boolean, read: () => Promise<unknown>}[]>}
+ */
+export async function unsaved(open) {
+  const [here, there] = await Promise.all([kept(), autosaves.list().catch(() => [])]);
+  const found = new Map(there.map(({ name, changed }) => [name, { tab: name, changed, there: true, read: async () => (await autosaves.read(name)).doc }]));
+  for (const { tab, changed, doc } of here) {
+    // The store holds each change at once, the server some seconds later: the store's is never older.
+    found.set(tab, { tab, changed, there: found.has(tab), read: async () => doc });
+  }
+  return [...found.values()].filter(({ tab }) => !open.has(tab)).sort((a, b) => (a.changed < b.changed ? 1 : -1));
+}

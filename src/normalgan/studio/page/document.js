@@ -1,0 +1,98 @@
+/** What is drawn, as values that never change: each edit makes a new document, so that undo is a list. */
+
+import { text } from "./text.js";
+
+/**
+ * @typedef {{kind: "pen" | "eraser", size: number, points: number[]}} Line x, y, pressure, x, y, pressure, …
+ * @typedef {{kind: "picture", picture: string, x: number, y: number, width: number, height: number}} Placed
+ * @typedef {Line | Placed} Stroke what the ink is made of, in order; `picture` is a data URL
+ * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
+ * @typedef {{x: number, y: number, normal: Normal}} Hint in pixels of the drawing, x right, y down
+ * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Layer
+ * @typedef {{source: null | "outline" | "model", name: string}} Settings
+ * @typedef {{format: string, version: number, width: number, height: number, strokes: Stroke[],
+ *   hints: Hint[], layers: Layer[], settings: Settings}} Doc
+ */
+
+export const FORMAT = "normalgan-studio";
+export const VERSION = 1;
+export const SIDES = { least: 16, most: 2048 };
+const MOST_STROKES = 20000;
+
+/**
+ * Returns an empty drawing.
+ * @param {number} width
+ * @param {number} height
+ * @returns {Doc}
+ */
+export function newDocument(width, height) {
+  const settings = { source: null, name: "" };
+  return { format: FORMAT, version: VERSION, width, height, strokes: [], hints: [], layers: [], settings };
+}
+
+/** @param {Doc} doc @returns {boolean} */
+export const isEmpty = (doc) => !doc.strokes.length && !doc.hints.length && !doc.layers.length;
+
+/** @param {Doc} doc @param {Stroke} stroke @returns {Doc} */
+export const withStroke = (doc, stroke) => ({ ...doc, strokes: [...doc.strokes, stroke] });
+
+/** @param {Doc} doc @param {Hint} hint @returns {Doc} */
+export const withHint = (doc, hint) => ({ ...doc, hints: [...doc.hints, hint] });
+
+/** @param {Doc} doc @param {number} index @param {Partial<Hint>} change @returns {Doc} */
+export function changedHint(doc, index, change) {
+  return { ...doc, hints: doc.hints.map((hint, i) => (i === index ? { ...hint, ...change } : hint)) };
+}
+
+/** @param {Doc} doc @param {number} index @returns {Doc} */
+export const withoutHint = (doc, index) => ({ ...doc, hints: doc.hints.filter((_, i) => i !== index) });
+
+/** @param {Doc} doc @param {Layer[]} layers @returns {Doc} */
+export const withLayers = (doc, layers) => ({ ...doc, layers });
+
+/** @param {Doc} doc @param {Partial<Settings>} settings @returns {Doc} */
+export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.settings, ...settings } });
+
+/** Whether two documents are painted alike. @param {Doc} a @param {Doc} b @returns {boolean} */
+export function paintsAlike(a, b) {
+  const alike = a.width === b.width && a.height === b.height && a.settings.source === b.settings.source;
+  return alike && a.strokes === b.strokes && a.hints === b.hints;
+}
+
+/** All pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
+export function picturesOf(doc) {
+  return [...doc.strokes, ...doc.layers].flatMap((each) => ("picture" in each ? [each.picture] : []));
+}
+
+const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
+const isSide = (value) => Number.isInteger(value) && value >= SIDES.least && value <= SIDES.most;
+const isPlaced = (value) =>
+  [value.x, value.y, value.width, value.height].every(isNumber) && /^data:image\/png;base64,/.test(value.picture);
+const isLine = (value) =>
+  ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
+  value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber);
+const isHint = (value) =>
+  isNumber(value.x) && isNumber(value.y) && Array.isArray(value.normal) && value.normal.length === 3 &&
+  value.normal.every(isNumber) && Math.abs(Math.hypot(...value.normal) - 1) < 0.05;
+const isLayer = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";
+const isList = (list, check, most) => Array.isArray(list) && list.length <= most && list.every((each) => each && check(each));
+
+/**
+ * Returns a document read from a file or the server.
+ * @param {unknown} value what its JSON holds
+ * @returns {Doc}
+ * @throws {Error} with a sentence if it is no project.
+ */
+export function parseDocument(value) {
+  const doc = /** @type {Doc} */ (value);
+  if (!doc || doc.format !== FORMAT) throw new Error(text.notProject);
+  if (doc.version > VERSION) throw new Error(text.newerProject);
+  const whole = isSide(doc.width) && isSide(doc.height) && isList(doc.hints, isHint, 200) &&
+    isList(doc.layers, isLayer, 8) &&
+    isList(doc.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES);
+  if (!whole) throw new Error(text.notProject);
+  const source = ["outline", "model"].includes(doc.settings?.source) ? doc.settings.source : null;
+  const { width, height, strokes, hints, layers } = doc;
+  const settings = { source, name: String(doc.settings?.name ?? "") };
+  return { format: FORMAT, version: VERSION, width, height, strokes, hints, layers, settings };
+}

@@ -1,0 +1,81 @@
+/** The one place that holds the document: edits come in, and all that shows it is told. */
+
+import { newDocument } from "./document.js";
+import { History } from "./history.js";
+
+/** @typedef {import("./document.js").Doc} Doc */
+
+/**
+ * Events: `change` when the document differs, with `detail.live` while a gesture goes on;
+ * `open` when another document came; `state` when tool, choice or settings of the page changed.
+ */
+export class Editor extends EventTarget {
+  constructor() {
+    super();
+    this.history = new History(newDocument(512, 512));
+    /** @type {Doc | null} what a gesture shows before it ends */
+    this.draft = null;
+    this.tool = "pen";
+    this.widths = { pen: 6, eraser: 24 };
+    this.smoothing = 0.4;
+    /** Index of the chosen hint, -1 is none. */
+    this.chosen = -1;
+    /** @type {{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]} */
+    this.suggestions = [];
+  }
+
+  /** @returns {Doc} */
+  get doc() {
+    return this.draft ?? this.history.state;
+  }
+
+  /** Shows a document while a gesture goes on. @param {Doc} doc */
+  preview(doc) {
+    this.draft = doc;
+    this.#changed(true);
+  }
+
+  /** Drops what a gesture showed. */
+  drop() {
+    if (!this.draft) return;
+    this.draft = null;
+    this.#changed(false);
+  }
+
+  /** Makes a document the next step in history. @param {Doc} doc */
+  commit(doc) {
+    this.draft = null;
+    this.history.push(doc);
+    this.#changed(false);
+  }
+
+  /** Starts over with another document. @param {Doc} doc */
+  open(doc) {
+    this.draft = null;
+    this.history = new History(doc);
+    this.set({ chosen: -1, suggestions: [] });
+    this.dispatchEvent(new CustomEvent("open"));
+    this.#changed(false);
+  }
+
+  /** @param {"undo" | "redo"} way @returns {boolean} whether there was something to do */
+  step(way) {
+    if (way === "undo" ? !this.history.canUndo : !this.history.canRedo) return false;
+    this.draft = null;
+    this.history[way]();
+    this.#changed(false);
+    return true;
+  }
+
+  /** Changes tool, choice or settings of the page. @param {Partial<Editor>} values */
+  set(values) {
+    Object.assign(this, values);
+    this.dispatchEvent(new CustomEvent("state"));
+  }
+
+  /** @param {boolean} live */
+  #changed(live) {
+    if (this.chosen >= this.doc.hints.length) this.set({ chosen: -1 });
+    this.dispatchEvent(new CustomEvent("change", { detail: { live } }));
+  }
+}

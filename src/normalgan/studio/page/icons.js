@@ -1,0 +1,37 @@
+/** Icons: lines on a grid of 24, in the colour of the text. */
+
+const paths = {
+  new: "M6 3h8l4 4v14H6z M14 3v4h4 M12 11v6 M9 14h6",
+  open: "M3 19V6h6l2 2h8v3 M3 19l3-8h16l-3 8z",
+  save: "M4 4h13l3 3v13H4z M8 4v5h8V4 M8 20v-6h8v6",
+  import: "M12 4v10 M8 10l4 4 4-4 M4 15v5h16v-5",
+  export: "M12 15V4 M8 8l4-4 4 4 M4 15v5h16v-5",
+  undo: "M9 6L4 11l5 5 M4 11h10a5.5 5.5 0 0 1 0 9h-3",
+  redo: "M15 6l5 5-5 5 M20 11H10a5.5 5.5 0 0 0 0 9h3",
+  theme: "M12 3a9 9 0 1 0 0 18z M12 3a9 9 0 0 1 0 18",
+  help: "M9 9.2a3 3 0 1 1 4.6 2.6c-1 .7-1.6 1.2-1.6 2.4 M12 17.6v.2 M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18z",
+  pen: "M4 20l1.2-4.6L16.4 4.2a1.9 1.9 0 0 1 2.7 0l.7.7a1.9 1.9 0 0 1 0 2.7L8.6 18.8z M14.2 6.4l3.4 3.4",
+  eraser: "M8.5 19.5L3.7 14.7a1.6 1.6 0 0 1 0-2.3l7.9-7.9a1.6 1.6 0 0 1 2.3 0l5.6 5.6a1.6 1.6 0 0 1 0 2.3l-7.1 7.1z M7.6 8.5l7.9 7.9 M8.5 19.5H20",
+  hint: "M12 21a6.5 6.5 0 1 0 0-13 6.5 6.5 0 0 0 0 13z M12 14.5L19.5 4 M15.6 4.6L19.5 4l.7 3.9",
+  hand: "M12 3v18 M3 12h18 M9.5 5.5L12 3l2.5 2.5 M9.5 18.5L12 21l2.5-2.5 M5.5 9.5L3 12l2.5 2.5 M18.5 9.5L21 12l-2.5 2.5",
+  layer: "M12 4l9 5-9 5-9-5z M3 14l9 5 9-5",
+  zoomIn: "M10.5 4a6.5 6.5 0 1 0 0 13 6.5 6.5 0 0 0 0-13z M15.3 15.3L21 21 M10.5 7.5v6 M7.5 10.5h6",
+  zoomOut: "M10.5 4a6.5 6.5 0 1 0 0 13 6.5 6.5 0 0 0 0-13z M15.3 15.3L21 21 M7.5 10.5h6",
+  fit: "M4 9V4h5 M20 9V4h-5 M4 15v5h5 M20 15v5h-5",
+  suggest: "M12 3v4 M12 17v4 M3 12h4 M17 12h4 M6 6l2.2 2.2 M15.8 15.8L18 18 M18 6l-2.2 2.2 M8.2 15.8L6 18",
+  remove: "M5 7h14 M10 7V4h4v3 M7 7l1 13h8l1-13 M10.5 11v5 M13.5 11v5",
+  close: "M6 6l12 12 M18 6L6 18",
+};
+
+/** @param {string} name @returns {SVGSVGElement} */
+export function icon(name) {
+  const space = "http://www.w3.org/2000/svg";
+  const svg = document.createElementNS(space, "svg");
+  svg.setAttribute("viewBox", "0 0 24 24");
+  svg.setAttribute("aria-hidden", "true");
+  svg.classList.add("icon");
+  const path = document.createElementNS(space, "path");
+  path.setAttribute("d", paths[name]);
+  svg.append(path);
+  return svg;
+}

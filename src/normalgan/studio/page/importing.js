@@ -1,0 +1,91 @@
+/** Importing: a picture becomes the drawing, or a layer to trace over. */
+
+import { imported } from "./api.js";
+import { choose } from "./dialogs.js";
+import { isEmpty, withLayers, withStroke } from "./document.js";
+import { $, make } from "./dom.js";
+import { darkOnLight, decodeAll } from "./pictures.js";
+import { say, text } from "./text.js";
+
+/** A drawing that takes the shape of a picture has no longer side than this: more is slow to paint. */
+const LONGEST = 1024;
+const TRACED = 0.5;
+
+export class Importing {
+  /**
+   * @param {import("./editor.js").Editor} editor
+   * @param {import("./board.js").Board} board
+   * @param {import("./status.js").Status} status
+   * @param {import("./projects.js").Projects} projects
+   */
+  constructor(editor, board, status, projects) {
+    Object.assign(this, { editor, board, status, projects });
+    this.as = "";
+    $("import-file").addEventListener("change", () => {
+      const [file] = $("import-file").files;
+      $("import-file").value = "";
+      if (file) this.take(file, this.as);
+    });
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      this.#dropped(event.dataTransfer.files[0]);
+    });
+    addEventListener("paste", (event) => this.#dropped(event.clipboardData.files[0]));
+  }
+
+  /** Lets the user choose a file. @param {"" | "drawing" | "traced"} as "" asks */
+  pick(as = "") {
+    this.as = as;
+    $("import-file").click();
+  }
+
+  #dropped(file) {
+    if (!file || document.querySelector("dialog[open]")) return;
+    if (file.name.endsWith(".normalgan")) this.projects.openFile(file);
+    else this.take(file, "");
+  }
+
+  /** Imports a file. @param {File} file @param {"" | "drawing" | "traced"} as */
+  async take(file, as) {
+    try {
+      const { picture, width, height } = await imported(file);
+      await this.place(`data:image/png;base64,${picture}`, width, height, as, file.name);
+    } catch (error) {
+      this.status.fail(error);
+    }
+  }
+
+  /** Puts a picture into the document. */
+  async place(url, width, height, as, name) {
+    await decodeAll([url]);
+    const way = as || (await this.#ask(url));
+    if (!way) return;
+    const fresh = isEmpty(this.editor.doc);
+    const doc = fresh ? shaped(this.editor.doc, width, height) : this.editor.doc;
+    const scale = Math.min(doc.width / width, doc.height / height);
+    const size = { width: width * scale, height: height * scale };
+    const placed = { x: (doc.width - size.width) / 2, y: (doc.height - size.height) / 2, ...size };
+    if (way === "traced") {
+      this.editor.commit(withLayers(doc, [{ picture: url, ...placed, opacity: TRACED, visible: true }]));
+    } else {
+      const picture = await darkOnLight(url);
+      this.editor.commit(withStroke(doc, { kind: "picture", picture, ...placed }));
+    }
+    if (fresh) this.board.fit();
+    this.status.say(say("imported", { name }));
+  }
+
+  #ask(url) {
+    const preview = make("img", { src: url, alt: "", class: "thumbnail" });
+    const ways = [{ value: "traced", text: text.asTraced }, { value: "drawing", text: text.asDrawing, strong: true }];
+    return choose(text.importAs, text.importHelp, ways, preview);
+  }
+}
+
+/** Returns an empty document in the shape of a picture. */
+function shaped(doc, width, height) {
+  const scale = Math.min(1, LONGEST / Math.max(width, height));
+  const side = (value) => Math.max(16, Math.round(value * scale));
+  return { ...doc, width: side(width), height: side(height) };
+}

@@ -1,0 +1,78 @@
+/** Marks: how points and suggestions look on the board, and which one is meant by a click. */
+
+import { colourOf } from "./normal.js";
+
+/** @typedef {import("./camera.js").Camera} Camera @typedef {import("./editor.js").Editor} Editor */
+
+const RADIUS = 9;
+const NEEDLE = 22;
+const ACCENT = "#5b62e0";
+
+/** Draws a disc in the colour of its normal, with a needle that leans as the normal does. */
+function drawMark(context, { x, y }, normal, chosen) {
+  const tip = { x: x + normal[0] * NEEDLE, y: y - normal[1] * NEEDLE };
+  for (const [colour, width] of [["rgb(255 255 255 / 90%)", 5], [chosen ? ACCENT : "#33343c", 2]]) {
+    [context.strokeStyle, context.lineWidth, context.lineCap] = [colour, width, "round"];
+    context.beginPath();
+    context.moveTo(x, y);
+    context.lineTo(tip.x, tip.y);
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, RADIUS, 0, 2 * Math.PI);
+    context.stroke();
+  }
+  context.fillStyle = colourOf(normal);
+  context.fill();
+  context.fillStyle = chosen ? ACCENT : "#33343c";
+  context.beginPath();
+  context.arc(tip.x, tip.y, 2.5, 0, 2 * Math.PI);
+  context.fill();
+  if (!chosen) return;
+  [context.strokeStyle, context.lineWidth] = [ACCENT, 2];
+  context.beginPath();
+  context.arc(x, y, RADIUS + 4, 0, 2 * Math.PI);
+  context.stroke();
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
+export function drawHints(context, camera, editor) {
+  editor.doc.hints.forEach((hint, i) => {
+    drawMark(context, camera.toPane(hint.x, hint.y), hint.normal, i === editor.chosen);
+  });
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
+export function drawSuggestions(context, camera, editor) {
+  for (const point of editor.suggestions) {
+    const { x, y } = camera.toPane(point.x, point.y);
+    context.fillStyle = "rgb(255 255 255 / 85%)";
+    [context.strokeStyle, context.lineWidth] = [ACCENT, 2];
+    context.beginPath();
+    context.arc(x, y, RADIUS + 1, 0, 2 * Math.PI);
+    context.fill();
+    context.setLineDash([3, 3]);
+    context.stroke();
+    context.setLineDash([]);
+    context.beginPath();
+    for (const [dx, dy] of [[1, 0], [0, 1]]) {
+      context.moveTo(x - 4 * dx, y - 4 * dy);
+      context.lineTo(x + 4 * dx, y + 4 * dy);
+    }
+    context.stroke();
+  }
+}
+
+/**
+ * Returns the index of the point nearest to where was clicked, or -1 if none is near.
+ * @param {{x: number, y: number}[]} points in the drawing
+ * @param {{x: number, y: number}} at in the drawing
+ * @param {number} reach in pixels of the drawing
+ */
+export function nearest(points, at, reach) {
+  let [best, least] = [-1, reach];
+  points.forEach((point, i) => {
+    const distance = Math.hypot(point.x - at.x, point.y - at.y);
+    if (distance <= least) [best, least] = [i, distance];
+  });
+  return best;
+}

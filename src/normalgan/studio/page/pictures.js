@@ -1,0 +1,71 @@
+/** Pictures: data URLs decoded once, so that drawing them needs no waiting. */
+
+import { text } from "./text.js";
+
+/** @type {Map<string, HTMLImageElement>} */
+const known = new Map();
+
+/**
+ * Decodes pictures.
+ * @param {string[]} urls data URLs
+ * @throws {Error} with a sentence if one cannot be read.
+ */
+export async function decodeAll(urls) {
+  for (const url of urls) {
+    if (known.has(url)) continue;
+    const image = new Image();
+    image.src = url;
+    try {
+      await image.decode();
+    } catch {
+      throw new Error(text.badPicture);
+    }
+    known.set(url, image);
+  }
+}
+
+/** Returns a picture that was decoded. @param {string} url @returns {HTMLImageElement} */
+export function decoded(url) {
+  return /** @type {HTMLImageElement} */ (known.get(url));
+}
+
+/**
+ * Returns a picture with dark lines: one that is light on dark is inverted, as black pens would not show on it.
+ * @param {string} url a data URL, decoded
+ * @returns {Promise<string>} a data URL, decoded
+ */
+export async function darkOnLight(url) {
+  const image = decoded(url);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(image, 0, 0);
+  const pixels = context.getImageData(0, 0, canvas.width, canvas.height);
+  let [light, seen] = [0, 0];
+  for (let i = 0; i < pixels.data.length; i += 4) {
+    light += (pixels.data[i] + pixels.data[i + 1] + pixels.data[i + 2]) * pixels.data[i + 3];
+    seen += 765 * pixels.data[i + 3];
+  }
+  // Lines on nothing are dark as a whole and need no turning: only a dark paper that covers most does.
+  const covered = seen / (765 * 255 * canvas.width * canvas.height);
+  if (covered < 0.6 || light / seen > 0.4) return url;
+  for (let i = 0; i < pixels.data.length; i++) if (i % 4 < 3) pixels.data[i] = 255 - pixels.data[i];
+  context.putImageData(pixels, 0, 0);
+  const turned = canvas.toDataURL("image/png");
+  await decodeAll([turned]);
+  return turned;
+}
+
+/** @type {Map<string, boolean>} */
+const cutOut = new Map();
+
+/** Returns whether a picture that was decoded shows nothing in some places. @param {string} url @returns {boolean} */
+export function hasHoles(url) {
+  const before = cutOut.get(url);
+  if (before !== undefined) return before;
+  const context = new OffscreenCanvas(64, 64).getContext("2d", { willReadFrequently: true });
+  context.drawImage(decoded(url), 0, 0, 64, 64);
+  const holes = context.getImageData(0, 0, 64, 64).data.some((value, i) => i % 4 === 3 && value < 128);
+  cutOut.set(url, holes);
+  return holes;
+}

@@ -1,0 +1,120 @@
+/** Pointer: mouse, pen and fingers on the board, as strokes, pinches and moves of the view. */
+
+const REACH = { mouse: 14, pen: 16, touch: 24 };
+
+/**
+ * Lets pointers work on a board.
+ * @param {import("./board.js").Board} board
+ * @param {() => {down: Function, move: Function, up: Function, cancel: Function} | null} tool null moves the view
+ */
+export function followPointers(board, tool) {
+  const { canvas, camera } = board;
+  /** @type {Map<number, {x: number, y: number}>} fingers and others that are down, in the pane */
+  const down = new Map();
+  /** @type {ReturnType<typeof tool>} what the gesture began with */
+  let active = null;
+  let panning = false;
+  let penSeen = false;
+  let spaceHeld = false;
+
+  const inPane = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  };
+  const touch = (event) => {
+    const { x, y } = inPane(event);
+    // A mouse has no pressure, and some pens report none: they draw with the middle one.
+    const pressure = event.pointerType === "pen" && event.pressure > 0 ? event.pressure : 0.5;
+    return { ...camera.toDrawing(x, y), pressure, reach: (REACH[event.pointerType] ?? REACH.mouse) / camera.scale };
+  };
+  const pinch = (id, to) => {
+    const [other] = [...down].filter(([key]) => key !== id).map(([, at]) => at);
+    const from = down.get(id);
+    camera.zoom(other.x, other.y, Math.hypot(to.x - other.x, to.y - other.y) / Math.max(1, Math.hypot(from.x - other.x, from.y - other.y)));
+    camera.pan((to.x - from.x) / 2, (to.y - from.y) / 2);
+  };
+
+  canvas.addEventListener("pointerdown", (event) => {
+    if (event.button > 1 || (active && event.pointerType !== "touch")) return;
+    canvas.setPointerCapture(event.pointerId);
+    canvas.focus({ preventScroll: true });
+    event.preventDefault();
+    board.cursor = null;
+    penSeen ||= event.pointerType === "pen";
+    down.set(event.pointerId, inPane(event));
+    if (down.size === 2) {
+      active?.cancel();
+      active = null;
+      return;
+    }
+    if (down.size > 2) return;
+    const chosen = tool();
+    // Where there is a pen, a finger or the palm only moves the paper.
+    panning = !chosen || spaceHeld || event.button === 1 || (penSeen && event.pointerType === "touch");
+    canvas.classList.toggle("grabbing", panning);
+    if (panning) return;
+    active = chosen;
+    active.down(touch(event));
+    board.redraw();
+  });
+
+  canvas.addEventListener("pointermove", (event) => {
+    const at = inPane(event);
+    board.pointer = camera.toDrawing(at.x, at.y);
+    if (down.has(event.pointerId)) {
+      const before = down.get(event.pointerId);
+      if (down.size > 1) pinch(event.pointerId, at);
+      else if (panning) camera.pan(at.x - before.x, at.y - before.y);
+      if (down.size > 1 || panning) board.moved();
+      else if (active) {
+        const all = event.getCoalescedEvents?.() ?? [];
+        for (const each of all.length ? all : [event]) active.move(touch(each));
+      }
+      down.set(event.pointerId, at);
+    }
+    board.redraw();
+  });
+
+  const ended = (event, way) => {
+    if (!down.delete(event.pointerId)) return;
+    if (down.size) return;
+    panning = false;
+    canvas.classList.remove("grabbing");
+    const ending = active;
+    active = null;
+    ending?.[way]();
+  };
+  canvas.addEventListener("pointerup", (event) => ended(event, "up"));
+  canvas.addEventListener("pointercancel", (event) => ended(event, "cancel"));
+  canvas.addEventListener("pointerleave", () => {
+    board.pointer = null;
+    board.redraw();
+  });
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const { x, y } = inPane(event);
+    if (event.shiftKey) camera.pan(-event.deltaY - event.deltaX, 0);
+    else camera.zoom(x, y, Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)));
+    board.moved();
+  }, { passive: false });
+
+  addEventListener("keydown", (event) => {
+    if (event.code !== "Space" || document.activeElement !== canvas) return;
+    event.preventDefault();
+    spaceHeld = true;
+    canvas.classList.add("grab");
+  });
+  addEventListener("keyup", (event) => {
+    if (event.code !== "Space") return;
+    spaceHeld = false;
+    canvas.classList.remove("grab");
+  });
+  return {
+    /** Drops the gesture that goes on. */
+    cancel() {
+      active?.cancel();
+      active = null;
+    },
+  };
+}

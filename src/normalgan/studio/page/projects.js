@@ -1,0 +1,184 @@
+/** Projects: saved on the server, opened again, or kept as files. */
+
+import { Refused, projects } from "./api.js";
+import { askName, choose } from "./dialogs.js";
+import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from "./document.js";
+import { $, download, label, make } from "./dom.js";
+import { icon } from "./icons.js";
+import { decodeAll } from "./pictures.js";
+import { say, text } from "./text.js";
+
+const CONFLICT = 412;
+const ENDING = ".normalgan";
+
+export class Projects {
+  /**
+   * @param {import("./editor.js").Editor} editor
+   * @param {import("./autosave.js").Autosave} autosave
+   * @param {import("./status.js").Status} status
+   */
+  constructor(editor, autosave, status) {
+    Object.assign(this, { editor, autosave, status });
+    /** @type {string | null} what the server called the state that this tab has seen; null: none yet */
+    this.etag = null;
+    $("open-file").addEventListener("change", () => this.#openFile());
+    $("open-file-button").addEventListener("click", () => $("open-file").click());
+    $("download-project").addEventListener("click", () => this.download());
+  }
+
+  get name() {
+    return this.editor.doc.settings.name;
+  }
+
+  /** Saves under the project's name, or asks for one. @returns {Promise<boolean>} whether it was saved */
+  async save() {
+    return this.name ? this.#write(this.name, this.etag) : this.saveAs();
+  }
+
+  /** Asks for a name and saves. @returns {Promise<boolean>} */
+  async saveAs() {
+    const name = await askName(this.name);
+    if (!name) return false;
+    return this.#write(name, name === this.name ? this.etag : null);
+  }
+
+  async #write(name, etag) {
+    const { editor } = this;
+    const doc = withSettings(editor.history.state, { name });
+    try {
+      this.etag = await projects.write(name, doc, etag);
+    } catch (error) {
+      if (error instanceof Refused && error.status === CONFLICT) return this.#conflict(name, etag);
+      this.status.fail(error);
+      return false;
+    }
+    // What was drawn while it was being saved stays unsaved.
+    const unchanged = editor.history.state.strokes === doc.strokes && editor.history.state.hints === doc.hints;
+    const named = unchanged ? doc : withSettings(editor.history.state, { name });
+    editor.history.replace(named);
+    editor.dispatchEvent(new CustomEvent("state"));
+    if (unchanged) await this.autosave.settle(doc);
+    this.status.say(say("saved", { name }));
+    return true;
+  }
+
+  async #conflict(name, etag) {
+    const ways = [{ value: "overwrite", text: text.overwrite }, { value: "copy", text: text.copy, strong: true }];
+    const way = await choose(text.conflictTitle, say(etag ? "conflict" : "taken", { name }), ways);
+    if (way === "copy") return this.saveAs();
+    if (way !== "overwrite") return false;
+    const now = await projects.read(name).catch(() => ({ etag: null }));
+    return this.#write(name, now.etag);
+  }
+
+  /** Asks what to do with unsaved work. @returns {Promise<boolean>} whether to go on */
+  async mayLeave() {
+    if (!this.autosave.dirty || isEmpty(this.editor.doc)) return true;
+    const ways = [{ value: "drop", text: text.discard }, { value: "save", text: text.save, strong: true }];
+    const way = await choose(text.leaveTitle, text.leave, ways);
+    return way === "drop" || (way === "save" && this.save());
+  }
+
+  /** Starts an empty drawing. @param {number} width @param {number} height */
+  create(width, height) {
+    this.#show(newDocument(width, height), null);
+  }
+
+  /**
+   * Shows a document that came from somewhere.
+   * @param {unknown} value
+   * @param {string | null} etag null: it is not the project of that name as the server has it
+   * @param {boolean} saved whether it need not be kept
+   */
+  async load(value, etag = null, saved = true) {
+    const doc = parseDocument(value);
+    await decodeAll(picturesOf(doc));
+    this.#show(doc, etag, saved);
+  }
+
+  #show(doc, etag, saved = true) {
+    this.etag = etag;
+    if (saved) this.autosave.clean = doc;
+    this.editor.open(doc);
+    if (saved) this.autosave.settle(doc).catch((error) => this.status.fail(error));
+  }
+
+  /** Shows the projects to choose from. */
+  async choose() {
+    const dialog = $("open-dialog");
+    let rows;
+    try {
+      rows = await projects.list();
+    } catch (error) {
+      this.status.fail(error);
+      rows = [];
+    }
+    $("open-none").hidden = rows.length > 0;
+    $("project-list").replaceChildren(...rows.map((row) => this.#row(dialog, row)));
+    if (!dialog.open) dialog.showModal();
+  }
+
+  #row(dialog, { name, changed }) {
+    const when = new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+    const open = make("button", { type: "button", class: "project" }, make("strong", { text: name }), make("span", { text: when }));
+    open.addEventListener("click", () => {
+      dialog.close();
+      this.open(name);
+    });
+    const remove = make("button", { type: "button" }, icon("remove"));
+    label(remove, say("deleteProject", { name }));
+    remove.addEventListener("click", () => this.#remove(name));
+    return make("li", {}, open, remove);
+  }
+
+  /** Opens a project of the server. @param {string} name */
+  async open(name) {
+    if (!(await this.mayLeave())) return;
+    try {
+      const { doc, etag } = await projects.read(name);
+      await this.load({ ...doc, settings: { ...doc.settings, name } }, etag);
+      this.status.say(say("opened", { name }));
+    } catch (error) {
+      this.status.fail(error);
+    }
+  }
+
+  async #remove(name) {
+    const way = await choose(text.delete, say("reallyDelete", { name }), [{ value: "delete", text: text.delete }]);
+    if (way !== "delete") return;
+    try {
+      const { etag } = await projects.read(name);
+      await projects.remove(name, etag);
+      if (name === this.name) this.etag = null;
+    } catch (error) {
+      this.status.fail(error);
+    }
+    await this.choose();
+  }
+
+  async #openFile() {
+    const [file] = $("open-file").files;
+    $("open-file").value = "";
+    if (!file) return;
+    $("open-dialog").close();
+    await this.openFile(file);
+  }
+
+  /** Opens a project that was kept as a file. @param {File} file */
+  async openFile(file) {
+    if (!(await this.mayLeave())) return;
+    try {
+      const value = await file.text().then(JSON.parse).catch(() => null);
+      await this.load(value, null, false);
+      this.status.say(say("opened", { name: file.name }));
+    } catch (error) {
+      this.status.fail(error);
+    }
+  }
+
+  /** Gives the project as a file. */
+  download() {
+    const doc = this.editor.history.state;
+    download(new Blob([JSON.stringify(doc)], { type: "application/json" }), `${this.name || text.untitled}${ENDING}`);
+  }
+}

@@ -1,0 +1,35 @@
+/** Shortcuts: keys that work everywhere but in fields and dialogs; the help shows this list. */
+
+/** What the help shows: keys, and the key of their words. */
+export const SHOWN = [
+  ["P  E  H  V", "keyPen"],
+  ["[  ]", "keyWidth"],
+  ["Ctrl+Z  Ctrl+Shift+Z", "keyUndo"],
+  ["Ctrl+S  Ctrl+O  Ctrl+I  Ctrl+E", "keyFile"],
+  ["+  −  0", "keyZoom"],
+  ["Space", "keyPan"],
+  ["1 … 5", "keyViews"],
+  ["N  Shift+N", "keyHint"],
+  ["Del", "keyDelete"],
+  ["Esc", "keyEscape"],
+  ["?", "keyHelp"],
+];
+
+/**
+ * Follows the keys.
+ * @param {Record<string, () => void>} actions by key, with "ctrl+" and "shift+" in front for letters
+ */
+export function followKeys(actions) {
+  addEventListener("keydown", (event) => {
+    if (event.defaultPrevented || event.altKey || document.querySelector("dialog[open]")) return;
+    const field = event.target.closest?.("input:not([type=range], [type=checkbox]), select, textarea");
+    const control = event.ctrlKey || event.metaKey;
+    if (field && !control) return;
+    const letter = /^[a-z]$/i.test(event.key);
+    const shift = letter && event.shiftKey ? "shift+" : "";
+    const action = actions[`${control ? "ctrl+" : ""}${shift}${letter ? event.key.toLowerCase() : event.key}`];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+}

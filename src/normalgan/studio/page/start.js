@@ -1,0 +1,61 @@
+/** Start: what the command line named is opened, and unsaved work is offered. */
+
+import { unsaved } from "./autosave.js";
+import { $ } from "./dom.js";
+import { openTabs } from "./tab.js";
+import { say, text } from "./text.js";
+
+/** @typedef {{projects: import("./projects.js").Projects, importing: import("./importing.js").Importing,
+ *   autosave: import("./autosave.js").Autosave, status: import("./status.js").Status}} Parts */
+
+/**
+ * Opens what was named, then offers unsaved work.
+ * @param {{kind: string, name: string, [more: string]: any} | null} named by the command line
+ * @param {Parts} parts
+ */
+export async function begin(named, parts) {
+  const { projects, importing, status } = parts;
+  try {
+    if (named?.kind === "project") await projects.open(named.name);
+    if (named?.kind === "document") await projects.load(named.document, null, false);
+    if (named?.kind === "drawing") {
+      const url = `data:image/png;base64,${named.picture}`;
+      await importing.place(url, named.width, named.height, "drawing", named.name);
+    }
+    await offer(await unsaved(await openTabs()), parts);
+  } catch (error) {
+    status.fail(error);
+  }
+}
+
+/** Offers the newest unsaved work; where it is dropped, the next. */
+async function offer(found, parts) {
+  const banner = $("restore");
+  const [newest, ...older] = found;
+  banner.hidden = !newest;
+  if (!newest) return;
+  const when = new Date(newest.changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+  $("restore-words").textContent = say("restoreAsk", { when });
+  const { projects, autosave, status } = parts;
+  $("restore-yes").onclick = async () => {
+    try {
+      if (!(await projects.mayLeave())) return;
+      await projects.load(await newest.read(), null, false);
+      // It is this tab's now, and kept under its name before the old one goes.
+      await autosave.flush();
+      await autosave.drop(newest.tab, newest.there);
+      banner.hidden = true;
+      status.say(text.restored);
+    } catch (error) {
+      status.fail(error);
+    }
+  };
+  $("restore-no").onclick = async () => {
+    try {
+      await autosave.drop(newest.tab, newest.there);
+      await offer(older, parts);
+    } catch (error) {
+      status.fail(error);
+    }
+  };
+}

@@ -1,0 +1,90 @@
+/** Strokes: a pen's points as a line whose width follows its pressure, drawn piece by piece. */
+
+/** @typedef {import("./document.js").Stroke} Stroke */
+
+/** Width in pixels at a pressure; a mouse has 0.5. @param {number} size @param {number} pressure */
+export const widthAt = (size, pressure) => size * (0.25 + 1.5 * pressure);
+
+const ALIKE = 0.05;
+
+/** @param {number[]} points @param {number} i */
+const at = (points, i) => ({ x: points[3 * i], y: points[3 * i + 1], p: points[3 * i + 2] });
+const middle = (a, b) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, p: (a.p + b.p) / 2 });
+
+/**
+ * Draws the piece of a stroke around point i, between the middles to its neighbours.
+ * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context in pixels of the drawing
+ * @param {{size: number, points: number[]}} line
+ * @param {number} i
+ * @param {boolean} last whether the stroke ends with this point
+ */
+export function drawPiece(context, line, i, last) {
+  const point = at(line.points, i);
+  const from = i === 0 ? point : middle(at(line.points, i - 1), point);
+  const to = last ? point : middle(point, at(line.points, i + 1));
+  const [first, end] = [widthAt(line.size, from.p), widthAt(line.size, to.p)];
+  const way = Math.hypot(point.x - from.x, point.y - from.y) + Math.hypot(to.x - point.x, to.y - point.y);
+  // A canvas strokes with one width: where it changes, by short straight parts.
+  const parts = Math.abs(first - end) < ALIKE ? 1 : Math.max(2, Math.ceil(way / 1.5));
+  let start = from;
+  for (let k = 1; k <= parts; k++) {
+    const t = k / parts;
+    const s = 1 - t;
+    const stop = {
+      x: s * s * from.x + 2 * s * t * point.x + t * t * to.x,
+      y: s * s * from.y + 2 * s * t * point.y + t * t * to.y,
+    };
+    context.lineWidth = first + (end - first) * (t - 0.5 / parts);
+    context.beginPath();
+    context.moveTo(start.x, start.y);
+    if (parts === 1) context.quadraticCurveTo(point.x, point.y, stop.x, stop.y);
+    else context.lineTo(stop.x, stop.y);
+    context.stroke();
+    start = stop;
+  }
+}
+
+/**
+ * Prepares a context for the pieces of a stroke.
+ * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
+ * @param {"pen" | "eraser" | "picture"} kind
+ */
+export function prepare(context, kind) {
+  context.globalCompositeOperation = kind === "eraser" ? "destination-out" : "source-over";
+  context.lineCap = "round";
+  context.lineJoin = "round";
+  context.strokeStyle = "#000";
+}
+
+/**
+ * Draws a whole stroke.
+ * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
+ * @param {Stroke} stroke
+ * @param {(url: string) => CanvasImageSource} image a decoded picture
+ */
+export function drawStroke(context, stroke, image) {
+  prepare(context, stroke.kind);
+  if (stroke.kind === "picture") {
+    context.drawImage(image(stroke.picture), stroke.x, stroke.y, stroke.width, stroke.height);
+    return;
+  }
+  const count = stroke.points.length / 3;
+  for (let i = 0; i < count; i++) drawPiece(context, stroke, i, i === count - 1);
+}
+
+/**
+ * Returns what the pieces of a stroke from a point on can cover.
+ * @param {{size: number, points: number[]}} line
+ * @param {number} from
+ */
+export function boxOf(line, from) {
+  const reach = widthAt(line.size, 1) / 2 + 1;
+  const box = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
+  for (let i = 3 * from; i < line.points.length; i += 3) {
+    box.left = Math.min(box.left, line.points[i] - reach);
+    box.right = Math.max(box.right, line.points[i] + reach);
+    box.top = Math.min(box.top, line.points[i + 1] - reach);
+    box.bottom = Math.max(box.bottom, line.points[i + 1] + reach);
+  }
+  return box;
+}

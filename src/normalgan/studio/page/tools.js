@@ -1,0 +1,136 @@
+/** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
+
+import { changedHint, withHint, withStroke } from "./document.js";
+import { nearest } from "./marks.js";
+import { normalAt } from "./normal.js";
+import { Smoother } from "./smoothing.js";
+import { text } from "./text.js";
+
+/** @typedef {{x: number, y: number, pressure: number, reach: number}} Touch in the drawing; reach: what counts as hit */
+
+export const MOST_HINTS = 200;
+const round = (value) => Math.round(value * 100) / 100;
+
+/** Pen and eraser: a stroke from down to up. */
+export class LineTool {
+  /** @param {import("./board.js").Board} board */
+  constructor(board) {
+    this.board = board;
+    this.line = null;
+  }
+
+  /** @param {Touch} touch */
+  down(touch) {
+    const { editor, camera } = this.board;
+    const kind = editor.tool === "eraser" ? "eraser" : "pen";
+    this.line = { kind, size: editor.widths[kind], points: [] };
+    this.smoother = new Smoother(editor.smoothing, camera.scale);
+    this.move(touch);
+  }
+
+  /** @param {Touch} touch */
+  move(touch) {
+    if (!this.line) return;
+    this.#add(this.smoother.move(touch));
+    this.board.sheet.redraw(this.board.ink.draw(this.line, false));
+  }
+
+  up() {
+    if (!this.line) return;
+    const { line, board } = this;
+    this.#add(this.smoother.end());
+    this.line = null;
+    board.sheet.redraw(board.ink.draw(line, true));
+    board.editor.commit(withStroke(board.editor.doc, line));
+  }
+
+  cancel() {
+    if (!this.line) return;
+    this.line = null;
+    this.board.ink.sync(this.board.editor.doc);
+    this.board.sheet.redraw();
+  }
+
+  #add({ x, y, pressure }) {
+    const point = [round(x), round(y), round(pressure)];
+    const last = this.line.points.slice(-3);
+    if (point.some((value, i) => value !== last[i])) this.line.points.push(...point);
+  }
+}
+
+/** Points: a click pins or chooses one, dragging moves it. */
+export class HintTool {
+  /**
+   * @param {import("./board.js").Board} board
+   * @param {() => import("./painter.js").Painted | null} map what was painted last
+   * @param {(words: string) => void} announce
+   */
+  constructor(board, map, announce) {
+    Object.assign(this, { board, map, announce });
+    this.held = null;
+  }
+
+  /** @param {Touch} touch */
+  down(touch) {
+    const { editor } = this.board;
+    const { doc } = editor;
+    const index = nearest(doc.hints, touch, touch.reach);
+    if (index >= 0) {
+      const { x, y } = doc.hints[index];
+      this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false };
+      editor.set({ chosen: index });
+      return;
+    }
+    const suggestion = nearest(editor.suggestions, touch, touch.reach);
+    if (suggestion >= 0) this.accept(suggestion);
+    else this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
+  }
+
+  /** @param {Touch} touch */
+  move(touch) {
+    const { held, board } = this;
+    if (!held) return;
+    held.moved ||= Math.hypot(touch.x - held.from.x, touch.y - held.from.y) > touch.reach / 4;
+    if (!held.moved) return;
+    const at = this.#inside({ x: touch.x + held.dx, y: touch.y + held.dy });
+    board.editor.preview(changedHint(board.editor.history.state, held.index, at));
+  }
+
+  up() {
+    if (this.held?.moved) this.board.editor.commit(this.board.editor.doc);
+    this.held = null;
+  }
+
+  cancel() {
+    this.held = null;
+    this.board.editor.drop();
+  }
+
+  /** Takes a suggestion as a point. @param {number} index */
+  accept(index) {
+    const { editor } = this.board;
+    const { normal, ...at } = editor.suggestions[index];
+    if (this.add(at, normal)) editor.set({ suggestions: editor.suggestions.filter((_, i) => i !== index) });
+  }
+
+  /** Pins a point. @returns {boolean} whether there was room for it */
+  add(at, normal) {
+    const { editor } = this.board;
+    const { width, height, hints } = editor.doc;
+    if (at.x < 0 || at.y < 0 || at.x >= width || at.y >= height) return false;
+    if (hints.length >= MOST_HINTS) {
+      this.announce(text.tooMany);
+      return false;
+    }
+    editor.commit(withHint(editor.doc, { ...this.#inside(at), normal }));
+    editor.set({ chosen: hints.length });
+    return true;
+  }
+
+  /** Middles of pixels: there the server puts a hint anyway. */
+  #inside({ x, y }) {
+    const { width, height } = this.board.editor.doc;
+    const clamp = (value, side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
+    return { x: clamp(x, width), y: clamp(y, height) };
+  }
+}
