@@ -1,10 +1,11 @@
 # make demo   sets everything up and runs the main job on the embedded animals
 # make test   sets everything up and runs the tests
+# make docs   sets everything up and builds the documentation into site/index.html
 VENV ?= .venv
 BIN := $(VENV)/bin
 RUN := runs/quickstart
 
-.PHONY: help install dev demo test lint types clean
+.PHONY: help install dev demo test docs lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
@@ -30,6 +31,10 @@ demo: install
 test: dev
 	$(BIN)/pytest $(if $(SLOW),,-m "not slow")
 
+# Warnings are errors. The variable silences an advertisement that the theme prints.
+docs: dev
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
 lint: dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -38,4 +43,4 @@ types: dev
 	$(BIN)/mypy
 
 clean:
-	rm -rf $(VENV) runs cache .mypy_cache .ruff_cache .pytest_cache
+	rm -rf $(VENV) runs cache site .mypy_cache .ruff_cache .pytest_cache
