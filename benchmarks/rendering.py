@@ -25,7 +25,7 @@ from machine import ONE_THREAD, describe
 os.environ.update(ONE_THREAD)  # before numpy and its friends are imported, here and in every child
 
 import numpy as np
-from sampler import Row, endure, serve, write
+from sampler import Row, endure, serve, spin, write
 
 from normalgan.rendering import RENDERERS
 from normalgan.rendering.animals.kinds import SPECIES
@@ -84,9 +84,9 @@ def measure(rows: Sequence[Row], folder: str, rounds: int, seconds: float) -> It
         }
 
 
-def speed_up(row: Row, folder: str, rounds: int, seconds: float) -> dict[str, Any]:
-    """Return how many samples a second two processes make together, over what one makes alone."""
-    children = [start(serve, row, folder) for _ in range(2)]
+def speed_up(rounds: int, seconds: float, target: Any, *arguments: Any) -> dict[str, float]:
+    """Return how much two processes do a second together, over what one does alone."""
+    children = [start(target, *arguments) for _ in range(2)]
     for _, channel in children:
         channel.recv()  # ready
     alone: list[float] = []
@@ -101,7 +101,7 @@ def speed_up(row: Row, folder: str, rounds: int, seconds: float) -> dict[str, An
         channel.recv()
         process.join()
     one, two = median(alone), median(together)
-    return {**vars(row), "one": round(one, 2), "two": round(two, 2), "times": round(two / one, 3)}
+    return {"one": round(one, 2), "two": round(two, 2), "times": round(two / one, 3)}
 
 
 def endurance(row: Row, folder: str, number: int) -> dict[str, Any]:
@@ -150,11 +150,13 @@ def main() -> None:
                 rows = [Row(name, style, size, count) for name in RENDERERS.names() for style in styles]
                 result["rows"] += measure(rows, folder, rounds, seconds)
         usual = Row("PyrenderRenderer", DEFAULT, 256, faces[0])
-        result["two_workers"] = speed_up(usual, folder, rounds, 2 * seconds)
+        result["two_workers"] = {**vars(usual), **speed_up(rounds, 2 * seconds, serve, usual, folder)}
+        result["two_loops"] = speed_up(rounds, seconds, spin)  # the most that the machine's cores allow
         if options.endurance:
             result["endurance"] = endurance(usual, folder, options.endurance)
     print(table(result["rows"]))
     print(f"\ntwo workers: {result['two_workers']['times']} times one")
+    print(f"two plain loops: {result['two_loops']['times']} times one")
     if options.endurance:
         print(f"memory in MB, after each twentieth: {result['endurance']['held_mb']}")
     if options.output:

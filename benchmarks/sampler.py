@@ -45,13 +45,25 @@ def serve(row: Row, folder: str, channel: Connection) -> None:
     for _ in range(WARM_UP):
         next(work)
     channel.send("ready")
+    answer(channel, work)
+    channel.send(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+
+
+def spin(channel: Connection) -> None:
+    """Do what needs a core and nothing else, answering as `serve`: what a second core adds."""
+    channel.send("ready")
+    answer(channel, (sum(range(100_000)) for _ in count()))
+    channel.send(0)
+
+
+def answer(channel: Connection, work: Iterator[object]) -> None:
+    """Take steps for as many seconds as each message says, and send how many in what time, until told 0."""
     while seconds := channel.recv():
         number, wall, cpu = 0, time.perf_counter(), time.process_time()
         while number == 0 or time.perf_counter() - wall < seconds:
             next(work)
             number += 1
         channel.send((number, time.perf_counter() - wall, time.process_time() - cpu))
-    channel.send(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 
 
 def samples(row: Row, folder: Path, views_per_mesh: int = 50) -> Iterator[None]:
