@@ -9,6 +9,9 @@ import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,6 +21,7 @@ from PIL import Image
 
 from normalgan.commands.generate import run
 from normalgan.inference.picture import read_picture
+from normalgan.inference.pipeline import stream
 from normalgan.inference.preparation import prepare
 from normalgan.inference.session import Model
 
@@ -25,17 +29,28 @@ SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 SIDE = 256
 
 
-def seconds(what: object) -> float:
-    """Return how long calling it takes."""
-    start = time.perf_counter()
-    what()  # type: ignore[operator]
-    return time.perf_counter() - start
+def timed(what: Callable[[], object], count: int) -> tuple[float, float]:
+    """Return how long calling it takes and how long all processors work on it, seconds for each of many."""
+    busy, start = time.process_time(), time.perf_counter()
+    what()
+    return (time.perf_counter() - start) / count, (time.process_time() - busy) / count
+
+
+def summary(times: list[tuple[float, float]]) -> dict[str, float]:
+    """Return the medians, in milliseconds a drawing."""
+    wall, busy = (1000 * statistics.median(each) for each in zip(*times, strict=True))
+    return {"wall_ms": round(wall, 2), "processor_ms": round(busy, 2)}
+
+
+def ratio(ours: list[tuple[float, float]], bare: list[tuple[float, float]]) -> float:
+    """Return the median ratio of the wall-clock times of each round."""
+    return round(statistics.median(a[0] / b[0] for a, b in zip(ours, bare, strict=True)), 3)
 
 
 def cold(model: Path, drawing: Path, folder: Path) -> float:
     """Return the wall-clock time of the command in a fresh process."""
     command = [sys.executable, "-m", "normalgan", "generate", drawing, "-o", folder, "--model", model]
-    return seconds(lambda: subprocess.run(command, check=True, capture_output=True))
+    return timed(lambda: subprocess.run(command, check=True, capture_output=True), 1)[0]
 
 
 def main(model: Path, count: int = 64, rounds: int = 5) -> None:
@@ -52,23 +67,34 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
             drawings.append(folder / f"{i:04d}.png")
             Image.fromarray(shifted).save(drawings[-1])
         cold_starts = [cold(model, drawings[0], folder / "cold") for _ in range(rounds)]
-        session = Model(model)
+        session, single = Model(model), Model(model, threads=1)
         seen = [prepare(read_picture(path), session.size).seen for path in drawings]
         session.paint(seen[0])
-        bare, batch = [], []
+        single.paint(seen[0])
+        bare, alone, crowd, batch = ([] for _ in range(4))
         arguments = [*map(str, drawings), "-o", str(folder / "batch"), "--model", str(model)]
         for _ in range(rounds):  # by turns, so that a busy machine slows both
-            bare.append(seconds(lambda: [session.paint(each) for each in seen]) / count)
-            load = seconds(lambda: Model(model))
-            batch.append((seconds(lambda: run(arguments)) - load) / count)
+            bare.append(timed(lambda: [session.paint(each) for each in seen], count))
+            alone.append(timed(lambda: [single.paint(each) for each in seen], count))
+            crowd.append(timed(lambda: list(stream(seen, single.paint)), count))
+            load = timed(lambda: Model(model, threads=1), count)
+            with redirect_stdout(StringIO()):
+                whole = timed(lambda: run(arguments), count)
+            batch.append(tuple(a - b for a, b in zip(whole, load, strict=True)))
     figures = {
         "drawings": count,
         "drawing_pixels": SIDE,
         "model_pixels": session.size,
         "cold_start_s": {"median": statistics.median(cold_starts), "all": cold_starts},
-        "bare_ms": 1000 * statistics.median(bare),
-        "batch_ms": 1000 * statistics.median(batch),
-        "batch_over_bare": statistics.median(b / a for a, b in zip(bare, batch, strict=True)),
+        "bare_one_at_a_time_on_all_cores": summary(bare),
+        "bare_one_at_a_time_on_one_core": summary(alone),
+        "bare_one_a_core": summary(crowd),
+        "batch": summary(batch),
+        "batch_over_bare": {
+            "one_at_a_time_on_all_cores": ratio(batch, bare),
+            "one_at_a_time_on_one_core": ratio(batch, alone),
+            "one_a_core": ratio(batch, crowd),
+        },
         "machine": describe("numpy", "onnxruntime", "opencv-python-headless"),
     }
     print(json.dumps(figures, indent=1))

@@ -14,10 +14,10 @@ from normalgan.inference.hint_files import load_hints
 from normalgan.inference.jobs import MODEL, OUTLINE, STDIN, Job, plan
 from normalgan.inference.masks import load_mask
 from normalgan.inference.outputs import Outputs
-from normalgan.inference.painting import Painted, finish
+from normalgan.inference.painting import paint
 from normalgan.inference.picture import read_picture
 from normalgan.inference.pipeline import stream
-from normalgan.inference.preparation import Prepared, prepare
+from normalgan.inference.preparation import prepare
 from normalgan.inference.session import Model, find_model
 
 
@@ -93,13 +93,9 @@ def generate(settings: Namespace) -> int:
             extras = [f" with {each}" for each in (job.hints, job.mask) if each is not None]
             print(f"{job.drawing}{''.join(extras)} -> {job.target}")
         return 0
-    model = Model(path)
-    written = stream(
-        jobs,
-        lambda job: _prepared(job, settings, model.size),
-        lambda prepared: model.paint(prepared.seen, prepared.hints),
-        lambda job, prepared, painted: _written(job, finish(prepared, *painted), outputs),
-    )
+    _one_thread_each()
+    model = Model(path, threads=1)
+    written = stream(jobs, lambda job: _painted(job, settings, model, outputs))
     failed = 0
     with _progress(len(jobs)) as advance:
         for job, outcome in written:
@@ -119,16 +115,20 @@ def generate(settings: Namespace) -> int:
     return 1 if failed else 0
 
 
-def _prepared(job: Job, settings: Namespace, size: int) -> Prepared:
+def _one_thread_each() -> None:
+    """Let OpenCV compute in the thread that calls it: drawings share the cores, not the parts of one."""
+    import cv2
+
+    cv2.setNumThreads(1)
+
+
+def _painted(job: Job, settings: Namespace, model: Model, outputs: Outputs) -> str:
+    """Paint one drawing, write what belongs to it, and return what is to be said of it."""
     picture = read_picture(job.drawing, job.content, settings.size)
     mask = None if job.mask is None else load_mask(job.mask, picture.shape)
     hints = None if job.hints is None else load_hints(job.hints, picture.shape)
     source = settings.mask if settings.mask in {OUTLINE, MODEL} else None
-    return prepare(picture, size, mask, hints, settings.size, source)
-
-
-def _written(job: Job, painted: Painted, outputs: Outputs) -> str:
-    """Write what belongs to one drawing and return what is to be said of it."""
+    painted = paint(model, prepare(picture, model.size, mask, hints, settings.size, source))
     outputs.write(job, painted)
     return painted.warning
 

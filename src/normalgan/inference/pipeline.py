@@ -1,57 +1,50 @@
-"""Pipeline: drawings prepared, painted and written at once, so that the model seldom waits."""
+"""Pipeline: several drawings at once, each from its file to its map in one thread."""
 
+import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
 J = TypeVar("J")
-A = TypeVar("A")
-B = TypeVar("B")
 R = TypeVar("R")
 
-_AHEAD = 3
-"""Drawings that are prepared before the model has come to them: few, as large ones fill the memory."""
+_MOST = 8
+"""Drawings at once: few, as large ones fill the memory."""
 
 
-def stream(
-    jobs: Sequence[J], before: Callable[[J], A], middle: Callable[[A], B], after: Callable[[J, A, B], R]
-) -> Iterator[tuple[J, R | Exception]]:
+def workers(jobs: int) -> int:
+    """Return how many drawings are to be worked on at once: as many as there are cores for."""
+    # The scheduler's own count where there is one: a container may have fewer cores than its machine.
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(min(cores, jobs, _MOST), 1)
+
+
+def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | Exception]]:
     """Yield each job with what came of it, or the exception that stopped it, in order.
 
-    ``before`` runs in a thread some jobs ahead, ``after`` in another behind, ``middle`` here.
+    A thread for each core does whole jobs. NumPy, OpenCV and ONNX Runtime let others run while they compute,
+    so that threads, each with a network that runs on one core, keep all cores busy; a network that is spread
+    over all cores would wait for the rest of each job, which cannot be.
 
-    >>> list(stream([1, 2], lambda j: j + 1, lambda a: a * 10, lambda j, a, b: (j, a, b)))
-    [(1, (1, 2, 20)), (2, (2, 3, 30))]
+    >>> list(stream([1, 2], lambda j: 10 // (j - 1)))
+    [(1, ZeroDivisionError('integer division or modulo by zero')), (2, 10)]
     """
-    with ThreadPoolExecutor(1) as first, ThreadPoolExecutor(1) as last:
-        waiting: deque[Future[A]] = deque()
-        ending: deque[tuple[J, Future[R]]] = deque()
-        ahead = iter(jobs)
+    count = workers(len(jobs))
+    with ThreadPoolExecutor(count) as pool:
+        waiting: deque[tuple[J, Future[R]]] = deque()
         try:
             for job in jobs:
-                while len(waiting) < _AHEAD and (nxt := next(ahead, None)) is not None:
-                    waiting.append(first.submit(before, nxt))
-                try:
-                    ready = waiting.popleft().result()
-                    ending.append((job, last.submit(after, job, ready, middle(ready))))
-                except Exception as error:
-                    stopped: Future[R] = Future()
-                    stopped.set_exception(error)
-                    ending.append((job, stopped))
-                yield from _drained(ending, _AHEAD)
-            yield from _drained(ending, 0)
+                waiting.append((job, pool.submit(work, job)))
+                if len(waiting) > count:
+                    yield _outcome(*waiting.popleft())
+            while waiting:
+                yield _outcome(*waiting.popleft())
         finally:
-            for future in waiting:
+            for _, future in waiting:
                 future.cancel()
 
 
-def _drained(ending: deque[tuple[J, Future[R]]], left: int) -> Iterator[tuple[J, R | Exception]]:
-    """Yield what came of the first jobs, once it is there, until so many are left."""
-    while len(ending) > left:
-        job, outcome = ending.popleft()
-        failure = outcome.exception()
-        if isinstance(failure, Exception):
-            yield job, failure
-        else:
-            yield job, outcome.result()
+def _outcome(job: J, future: Future[R]) -> tuple[J, R | Exception]:
+    failure = future.exception()
+    return job, failure if isinstance(failure, Exception) else future.result()
