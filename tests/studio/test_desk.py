@@ -112,7 +112,7 @@ def test_a_failure_goes_to_the_one_who_asked() -> None:
         new = ask(desk, "a", 3, lambda: "new")
         await asyncio.sleep(0)
         late.finish.set()
-        assert await asyncio.gather(old, new) == [None, "new"]
+        assert [await old, await new] == [None, "new"]
 
     asyncio.run(play())
 

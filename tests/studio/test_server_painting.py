@@ -1,6 +1,7 @@
 import base64
 import io
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
@@ -17,8 +18,8 @@ from onnx_models import write_model
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'
 
 
-def painted(client: TestClient, **fields: object) -> Pixels:
-    answer = client.post("/api/paint", json=asking(**fields))  # type: ignore[arg-type]
+def painted(client: TestClient, **fields: Any) -> Pixels:
+    answer = client.post("/api/paint", json=asking(**fields))
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"] == "application/octet-stream"
     size = int(answer.headers["x-height"]), int(answer.headers["x-width"])
@@ -120,7 +121,7 @@ def test_points_are_on_the_object_apart_and_away_from_hints(model: Path, tmp_pat
     ],
 )
 def test_an_export_is_the_file_that_generate_writes(
-    model: Path, tmp_path: Path, wish: dict[str, object], options: list[str], name: str
+    model: Path, tmp_path: Path, wish: dict[str, Any], options: list[str], name: str
 ) -> None:
     (tmp_path / "fox 2.png").write_bytes(png(circle()))
     out = tmp_path / "out"

@@ -5,7 +5,7 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from normalgan.studio.refusals import TooManyError
 
@@ -64,7 +64,8 @@ class Desk:
         self._next()
         leaving = asyncio.ensure_future(gone())
         try:
-            await asyncio.wait({entry.done, leaving}, return_when=asyncio.FIRST_COMPLETED)
+            watched: list[asyncio.Future[Any]] = [entry.done, leaving]
+            await asyncio.wait(watched, return_when=asyncio.FIRST_COMPLETED)
             if not entry.done.done():
                 return None
             failure = entry.done.exception()
