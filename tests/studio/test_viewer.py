@@ -50,11 +50,11 @@ def inside(rgba: NDArray[np.uint8]) -> NDArray[np.bool_]:
     """Where neither the object's rim nor the background is near: at rims, GPUs filter as they like."""
     full = rgba[..., 3] == 255
     around = [np.roll(full, (dy, dx), (0, 1)) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
-    return np.logical_and.reduce(around)
+    return np.asarray(np.all(around, axis=0))
 
 
 def luminance(picture: NDArray[np.uint8]) -> NDArray[np.float64]:
-    return picture.mean(axis=-1)
+    return np.asarray(np.mean(picture, axis=-1, dtype=np.float64))
 
 
 @pytest.mark.parametrize(

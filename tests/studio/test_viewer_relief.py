@@ -10,6 +10,7 @@ from scipy import ndimage
 from viewer_page import Viewer, open_viewer
 
 from chromium import browser
+from normalgan.inference.lighting import shade, to_srgb
 
 SIDE = 120
 BACKGROUND = (60, 70, 80)
@@ -33,7 +34,8 @@ def viewer(only_page: Viewer) -> Viewer:
 
 def drawn(viewer: Viewer) -> NDArray[np.bool_]:
     """Where the canvas shows something."""
-    return (np.abs(viewer.screen().astype(int) - BACKGROUND) > 8).any(axis=-1)
+    difference = np.abs(viewer.screen().astype(int) - BACKGROUND)
+    return np.asarray(difference.max(axis=-1) > 8)
 
 
 def press(viewer: Viewer, key: str, times: int = 1) -> None:
@@ -51,16 +53,27 @@ def leaning_cone(side: int = 240) -> NDArray[np.float32]:
     return heights.astype(np.float32)
 
 
-@pytest.mark.parametrize(("key", "times"), [("ArrowRight", 0), ("ArrowRight", 18), ("ArrowLeft", 7)])
-def test_the_silhouette_is_that_of_the_heights(viewer: Viewer, key: str, times: int) -> None:
+@pytest.mark.parametrize(
+    ("key", "times", "yaw", "pitch"),
+    [
+        ("ArrowRight", 0, 0, 0),
+        ("ArrowRight", QUARTER_TURN, 90, 0),
+        ("ArrowLeft", 7, -35, 0),
+        ("ArrowDown", 8, 0, 40),
+        ("ArrowUp", 30, 0, -90),
+    ],
+)
+def test_the_silhouette_is_that_of_the_heights(
+    viewer: Viewer, key: str, times: int, yaw: float, pitch: float
+) -> None:
     heights = leaning_cone()
-    yaw = times * np.pi / 36 * (1 if key == "ArrowRight" else -1)
+    right, down = np.deg2rad([yaw, pitch])
     viewer.set_height(heights)
     viewer.set_view("relief")
-    viewer.set_light((np.sin(yaw), 0, np.cos(yaw)))
+    viewer.set_light((np.sin(right), -np.sin(down), np.cos(right) * np.cos(down)))
     press(viewer, key, times)
     shown = drawn(viewer)
-    wanted = ndimage.binary_closing(references.silhouette(heights, yaw, SIDE))
+    wanted = ndimage.binary_closing(references.silhouette(heights, right, down, SIDE))
     # The rim is smoothed, by less than a pixel of the screen but for a sharp tip.
     assert (ndimage.binary_erosion(wanted) & ~shown).sum() < 6
     assert not (shown & ~ndimage.binary_dilation(wanted)).any()
@@ -80,7 +93,7 @@ def test_a_relief_is_lit_by_the_normals_of_the_map_turned_with_it(viewer: Viewer
         press(viewer, "Home")
         yaw = turns * np.pi / 36
         normal = np.array([np.sin(yaw), 0, np.cos(yaw)], np.float32)
-        wanted = references.to_srgb(references.shade(normal, (1, 0, 1))).astype(int)
+        wanted = to_srgb(shade(normal, (1, 0, 1))).astype(int)
         assert np.abs(centre - wanted).max() <= 3
 
 
@@ -201,3 +214,20 @@ def test_dispose_gives_everything_back(viewer: Viewer) -> None:
         return { during: during.size, after: made.size, moves: moves.length };
     }""")
     assert left == {"during": 4, "after": 0, "moves": 1}
+
+
+def test_shaders_that_do_not_compile_are_reported_and_break_nothing(viewer: Viewer) -> None:
+    said = viewer.page.evaluate("""async () => {
+        const gl = WebGL2RenderingContext.prototype;
+        const right = gl.shaderSource;
+        gl.shaderSource = function (shader) { right.call(this, shader, "nonsense"); };
+        renew(50, 50);
+        gl.shaderSource = right;
+        viewer.setMap(new Uint8Array(16), 2, 2);
+        viewer.setView("relief");
+        await shown();
+        return said;
+    }""")
+    assert len(said) == 1
+    assert said[0].startswith("failed: ")
+    assert "syntax error" in said[0]

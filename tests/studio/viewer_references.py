@@ -53,10 +53,11 @@ def matcap(rgba: NDArray[np.uint8], light: Vector) -> NDArray[np.uint8]:
     return to_srgb((colour + rim * np.array([0.35, 0.5, 0.6])).astype(np.float32))
 
 
-def silhouette(heights: NDArray[np.float32], yaw: float, side: int) -> NDArray[np.bool_]:
+def silhouette(heights: NDArray[np.float32], yaw: float, pitch: float, side: int) -> NDArray[np.bool_]:
     """Return where a relief of square heights, NaN off the object, lies on a canvas of ``side`` pixels.
 
-    Turned to the right by ``yaw`` in radians, seen from six half sides away, 0.85 of the canvas large.
+    Its front turned to the right by ``yaw`` and down by ``pitch``, in radians; seen from six
+    half sides away, 0.85 of the canvas large.
     """
     rows, columns = np.nonzero(np.isfinite(heights))
     length = len(heights)
@@ -65,17 +66,20 @@ def silhouette(heights: NDArray[np.float32], yaw: float, side: int) -> NDArray[n
     y = 1 - (rows + 0.5) / length * 2
     z = (level - (level.min() + level.max()) / 2) * 2 / length
     across, towards = np.cos(yaw) * x + np.sin(yaw) * z, np.cos(yaw) * z - np.sin(yaw) * x
+    up, towards = np.cos(pitch) * y - np.sin(pitch) * towards, np.sin(pitch) * y + np.cos(pitch) * towards
     enlarged = 0.85 * 6 / (6 - towards)
-    at = np.floor((np.stack([-y, across]) * enlarged + 1) / 2 * side).astype(int)
+    at = np.floor((np.stack([-up, across]) * enlarged + 1) / 2 * side).astype(int)
     drawn = np.zeros((side, side), dtype=bool)
     drawn[at[0], at[1]] = True
     return drawn
 
 
 def _unit(vector: Vector) -> Floats:
-    return np.array(vector) / np.linalg.norm(vector)
+    along: Floats = np.array(vector) / np.linalg.norm(vector)
+    return along
 
 
 def _smoothstep(low: float, high: float, value: Floats) -> Floats:
     t = np.clip((value - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
+    smooth: Floats = t * t * (3 - 2 * t)
+    return smooth

@@ -1,4 +1,4 @@
-// The viewer: a normal map under a movable light, as matcap, cel-shaded, or as a relief to turn around.
+/** The viewer: a normal map under a movable light, as matcap, in flat paints, or as a relief to turn. */
 
 import { createPlainPainter } from "./viewer_2d.js";
 import { createGlPainter } from "./viewer_gl.js";
@@ -14,8 +14,28 @@ function checkSize(values, width, height, channels) {
   }
 }
 
-// The canvas must be sized by CSS. `text` has the sentences {reliefNeedsWebgl, contextLost, webglFailed};
-// onError gets one of them, or null when all is well again; onMove gets {light} when the user moved it.
+/**
+ * @typedef {object} Viewer
+ * @property {boolean} available whether there is WebGL; without it, CPU draws all but the relief
+ * @property {(rgba: Uint8Array | null, width?: number, height?: number) => void} setMap
+ *   colours of normals, OpenGL green, row by row from the top; alpha is the object
+ * @property {(heights: Float32Array | null, width?: number, height?: number) => void} setHeight
+ *   in pixels towards the viewer, row by row from the top, NaN off the object
+ * @property {(view: "map" | "lit" | "matcap" | "flat" | "relief") => void} setView
+ * @property {(light: number[]) => void} setLight towards the light: x right, y up, z to the viewer
+ * @property {() => void} resize
+ * @property {() => void} dispose
+ */
+
+/**
+ * Returns a viewer on a canvas, which must be sized by CSS.
+ * @param {HTMLCanvasElement} canvas
+ * @param {object} options
+ * @param {{reliefNeedsWebgl: string, contextLost: string, webglFailed: string}} options.text sentences
+ * @param {(sentence: string | null) => void} [options.onError] gets one of them, or null: all is well again
+ * @param {(move: {light: number[]}) => void} [options.onMove] is told where the user moved the light
+ * @returns {Viewer}
+ */
 export function createViewer(canvas, { onError = () => {}, text, onMove = () => {} }) {
   const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1 };
   const gl = canvas.getContext("webgl2", { antialias: true, depth: true });
@@ -50,7 +70,8 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
   function resize() {
     const box = canvas.getBoundingClientRect();
     scene.ratio = window.devicePixelRatio;
-    const [width, height] = [box.width, box.height].map((side) => Math.max(1, Math.round(side * scene.ratio)));
+    const pixels = (side) => Math.max(1, Math.round(side * scene.ratio));
+    const [width, height] = [pixels(box.width), pixels(box.height)];
     if (canvas.width === width && canvas.height === height) return;
     [canvas.width, canvas.height] = [width, height];
     // Setting a size empties the canvas: draw at once, or it would flicker.

@@ -1,11 +1,17 @@
-// Draws the views without WebGL: shaded by CPU at the map's size, then scaled to the canvas.
+/** Draws the views without WebGL: shaded by CPU at the map's size, then scaled to the canvas. */
 
 import { CHECKER, fitted } from "./viewer_fit.js";
 import { celShader, clayShader, matcapShader } from "./viewer_shading.js";
 
 const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
 
-// sRGB RGBA bytes of a map {rgba, width, height} in one of the shaded views.
+/**
+ * Returns the sRGB RGBA bytes of a map in one of the shaded views.
+ * @param {{rgba: Uint8Array}} map
+ * @param {"lit" | "matcap" | "flat"} view
+ * @param {number[]} light unit vector
+ * @returns {Uint8ClampedArray}
+ */
 export function shadedPixels({ rgba }, view, light) {
   const shade = SHADERS[view](light);
   const pixels = new Uint8ClampedArray(rgba.length);
@@ -19,7 +25,11 @@ export function shadedPixels({ rgba }, view, light) {
   return pixels;
 }
 
-// A painter {setMap, setHeight, draw, dispose}; the relief is the sentence that it needs WebGL.
+/**
+ * Returns a painter {setMap, setHeight, draw, dispose}; its relief is the sentence that it needs WebGL.
+ * @param {HTMLCanvasElement} canvas
+ * @param {{reliefNeedsWebgl: string}} text
+ */
 export function createPlainPainter(canvas, text) {
   const context = canvas.getContext("2d");
   const sheet = document.createElement("canvas");

@@ -1,4 +1,4 @@
-// Draws the views by WebGL 2.
+/** Draws the views by WebGL 2. */
 
 import { CHECKER, fitted } from "./viewer_fit.js";
 import { createProgram, createTexture } from "./viewer_program.js";
@@ -21,7 +21,11 @@ function premultiplied(rgba) {
   return copy;
 }
 
-// A painter {setMap, setHeight, draw, dispose}; throws an Error if the shaders do not compile.
+/**
+ * Returns a painter {setMap, setHeight, draw, dispose}; throws an Error if the shaders do not compile.
+ * @param {HTMLCanvasElement} canvas
+ * @param {WebGL2RenderingContext} gl its context
+ */
 export function createGlPainter(canvas, gl) {
   const flat = createProgram(gl, FLAT_VERTEX, FLAT_FRAGMENT);
   const relief = createRelief(gl, MAP_UNIT);

@@ -1,4 +1,4 @@
-// Pointer, wheel and keyboard over the viewer: they move the light, or turn the relief.
+/** Pointer, wheel and keyboard over the viewer: they move the light, or turn the relief. */
 
 import { normalised } from "./viewer_shading.js";
 
@@ -10,7 +10,12 @@ const TURN = Math.PI / 36;
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const ZOOMS = { "+": 1, "=": 1, "-": -1, _: -1 };
 
-// The light over the point (x, y) of a disc of radius 1, y up: in the middle it shines from the viewer.
+/**
+ * Returns the unit vector to the light over a point of a disc; over its middle, it shines from the viewer.
+ * @param {number} x to the right, radius 1
+ * @param {number} y upwards
+ * @returns {number[]}
+ */
 export function lightOver(x, y) {
   const shrink = Math.min(1, LOWEST / Math.max(Math.hypot(x, y), 1e-9));
   const [a, b] = [x * shrink, y * shrink];
@@ -19,7 +24,13 @@ export function lightOver(x, y) {
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-// Moves scene.light or scene.turn and calls changed("light" | "turn"). Ends with the signal.
+/**
+ * Moves scene.light or scene.turn as the user does.
+ * @param {HTMLCanvasElement} canvas
+ * @param {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number}}} scene
+ * @param {(what: "light" | "turn") => void} changed
+ * @param {AbortSignal} signal ends it
+ */
 export function listen(canvas, scene, changed, signal) {
   const isTurning = () => scene.view === "relief";
   const isStill = () => scene.view === "map";

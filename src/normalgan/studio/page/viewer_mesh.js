@@ -1,13 +1,16 @@
-// A mesh of a height map: pixels are corners; no triangle off the object or across a jump in depth.
+/** A mesh of a height map: pixels are corners; no triangle off the object or across a jump in depth. */
 
 import { smoothRim } from "./viewer_rim.js";
 
 const LONGEST = 512; // corners along the longer side; more than a screen shows costs only time
 const STEEPEST = 6; // pixels of height for a pixel sideways; more is a jump, where one part hides another
 
-// Heights are float32 in pixels, row by row from the top, NaN off the object. Returns {places, wheres,
-// corners}: (x right, y up, z to the viewer) of each vertex in halves of the longer side, its place in the
-// map from 0 to 1, and the vertices of triangles, counter-clockwise for a viewer in front.
+/**
+ * Returns (x right, y up, z to the viewer) of each vertex in halves of the longer side, its place in the map
+ * from 0 to 1, and the vertices of triangles, counter-clockwise for a viewer in front.
+ * @param {{heights: Float32Array, width: number, height: number}} map in pixels, NaN off the object
+ * @returns {{places: Float32Array, wheres: Float32Array, corners: Uint32Array}}
+ */
 export function meshOf({ heights, width, height }) {
   const stride = Math.max(1, Math.ceil(Math.max(width, height) / LONGEST));
   const columns = Math.ceil(width / stride);

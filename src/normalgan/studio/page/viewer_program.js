@@ -1,4 +1,4 @@
-// A compiled pair of shaders with its uniforms by name.
+/** A compiled pair of shaders with its uniforms by name; textures. */
 
 function compiled(gl, kind, source) {
   const shader = gl.createShader(kind);
@@ -7,7 +7,13 @@ function compiled(gl, kind, source) {
   return shader;
 }
 
-// Returns {program, at: {uniform: location}}; throws an Error with the driver's words if it does not link.
+/**
+ * Returns a program and where its uniforms are; throws an Error with the driver's words if it does not link.
+ * @param {WebGL2RenderingContext} gl
+ * @param {string} vertexSource
+ * @param {string} fragmentSource
+ * @returns {{program: WebGLProgram, at: Object<string, WebGLUniformLocation>}}
+ */
 export function createProgram(gl, vertexSource, fragmentSource) {
   const shaders = [
     compiled(gl, gl.VERTEX_SHADER, vertexSource),
@@ -30,7 +36,13 @@ export function createProgram(gl, vertexSource, fragmentSource) {
   return { program, at };
 }
 
-// A texture of sRGB bytes as they are, smooth at any size, that does not repeat.
+/**
+ * Returns a texture that is smooth at any size and does not repeat, bound to its unit for good.
+ * @param {WebGL2RenderingContext} gl
+ * @param {number} unit
+ * @param {number} minFilter
+ * @returns {WebGLTexture}
+ */
 export function createTexture(gl, unit, minFilter) {
   const texture = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0 + unit);

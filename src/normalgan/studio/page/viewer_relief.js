@@ -1,19 +1,27 @@
-// Draws the surface of the heights in perspective, lit by the normals of the map.
+/** Draws the surface of the heights in perspective, lit by the normals of the map. */
 
 import { meshOf } from "./viewer_mesh.js";
 import { createProgram } from "./viewer_program.js";
 import { RELIEF_FRAGMENT, RELIEF_VERTEX } from "./viewer_shaders.js";
 
-export const EYE = 6; // how far the viewer stands, in halves of the drawing's longer side
+const EYE = 6; // how far the viewer stands, in halves of the drawing's longer side
 const ROOM = 0.85; // of the canvas that an unturned relief fills: turned, it needs more
 
-// Rotation, column by column: first about y (yaw, the front goes to the right), then about x (pitch, the
-// front goes down); radians.
-export function turnMatrix({ yaw, pitch }) {
+/**
+ * Returns a rotation, column by column: about y (the front goes to the right), then about x (it goes down).
+ * @param {{yaw: number, pitch: number}} turn radians
+ * @returns {number[]}
+ */
+function turnMatrix({ yaw, pitch }) {
   const [ca, sa, cb, sb] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
   return [ca, sb * sa, -cb * sa, 0, cb, sb, sa, -sb * ca, cb * ca];
 }
 
+/**
+ * Returns what draws a relief: {setHeight, draw, dispose}.
+ * @param {WebGL2RenderingContext} gl
+ * @param {number} mapUnit the texture unit that holds the map
+ */
 export function createRelief(gl, mapUnit) {
   const { program, at } = createProgram(gl, RELIEF_VERTEX, RELIEF_FRAGMENT);
   const array = gl.createVertexArray();

@@ -1,4 +1,4 @@
-// Smooths the rim of a mesh, which is a staircase of pixels with heights that plunge unevenly.
+/** Smooths the rim of a mesh, which is a staircase of pixels with heights that plunge unevenly. */
 
 const ROUNDS = 4; // more would eat thin legs and ears
 
@@ -23,7 +23,12 @@ function rimOf(corners, vertices, columns) {
   return rim;
 }
 
-// Takes each vertex of the rim half-way to the middle of its neighbours on the rim, several times; in place.
+/**
+ * Takes each vertex of the rim half-way to the middle of its neighbours on the rim, several times; in place.
+ * @param {Float32Array} places three numbers a vertex
+ * @param {Uint32Array} corners three vertices a triangle
+ * @param {number} columns vertices in a row of the grid
+ */
 export function smoothRim(places, corners, columns) {
   if (columns < 3) return; // too narrow to have anything but a rim
   const vertices = places.length / 3;

@@ -1,4 +1,4 @@
-// GLSL of the viewer; numbers come from viewer_shading.js, which shades the same by CPU.
+/** GLSL of the viewer; numbers come from viewer_shading.js, which shades the same by CPU. */
 
 import { CEL, CLAY } from "./viewer_shading.js";
 
@@ -31,12 +31,14 @@ vec3 cel(vec3 n, vec3 light) {
   float soft = ${number(CEL.soft)};
   vec3 halfway = normalize(light + vec3(0.0, 0.0, 1.000001));
   float lambert = dot(n, light);
-  vec3 paint = mix(${vec(CEL.paints[0])}, ${vec(CEL.paints[1])}, step_at(${number(CEL.thresholds[0])}, lambert, soft));
-  paint = mix(paint, ${vec(CEL.paints[2])}, step_at(${number(CEL.thresholds[1])}, lambert, soft));
-  return mix(paint, ${vec(CEL.paints[3])}, step_at(${number(CEL.glint)}, dot(n, halfway), soft / 8.0));
+  float lit = step_at(${number(CEL.thresholds[0])}, lambert, soft);
+  float bright = step_at(${number(CEL.thresholds[1])}, lambert, soft);
+  float glint = step_at(${number(CEL.glint)}, dot(n, halfway), soft / 8.0);
+  vec3 paint = mix(${vec(CEL.paints[0])}, ${vec(CEL.paints[1])}, lit);
+  return mix(mix(paint, ${vec(CEL.paints[2])}, bright), ${vec(CEL.paints[3])}, glint);
 }`;
 
-// One triangle over the whole viewport; `at` runs from the map's upper left corner.
+/** One triangle over the whole viewport; `at` runs from the map's upper left corner. */
 export const FLAT_VERTEX = `#version 300 es
 out vec2 at;
 void main() {
@@ -45,7 +47,7 @@ void main() {
   gl_Position = vec4(corner, 0.0, 1.0);
 }`;
 
-// The map is premultiplied by its alpha, so that filtering mixes no background into the rim.
+/** The map is premultiplied by its alpha, so that filtering mixes no background into the rim. */
 export const FLAT_FRAGMENT = `#version 300 es
 precision highp float;
 precision highp int;
@@ -82,7 +84,7 @@ void main() {
   colour = vec4(shaded * alpha, alpha);
 }`;
 
-// The relief: half the longer side of the drawing is one unit, and the viewer stands `eye` of them before it.
+/** The relief: a unit is half the longer side of the drawing; the viewer stands `eye` units before it. */
 export const RELIEF_VERTEX = `#version 300 es
 precision highp float;
 layout(location = 0) in vec3 place;
@@ -98,6 +100,7 @@ void main() {
   gl_Position = vec4(turned.xy * scale * eye, (away - eye) / 4.0 * away, away);
 }`;
 
+/** Clay, lit by the normals of the map, which turn with the relief. */
 export const RELIEF_FRAGMENT = `#version 300 es
 precision highp float;
 uniform sampler2D map;

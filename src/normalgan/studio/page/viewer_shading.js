@@ -1,7 +1,12 @@
-// How the viewer shades a normal: materials, and their colours by CPU. viewer_shaders.js says the same in GLSL.
-// Normals and lights: x right, y up, z to the viewer. Colours: linear, 0 to 1, unless sRGB is said.
+/**
+ * How the viewer shades a normal: materials, and their colours by CPU; viewer_shaders.js says it in GLSL.
+ * Normals and lights: x right, y up, z to the viewer. Colours: linear, 0 to 1, unless sRGB is said.
+ */
 
-// The clay of normalgan.inference.lighting, so that the page and `generate --preview` look alike.
+/** @typedef {(x: number, y: number, z: number, out: Uint8ClampedArray, at: number) => void} Shader
+ * writes the three sRGB levels of a unit normal into out, from index at on */
+
+/** The clay of normalgan.inference.lighting, so that the page and `generate --preview` look alike. */
 export const CLAY = {
   colour: [0.5, 0.465, 0.42],
   lamp: [1.1, 1.05, 0.97],
@@ -11,7 +16,7 @@ export const CLAY = {
   sharpness: 24,
 };
 
-// Cel shading: three paints and a glint, each from a threshold on; sRGB.
+/** Flat paints, from dark to bright, each from a threshold on, then a glint; sRGB. */
 export const CEL = {
   paints: [
     [0.36, 0.35, 0.52],
@@ -24,8 +29,8 @@ export const CEL = {
   soft: 0.02, // half width of a step
 };
 
-// Matcap: a glazed ball in a photographer's studio.
-export const GLAZE = {
+/** Matcap: a glazed ball in a photographer's studio. */
+const GLAZE = {
   dark: [0.012, 0.03, 0.05],
   body: [0.1, 0.36, 0.38],
   window: [1, 0.96, 0.88],
@@ -33,15 +38,17 @@ export const GLAZE = {
   rim: [0.35, 0.5, 0.6],
 };
 
+/** Side of the matcap in pixels. */
 export const MATCAP_SIZE = 256;
 
+/** @param {number[]} vector @returns {number[]} of length 1 */
 export function normalised(vector) {
   const length = Math.hypot(...vector);
   return vector.map((value) => value / length);
 }
 
-// Unit vector half-way between the light and the viewer.
-export function halfway(light) {
+/** Returns the unit vector half-way between the light and the viewer. */
+function halfway(light) {
   return normalised([light[0], light[1], light[2] + 1 + 1e-6]);
 }
 
@@ -57,14 +64,16 @@ const TABLE = Uint8ClampedArray.from({ length: 4097 }, (_, i) => {
   return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
 });
 
-// sRGB level 0 to 255 of a linear value (IEC 61966-2-1).
-export function toSrgb(linear) {
+/** Returns the sRGB level, 0 to 255, of a linear value (IEC 61966-2-1). */
+function toSrgb(linear) {
   return TABLE[Math.round(4096 * Math.min(Math.max(linear, 0), 1))];
 }
 
-// Each of these returns a function (x, y, z, out, at) that writes three sRGB levels into out, from index at on.
-
-// Lambert's law, Blinn's highlight, and a sky that shines on what faces up (Blinn 1977).
+/**
+ * Lambert's law, the highlight of Blinn 1977, and a sky that shines on what faces up.
+ * @param {number[]} light unit vector
+ * @returns {Shader}
+ */
 export function clayShader(light) {
   const half = halfway(light);
   return (x, y, z, out, at) => {
@@ -79,6 +88,11 @@ export function clayShader(light) {
   };
 }
 
+/**
+ * Flat paints with soft steps between them.
+ * @param {number[]} light unit vector
+ * @returns {Shader}
+ */
 export function celShader(light) {
   const half = halfway(light);
   const { paints, thresholds, soft } = CEL;
@@ -96,7 +110,7 @@ export function celShader(light) {
   };
 }
 
-// The ball itself: a body that darkens away from the light, a window and a warm fill mirrored in the glaze.
+/** The ball: a body that darkens away from the light, a window and a warm fill mirrored in the glaze. */
 function glazeShader(light) {
   const fillLight = normalised([-light[0], 0.3 - light[1], 0.35]);
   return (x, y, z, out, at) => {
@@ -112,7 +126,11 @@ function glazeShader(light) {
   };
 }
 
-// sRGB RGBA bytes of the ball, MATCAP_SIZE a side, rows from the bottom: y grows as in normals.
+/**
+ * Returns the sRGB RGBA bytes of the ball, MATCAP_SIZE a side, rows from the bottom: y grows as in normals.
+ * @param {number[]} light unit vector
+ * @returns {Uint8ClampedArray}
+ */
 export function matcapPixels(light) {
   const shade = glazeShader(light);
   const pixels = new Uint8ClampedArray(4 * MATCAP_SIZE ** 2).fill(255);
@@ -129,6 +147,11 @@ export function matcapPixels(light) {
   return pixels;
 }
 
+/**
+ * What the ball shows where it faces the same way.
+ * @param {number[]} light unit vector
+ * @returns {Shader}
+ */
 export function matcapShader(light) {
   const ball = matcapPixels(light);
   return (x, y, z, out, at) => {
