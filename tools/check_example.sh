@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# Proves that a stranger's package works: builds wheels of normalgan and of examples/normalgan-poisson, installs
+# them into an environment of their own, runs its tests, lists it, trains with it, and loads its checkpoint.
+#
+#     tools/check_example.sh [PYTHON]      PYTHON: of the environment to take torch and the rest from
+#
+# The new environment holds the two wheels alone. PyTorch and the other libraries, gigabytes of them, are seen
+# through a .pth file that names the site-packages of PYTHON; a .pth found there is not followed, so that an
+# editable install of normalgan in PYTHON stays out of sight, and what is tested comes from the wheel.
+set -euo pipefail
+here=$(cd "$(dirname "$0")/.." && pwd)
+python=$(command -v "${1:-$here/.venv/bin/python}") || { echo "there is no Python ${1:-.venv/bin/python}" >&2; exit 2; }
+python=$(cd "$(dirname "$python")" && pwd)/$(basename "$python") # a link as it is: it tells the environment
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+unset PYTHONPATH
+export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INDEX=1
+
+step() { printf '\n== %s\n' "$*"; }
+
+step "building wheels"
+cp -r "$here/examples/normalgan-poisson" "$work/example"
+for source in "$here" "$work/example"; do
+    (cd "$source" && "$python" -m hatchling build -t wheel -d "$work/wheels")
+done
+
+step "installing them into an environment of their own"
+"$python" -m venv "$work/venv"
+"$work/venv/bin/pip" install --quiet --no-deps "$work"/wheels/*.whl
+libraries=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+echo "$libraries" >"$("$work/venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/libraries.pth"
+cd "$work"
+"$work/venv/bin/python" - <<'CHECK'
+import sys
+import normalgan, normalgan_poisson
+for package in (normalgan, normalgan_poisson):
+    assert package.__file__.startswith(sys.prefix), f"{package.__file__} is not from the wheel"
+CHECK
+
+step "its tests"
+(cd example && "$work/venv/bin/python" -m pytest -q -p no:cacheprovider)
+
+step "normalgan plugins"
+"$work/venv/bin/normalgan" plugins --kind hint_sampler | tee plugins.txt
+grep -Eq '^  PoissonHints +normalgan-poisson 0\.1\.0 +Scatter points' plugins.txt
+grep -q '^Nothing was left out' plugins.txt
+
+step "a few steps of training with it, named in YAML"
+cat >poisson.yaml <<'YAML'
+trainer: {default_root_dir: run, max_epochs: 1, limit_train_batches: 3, enable_progress_bar: false}
+data: {animals: 6, train_views: 4, val_views: 1, test_views: 1, batch_size: 4, cache: cache, render_workers: 0}
+model:
+  hint_sampler:
+    class_path: PoissonHints
+    init_args: {distance: 6}
+report: {samples: 1}
+YAML
+quickstart=(--config "$here/configs/quickstart.yaml" --config poisson.yaml)
+"$work/venv/bin/normalgan" fit "${quickstart[@]}"
+
+step "its checkpoint, tested by the short name"
+"$work/venv/bin/normalgan" test "${quickstart[@]}" --model.hint_sampler PoissonHints \
+    --model.hint_sampler.distance 6 --ckpt_path run/checkpoints/last.ckpt
+test -s run/test/metrics.json
+"$work/venv/bin/python" - <<'CHECK'
+import torch
+saved = torch.load("run/checkpoints/last.ckpt", weights_only=True)["hyper_parameters"]["hint_sampler"]
+assert saved["class_path"] == "normalgan_poisson.PoissonHints", saved
+assert saved["init_args"]["distance"] == 6, saved
+CHECK
+step "all as it should be"
