@@ -11,7 +11,7 @@ from normalgan.normals import Floats, normalize
 
 _SIDE = 256
 """Longest side at which points are looked for."""
-_RIM = 0.015
+_RIM = 0.02
 """Nearer to the edge than this share of the object's extent the outline tells the normal."""
 
 
@@ -70,11 +70,13 @@ def suggest(
     step = np.array([shape[1] / mask.shape[1], shape[0] / mask.shape[0]], np.float32)
     area = float(small.sum())
     reach = max(0.55 * np.sqrt(area / (count + len(taken))), 2.0)
-    bent = _peaked(_bending(resize(normals, shape), small), small, reach / 2)
+    depth = _depth(small)
+    counts = np.clip(depth / 2, 0, 1)  # what is near the outline counts little
+    bent = _peaked(_bending(resize(normals, shape), small) * counts, reach / 2)
     gain = bent.copy()
     if confidence is not None:
-        gain = 0.7 * _peaked(doubt(resize(confidence, shape)), small, reach / 2) + 0.3 * bent
-    free = _inner(small)
+        gain = 0.7 * _peaked(doubt(resize(confidence, shape)) * counts, reach / 2) + 0.3 * bent
+    free = depth > min(1, 0.8 * depth.max())
     rows, columns = np.mgrid[: shape[0], : shape[1]] + 0.5
 
     def take(x: float, y: float) -> None:
@@ -121,20 +123,18 @@ def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
     return np.sqrt(squares)
 
 
-def _peaked(values: Floats, mask: NDArray[np.bool_], reach: float) -> Floats:
-    """Return values summed over the object within a reach, as shares of the greatest sum."""
-    # Beside the object nothing is gained, so that near its rim the sum is small.
-    around = cv2.GaussianBlur(np.where(mask, values, 0).astype(np.float32), (0, 0), reach)
-    return np.asarray(np.where(mask, around, 0) / max(float(around.max()), 1e-6), np.float32)
+def _peaked(values: Floats, reach: float) -> Floats:
+    """Return values summed within a reach, as shares of the greatest sum."""
+    around = cv2.GaussianBlur(values.astype(np.float32), (0, 0), reach)
+    return np.asarray(around / max(float(around.max()), 1e-6), np.float32)
 
 
-def _inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the object without its rim; all of it if it is no more than a rim."""
+def _depth(mask: NDArray[np.bool_]) -> Floats:
+    """Return how far the object's edge is away, in rims; 0 off the object."""
     rows, columns = np.nonzero(mask)
     extent = max(np.ptp(rows), np.ptp(columns)) + 1
-    depth = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
-    inner: NDArray[np.bool_] = depth > max(_RIM * extent, 1.5)
-    return inner if inner.any() else mask.copy()
+    away = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+    return np.asarray(away / max(_RIM * extent, 1.5), np.float32)
 
 
 def _point(
