@@ -71,7 +71,7 @@ def suggest(
     area = float(small.sum())
     reach = max(0.55 * np.sqrt(area / (count + len(taken))), 2.0)
     depth = _depth(small)
-    counts = np.clip(depth / 2, 0, 1)  # what is near the outline counts little
+    counts = np.clip(depth / 2, 0, 1).astype(np.float32)  # what is near the outline counts little
     bent = _peaked(_bending(resize(normals, shape), small) * counts, reach / 2)
     gain = bent.copy()
     if confidence is not None:
