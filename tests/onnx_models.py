@@ -14,14 +14,17 @@ def ramp(size: int) -> NDArray[np.float32]:
     return np.stack([x, y, np.sqrt(1 - x**2 - y**2)]).astype(np.float32)
 
 
-def write_model(path: Path, size: int = 64, length: float = 1.0, confidence: bool = True) -> Path:
-    """Write a model that paints the ramp times ``length`` and, at hints, what they say."""
+def write_model(
+    path: Path, size: int = 64, length: float = 1.0, confidence: bool = True, reach: int = 0
+) -> Path:
+    """Write a model that paints the ramp times ``length`` and, as far around hints as they reach, these."""
 
     def constant(name: str, value: NDArray[np.generic]) -> TensorProto:
         return numpy_helper.from_array(np.asarray(value), name)
 
     nodes = [
-        helper.make_node("Split", ["hints", "parts"], ["vectors", "where"], axis=1),
+        helper.make_node("Conv", ["hints", "kernel"], ["spread"], group=4, pads=[reach] * 4),
+        helper.make_node("Split", ["spread", "parts"], ["vectors", "where"], axis=1),
         helper.make_node("Sub", ["one", "where"], ["free"]),
         helper.make_node("Mul", ["ramp", "free"], ["painted"]),
         helper.make_node("Add", ["painted", "vectors"], ["normal"]),
@@ -41,6 +44,7 @@ def write_model(path: Path, size: int = 64, length: float = 1.0, confidence: boo
         [
             constant("one", np.ones((1, 1, 1, 1), np.float32)),
             constant("ramp", length * ramp(size)[None]),
+            constant("kernel", np.ones((4, 1, 2 * reach + 1, 2 * reach + 1), np.float32)),
             constant("parts", np.array([3, 1])),
         ],
     )

@@ -1,0 +1,197 @@
+"""The studio as a user has it: its server as a process, its page in Chromium, and hands that draw on it."""
+
+import io
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from chromium import page as open_page
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Locator, Page
+
+SIDE = 256
+"""Of the drawings."""
+RADIUS = 80
+AWAY = r"ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE|ERR_INCOMPLETE_CHUNKED"
+"""What Chromium says of a server that is away, whatever the page does about it."""
+
+
+class Server:
+    """A studio's process.
+
+    Args:
+        model: what paints.
+        projects: its folder.
+        more: further words of the command line.
+    """
+
+    def __init__(self, model: Path, projects: Path, *more: str) -> None:
+        self._command = [sys.executable, "-m", "normalgan", "studio", *more, "--no-browser"]
+        self._command += ["--model", str(model), "--projects", str(projects)]
+        self.port = 0
+        self.start()
+
+    def start(self) -> None:
+        """Start it, where it was before."""
+        self._process = subprocess.Popen(
+            [*self._command, "--port", str(self.port)],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "OMP_NUM_THREADS": "1"},
+        )
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        found = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
+        assert found, line
+        self.url, self.port = found[0], int(found[1])
+
+    def kill(self) -> None:
+        """End it without a warning."""
+        self._process.send_signal(signal.SIGKILL)
+        self.wait()
+
+    def stop(self) -> None:
+        """End it."""
+        self._process.terminate()
+        self.wait()
+
+    def wait(self) -> None:
+        """Wait for its end."""
+        self._process.wait(20)
+        assert self._process.stdout is not None
+        self._process.stdout.close()
+
+
+@contextmanager
+def serving(model: Path, projects: Path, *more: str) -> Iterator[Server]:
+    """Run a studio."""
+    server = Server(model, projects, *more)
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+class Studio:
+    """A page of the studio.
+
+    Args:
+        page: an empty one.
+        url: the server's.
+    """
+
+    def __init__(self, page: "Page", url: str) -> None:
+        self.page = page
+        page.goto(url)
+        page.wait_for_selector("html[data-ready]")
+
+    def new(self, width: int = SIDE, height: int = SIDE) -> None:
+        """Begin with an empty drawing; there must be nothing unsaved."""
+        self.page.locator("#new").click()
+        self.page.locator("#new-width").fill(str(width))
+        self.page.locator("#new-height").fill(str(height))
+        self.page.locator("#new-dialog button.strong").click()
+        self.size = width, height
+
+    def on_board(self, x: float, y: float) -> tuple[float, float]:
+        """Return where a point of the drawing is on the screen."""
+        return self._on(self.page.locator("#board"), x, y, margin=24)
+
+    def _on(self, canvas: "Locator", x: float, y: float, margin: float = 0) -> tuple[float, float]:
+        box = canvas.bounding_box()
+        assert box is not None
+        margin = min(margin, box["width"] / 20)
+        scale = min((box["width"] - 2 * margin) / self.size[0], (box["height"] - 2 * margin) / self.size[1])
+        left = box["x"] + (box["width"] - scale * self.size[0]) / 2
+        top = box["y"] + (box["height"] - scale * self.size[1]) / 2
+        return left + scale * x, top + scale * y
+
+    def line(self, *points: tuple[float, float]) -> None:
+        """Draw with the mouse through points of the drawing."""
+        self.page.mouse.move(*self.on_board(*points[0]))
+        self.page.mouse.down()
+        for point in points[1:]:
+            self.page.mouse.move(*self.on_board(*point))
+        self.page.mouse.up()
+
+    def circle(self, x: float = SIDE / 2, y: float = SIDE / 2, radius: float = RADIUS) -> None:
+        """Draw a circle with the mouse."""
+        angles = [2 * math.pi * i / 40 for i in range(41)]
+        self.line(*((x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles))
+
+    @contextmanager
+    def repainting(self) -> Iterator[None]:
+        """Wait, after what is done inside, until a new map is on show and nothing is being painted."""
+        before = self.painted()
+        yield
+        self.page.wait_for_function(
+            "before => Number(document.getElementById('result').dataset.painted ?? 0) > before "
+            "&& document.getElementById('result').ariaBusy === 'false'",
+            arg=before,
+        )
+
+    def painted(self) -> int:
+        """Return how many maps were on show."""
+        return int(self.page.locator("#result").get_attribute("data-painted") or 0)
+
+    def pin(self, x: float, y: float) -> None:
+        """Pin a point, with the tool for it."""
+        self.page.locator("#tool-hint").click()
+        self.page.mouse.click(*self.on_board(x, y))
+
+    def turn(self, x: float, y: float) -> None:
+        """Turn the ball to a normal: x to the right, y upwards."""
+        box = self.page.locator("#ball").bounding_box()
+        assert box is not None
+        radius = box["width"] / 2 / 1.03
+        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.page.mouse.move(*middle)
+        self.page.mouse.down()
+        self.page.mouse.move(middle[0] + x * radius, middle[1] - y * radius, steps=4)
+        self.page.mouse.up()
+
+    def screen(self) -> NDArray[np.uint8]:
+        """Return what the window shows."""
+        return np.asarray(Image.open(io.BytesIO(self.page.screenshot())).convert("RGB"))
+
+    def shown(self, x: float, y: float) -> NDArray[np.float64]:
+        """Return the normal on show at a point of the drawing, in the view of the map."""
+        column, row = self._on(self.page.locator("#viewer"), x, y)
+        return self.screen()[round(row), round(column)] / 127.5 - 1
+
+    def inked(self, x: float, y: float) -> bool:
+        """Return whether there is ink at a point of the drawing."""
+        column, row = self.on_board(x, y)
+        self.page.mouse.move(2, 2)  # away with the nib
+        return bool(self.screen()[round(row), round(column)].max() < 128)
+
+    def status(self) -> str:
+        """Return what the status says."""
+        return self.page.locator("#status").inner_text()
+
+    def wait_for_status(self, words: str) -> None:
+        """Wait until the status says something."""
+        self.page.wait_for_function(
+            "words => document.getElementById('status').textContent.includes(words)", arg=words
+        )
+
+
+@contextmanager
+def open_studio(
+    opened: "Browser", url: str, *, width: int = 1200, height: int = 700, tolerate: tuple[str, ...] = ()
+) -> Iterator[Studio]:
+    """Open the studio in a page of its own storage."""
+    with open_page(opened, width=width, height=height, tolerate=tolerate) as page:
+        yield Studio(page, url)

@@ -1,0 +1,172 @@
+"""The studio's page under the mouse: lines, points, undo, and what the map makes of them."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from studio_page import SIDE, Server, Studio, open_studio, serving
+
+from chromium import browser
+from onnx_models import write_model
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+
+
+@pytest.fixture(scope="module")
+def opened() -> Iterator["Browser"]:
+    with browser(webgl=False) as chromium:
+        yield chromium
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    folder = tmp_path_factory.mktemp("studio")
+    with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
+        yield running
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """An empty drawing."""
+    with open_studio(opened, server.url) as page:
+        page.new()
+        yield page
+
+
+@pytest.fixture
+def ball(studio: Studio) -> Studio:
+    """A circle, painted."""
+    with studio.repainting():
+        studio.circle()
+    return studio
+
+
+def test_the_mouse_draws_and_the_model_paints(ball: Studio) -> None:
+    middle = SIDE / 2
+    assert ball.inked(middle + 80, middle)
+    assert not ball.inked(middle, middle)
+    left, right = ball.shown(middle - 60, middle), ball.shown(middle + 60, middle)
+    top, bottom = ball.shown(middle, middle - 60), ball.shown(middle, middle + 60)
+    # The ramp's x grows to the right and its y upwards, and so must what is on show.
+    assert left[0] < -0.2 < 0.2 < right[0]
+    assert bottom[1] < -0.2 < 0.2 < top[1]
+    for normal in (left, right, top, bottom):
+        np.testing.assert_allclose(np.linalg.norm(normal), 1, atol=0.02)
+
+
+def test_a_point_changes_the_map_near_it_and_nowhere_else(ball: Studio) -> None:
+    far = SIDE / 2 + 60, SIDE / 2
+    before_near, before_far = ball.shown(100, 110), ball.shown(*far)
+    ball.pin(100, 110)
+    with ball.repainting():
+        ball.turn(0.6, -0.5)
+    wanted = np.array([0.6, -0.5, np.sqrt(1 - 0.61)])
+    near = ball.shown(100, 110)
+    angle = np.degrees(np.arctan2(np.linalg.norm(np.cross(near, wanted)), near @ wanted))
+    assert angle < 6
+    assert np.linalg.norm(near - before_near) > 0.5
+    np.testing.assert_allclose(ball.shown(*far), before_far, atol=0.03)
+
+
+def test_undo_and_redo_take_back_points_and_lines(ball: Studio) -> None:
+    page, chips = ball.page, ball.page.locator("#chips .chip")
+    bare = ball.shown(100, 110)
+    ball.pin(100, 110)
+    with ball.repainting():
+        ball.turn(0.6, -0.5)
+    turned = ball.shown(100, 110)
+    with ball.repainting():
+        page.keyboard.press("Control+z")
+    np.testing.assert_allclose(ball.shown(100, 110), bare, atol=0.03)
+    assert chips.count() == 1  # the turn is undone, the point is there
+    with ball.repainting():
+        page.keyboard.press("Control+Shift+z")
+    np.testing.assert_allclose(ball.shown(100, 110), turned, atol=0.01)
+    for _ in range(3):
+        page.keyboard.press("Control+z")
+    assert chips.count() == 0
+    assert not ball.inked(SIDE / 2 + 80, SIDE / 2)
+    assert page.locator("#empty-result").is_visible()
+    assert page.locator("#undo").is_disabled()
+    with ball.repainting():
+        page.locator("#redo").click()
+    assert ball.inked(SIDE / 2 + 80, SIDE / 2)
+
+
+def test_the_eraser_erases_and_that_is_undone_too(ball: Studio) -> None:
+    middle = SIDE / 2
+    ball.page.keyboard.press("e")
+    ball.line((middle + 70, middle), (middle + 90, middle))
+    assert not ball.inked(middle + 80, middle)
+    assert ball.inked(middle - 80, middle)
+    ball.page.locator("#undo").click()
+    assert ball.inked(middle + 80, middle)
+
+
+def test_points_are_moved_and_removed(ball: Studio) -> None:
+    ball.pin(100, 110)
+    with ball.repainting():
+        ball.turn(0.6, -0.5)
+    bent = ball.shown(100, 110)
+    ball.page.locator("#point-done").click()
+    with ball.repainting():
+        ball.line((100, 110), (110, 120), (150, 150))
+    assert np.linalg.norm(ball.shown(100, 110) - bent) > 0.5
+    np.testing.assert_allclose(ball.shown(150, 150), bent, atol=0.15)
+    with ball.repainting():
+        ball.page.locator("#point-remove").click()
+    assert np.linalg.norm(ball.shown(150, 150) - bent) > 0.5
+    assert ball.page.locator("#chips .chip").count() == 0
+
+
+def test_suggested_points_are_taken_by_a_click(ball: Studio) -> None:
+    ball.page.locator("#tool-hint").click()
+    ball.page.locator("#suggest").click()
+    offers = ball.page.locator("#chips .offer")
+    offers.first.wait_for()
+    count = offers.count()
+    offers.first.click()
+    assert offers.count() == count - 1
+    assert ball.page.locator("#chips .chip:not(.offer)").count() == 1
+    assert ball.page.locator("#point").is_visible()
+
+
+def test_a_pens_pressure_sets_the_width(studio: Studio) -> None:
+    # Playwright has no pen: the events are made as Chromium makes them.
+    draw = """([from, to, pressure]) => {
+      const board = document.getElementById("board");
+      board.setPointerCapture = () => {};
+      const send = (type, [x, y]) => board.dispatchEvent(new PointerEvent(type, {
+        pointerId: 7, pointerType: "pen", pressure, clientX: x, clientY: y, button: 0, bubbles: true }));
+      send("pointerdown", from);
+      send("pointermove", to);
+      send("pointerup", to);
+    }"""
+    for y, pressure in ((60, 0.1), (120, 1.0)):
+        ends = [studio.on_board(40, y), studio.on_board(200, y)]
+        with studio.repainting():
+            studio.page.evaluate(draw, [*ends, pressure])
+    studio.page.mouse.move(2, 2)
+
+    picture = studio.screen()
+
+    def thickness(y: int) -> int:
+        column, row = map(round, studio.on_board(120, y))
+        return int((picture[row - 60 : row + 60, column].max(axis=-1) < 128).sum())
+
+    assert thickness(120) > 3 * thickness(60) > 0
+
+
+def test_zoom_keeps_what_is_drawn_in_place(ball: Studio) -> None:
+    x, y = ball.on_board(SIDE / 2 + 80, SIDE / 2)
+    ball.page.mouse.move(x, y)
+    ball.page.mouse.wheel(0, -300)
+    ball.page.mouse.move(2, 2)
+    ball.page.wait_for_timeout(200)
+    assert ball.screen()[round(y), round(x)].max() < 128  # still under the pointer
+    ball.page.locator("#zoom-fit").click()
+    assert ball.inked(SIDE / 2 - 80, SIDE / 2)
