@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import torch
 from docstring_parser import DocstringStyle, parse
-from jsonargparse import ArgumentParser, Namespace
+from jsonargparse import ArgumentParser
 
 from normalgan.registry import summary
 from normalgan.testing.conformance import Check, demand
@@ -113,7 +113,7 @@ def _read_from_the_command_line(plugin: T, base: type[T]) -> None:
     )
     if not is_dataclass(plugin):
         return  # a network by its defaults may be large, and has no settings to be compared
-    built = parser.instantiate(Namespace(plugin=again.plugin)).plugin
+    built = parser.instantiate(again).plugin
     demand(
         type(built) is cls and built == plugin,
         plugin,
