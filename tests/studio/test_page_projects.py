@@ -1,0 +1,167 @@
+"""The studio's page and what is kept: projects, unsaved work, a server that is killed, files in and out."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from studio_page import AWAY, SIDE, Server, Studio, open_studio, serving
+
+from chromium import browser
+from normalgan.normals import flip_green, read_png
+from onnx_models import write_model
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+MIDDLE = SIDE / 2
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="120" height="60">'
+    '<ellipse cx="60" cy="30" rx="50" ry="22" fill="none" stroke="black" stroke-width="3"/></svg>'
+)
+
+
+@pytest.fixture(scope="module")
+def opened() -> Iterator["Browser"]:
+    with browser(webgl=False) as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Server]:
+    with serving(write_model(tmp_path / "ramp.onnx", reach=3), tmp_path / "projects") as running:
+        yield running
+
+
+def save_as(studio: Studio, name: str) -> None:
+    studio.page.keyboard.press("Control+s")
+    studio.page.locator("#name-field").fill(name)
+    studio.page.keyboard.press("Enter")
+
+
+def open_project(studio: Studio, name: str) -> None:
+    studio.size = SIDE, SIDE
+    studio.page.locator("#open").click()
+    with studio.repainting():
+        studio.page.locator(".project", has_text=name).click()
+
+
+def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        studio.circle()
+        studio.pin(100, 110)
+        with studio.repainting():
+            studio.turn(0.6, -0.5)
+        painted = studio.shown(100, 110)
+        save_as(studio, "Füchslein 1")
+        studio.wait_for_status("Füchslein 1")
+        assert "Füchslein 1" in studio.page.title()
+        studio.page.reload()
+        studio.page.wait_for_selector("html[data-ready]")
+        assert studio.page.locator("#restore").is_hidden()  # it is saved: nothing is left to restore
+        open_project(studio, "Füchslein 1")
+        assert studio.inked(MIDDLE + 80, MIDDLE)
+        np.testing.assert_allclose(studio.shown(100, 110), painted, atol=0.01)
+        assert studio.page.locator("#chips .chip").count() == 1
+
+
+def test_two_tabs_do_not_overwrite_one_another(opened: "Browser", server: Server) -> None:
+    tolerate = ("status of 412",)
+    with open_studio(opened, server.url) as one, open_studio(opened, server.url, tolerate=tolerate) as two:
+        one.new()
+        one.circle()
+        save_as(one, "fox")
+        one.wait_for_status("Saved")
+        open_project(two, "fox")
+        one.line((20, 20), (60, 20))
+        one.page.keyboard.press("Control+s")
+        one.wait_for_status("Saved")
+        two.line((20, 230), (60, 230))
+        two.page.keyboard.press("Control+s")
+        choose = two.page.locator("#choose")
+        choose.wait_for()
+        choose.locator("button[value=overwrite]").click()
+        two.wait_for_status("Saved")
+        open_project(one, "fox")
+        assert one.inked(40, 230)
+        assert not one.inked(40, 20)
+
+
+def test_unsaved_work_outlives_a_closed_tab_and_a_killed_server(opened: "Browser", server: Server) -> None:
+    context = opened.new_context(viewport={"width": 1200, "height": 700})
+    try:
+        studio = Studio(context.new_page(), server.url)
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        server.kill()
+        studio.line((20, 20), (60, 20))  # on with it
+        studio.wait_for_status("server is away")
+        assert studio.inked(40, 20)
+        server.start()
+        studio.wait_for_status("server is back")
+        studio.line((20, 40), (60, 40))
+        studio.page.close()
+        studio = Studio(context.new_page(), server.url)
+        studio.size = SIDE, SIDE
+        with studio.repainting():
+            studio.page.locator("#restore-yes").click()
+        assert studio.page.locator("#restore").is_hidden()
+        for x, y in ((MIDDLE + 80, MIDDLE), (40, 20), (40, 40)):
+            assert studio.inked(x, y)
+    finally:
+        context.close()
+
+
+def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url, tolerate=(AWAY,)) as studio:
+        studio.new()
+        with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
+            studio.circle()
+        server.kill()
+    server.start()
+    with open_studio(opened, server.url) as other:  # with a storage of its own, which is empty
+        other.size = SIDE, SIDE
+        with other.repainting():
+            other.page.locator("#restore-yes").click()
+        assert other.inked(MIDDLE + 80, MIDDLE)
+
+
+def test_an_exported_map_is_read_back(opened: "Browser", server: Server, tmp_path: Path) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        shown = studio.shown(MIDDLE + 50, MIDDLE - 20)
+        studio.page.locator("#export").click()
+        studio.page.locator("#export-name").fill("fox")
+        studio.page.locator("#export-y").select_option("down")
+        with studio.page.expect_download() as waiting:
+            studio.page.locator("#export-dialog button.strong").click()
+        assert waiting.value.suggested_filename == "fox_normal.png"
+        file = tmp_path / "fox_normal.png"
+        waiting.value.save_as(file)
+    normals, mask = read_png(file)
+    assert mask.shape == (SIDE, SIDE)
+    assert mask[SIDE // 2, SIDE // 2] == 1
+    assert mask[3, 3] == 0
+    there = SIDE // 2 - 20, SIDE // 2 + 50
+    np.testing.assert_allclose(flip_green(normals)[there], shown, atol=0.05)
+
+
+def test_a_picture_is_imported_to_draw_on_or_to_trace(opened: "Browser", server: Server) -> None:
+    file = {"name": "egg.svg", "mimeType": "image/svg+xml", "buffer": SVG.encode()}
+    with open_studio(opened, server.url) as studio:
+        studio.page.set_input_files("#import-file", files=[file])  # type: ignore[list-item]
+        studio.page.locator("#choose button[value=traced]").click()
+        studio.wait_for_status("egg.svg")
+        assert studio.page.locator("#pixels").inner_text().count("1024") == 1
+        assert studio.painted() == 0  # what is traced is never painted from
+        with studio.repainting():
+            studio.page.set_input_files("#import-file", files=[file])  # type: ignore[list-item]
+            studio.page.locator("#choose button[value=drawing]").click()
+        studio.page.keyboard.press("Control+z")
+        assert studio.page.locator("#empty-result").is_visible()
