@@ -5,8 +5,14 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from normalgan.errors import InputError
+from normalgan.inference.height_pyramid import double, halve
 from normalgan.inference.surface import Surface
 from normalgan.normals import Floats
+
+_SMALL = 16000
+"""Pixels up to which a map is solved at once."""
+_REFINED = 4
+"""Rounds at a size, after those at half of it."""
 
 
 def integrate(
@@ -23,7 +29,7 @@ def integrate(
             surface is then as flat as its surroundings let it be.
         mask: (H, W) True on the object; it may have holes and several parts.
         jumps: k of the paper, how readily the surface breaks; 0 gives plain Poisson integration.
-        rounds: weights and heights are found at most this often.
+        rounds: weights and heights are found at most this often at the lowest size.
         tolerance: and until the energy changes by less than this share of it.
 
     Returns:
@@ -47,13 +53,31 @@ def integrate(
             f"normals of shape {normals.shape} do not go with a mask of {mask.shape}; "
             "they are H × W × 3 and H × W."
         )
-    inside = normals[mask].astype(np.float64)
-    if not np.isfinite(inside).all():
+    if not np.isfinite(normals[mask]).all():
         raise InputError("a normal on the object is not a number; heights need finite normals.")
     height = np.zeros(mask.shape, np.float32)
     if mask.any():
-        height[mask] = Surface(inside, mask).solve(jumps, rounds, tolerance)
+        known = np.where(mask[..., None], normals, 0).astype(np.float64)
+        height[mask] = _solved(known, mask, jumps, rounds, tolerance)
     parts, count = ndimage.label(mask)  # by four neighbours, as heights are linked
     means = np.zeros(count + 1, np.float32)
     means[1:] = ndimage.mean(height, parts, np.arange(1, count + 1))
     return np.where(mask, height - means[parts], 0).astype(np.float32)
+
+
+def _solved(
+    normals: NDArray[np.float64], mask: NDArray[np.bool_], jumps: float, rounds: int, tolerance: float
+) -> NDArray[np.float64]:
+    """Return the heights (n,) on the mask.
+
+    Where the surface breaks is found at half the size first, and so on down to ten thousand pixels: there
+    each round costs little, and what lies far apart is but a few pixels away.
+    """
+    start = None
+    if jumps and np.count_nonzero(mask) > _SMALL:
+        half, there = halve(normals, mask)
+        coarse = np.zeros(there.shape)
+        coarse[there] = _solved(half, there, jumps, rounds, tolerance)
+        start = double(coarse, normals)[mask]
+        rounds = min(rounds, _REFINED)
+    return Surface(normals[mask], mask).solve(jumps, rounds, tolerance, start)

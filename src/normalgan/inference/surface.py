@@ -81,12 +81,19 @@ class Surface:
         self.steep = steep[ends[0]], steep[ends[1]]
         self.tilt = tilt[ends[0], self.links.axis], tilt[ends[1], self.links.axis]
 
-    def solve(self, jumps: float, rounds: int, tolerance: float) -> _Vector:
-        """Return the heights (n,); the parameters are those of `normalgan.inference.height.integrate`."""
-        count = len(self.links.tail)
-        weights: tuple[_Vector, _Vector] = np.full(count, 0.5), np.full(count, 0.5)
-        height, last = np.zeros(self.count), np.inf
-        solver = Solver(_RESIDUE)
+    def solve(self, jumps: float, rounds: int, tolerance: float, start: _Vector | None = None) -> _Vector:
+        """Return the heights (n,).
+
+        Args:
+            jumps: as `normalgan.inference.height.integrate` has it, and so are the next two.
+            rounds: weights and heights are found at most this often.
+            tolerance: and until the energy changes by less than this share of it.
+            start: (n,) heights to begin with, which also tell where the surface breaks.
+        """
+        height = np.zeros(self.count) if start is None else start
+        even = np.full(len(self.links.tail), 0.5)
+        weights = (even, even) if start is None or not jumps else self._weights(self._errors(height), jumps)
+        last, solver = np.inf, Solver(_RESIDUE)
         for _ in range(rounds if jumps else 1):
             height = solver.solve(*self._system(*weights), height)
             errors = self._errors(height)
@@ -94,15 +101,19 @@ class Surface:
             if last - energy <= tolerance * last < np.inf:
                 break
             last = energy
-            # What the same normal says of the other side of its pixel.
-            across = errors[1][self.links.before], errors[0][self.links.after]
-            own = np.arange(count)
-            across = (
-                np.where(self.links.before == own, errors[0], across[0]),
-                np.where(self.links.after == own, errors[1], across[1]),
-            )
-            weights = _logistic(jumps * (across[0] - errors[0])), _logistic(jumps * (across[1] - errors[1]))
+            weights = self._weights(errors, jumps)
         return height
+
+    def _weights(self, errors: tuple[_Vector, _Vector], jumps: float) -> tuple[_Vector, _Vector]:
+        """Return how much each link counts for the normals at its two ends, (links,) each."""
+        # What the same normal says of the other side of its pixel.
+        before, after = self.links.before, self.links.after
+        own = np.arange(len(before))
+        across = (
+            np.where(before == own, errors[0], errors[1][before]),
+            np.where(after == own, errors[1], errors[0][after]),
+        )
+        return _logistic(jumps * (across[0] - errors[0])), _logistic(jumps * (across[1] - errors[1]))
 
     def _errors(self, height: _Vector) -> tuple[_Vector, _Vector]:
         """Return how far, squared, each link is from what the normals at its two ends say, (links,) each."""
