@@ -24,28 +24,28 @@ class Painter(Generator):
 class TwoChannels(Painter):
     """Forgets z."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return super().forward(condition)[:, :2]
 
 
 class Doubles(Painter):
     """Answers in float64."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return super().forward(condition).double()
 
 
 class Loud(Painter):
     """Forgets the tanh."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return self.conv(condition)
 
 
 class Unsure(Painter):
     """Has a confidence that may be below 0."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         painted = super().forward(condition)
         return torch.cat([painted, painted[:, :1] - 2], dim=1)
 
@@ -53,14 +53,14 @@ class Unsure(Painter):
 class Explodes(Painter):
     """Divides by what may be nothing."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return super().forward(condition) / (condition[:, 3:] * 0)
 
 
 class Lonely(Painter):
     """Takes no batch of three."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return super().forward(condition).view(min(len(condition), 2), 3, *condition.shape[2:])
 
 
@@ -75,35 +75,35 @@ class Spare(Painter):
 class Cut(Painter):
     """Cuts the gradient off."""
 
-    def forward(self, condition: Tensor) -> Tensor:
-        return super().forward(condition).detach() + 0 * self.conv.weight.sum() + 0 * self.conv.bias.sum()
+    def forward(self, condition: Tensor) -> Any:
+        return super().forward(condition).detach() + 0 * sum(p.sum() for p in self.parameters())
 
 
 class Blind(Painter):
     """Paints the same whatever is drawn."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return super().forward(0 * condition)
 
 
 class Noisy(Painter):
     """Draws noise in evaluation too."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return super().forward(condition + torch.randn_like(condition))
 
 
 class Mixes(Painter):
     """Norms over the batch in evaluation too."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return super().forward(condition - condition.mean(0))
 
 
 class Writes(Painter):
     """Writes into what it is given."""
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         if not condition.requires_grad:
             condition[:, 3] = 0
         return super().forward(condition)
@@ -116,7 +116,7 @@ class Forgets(Painter):
         super().__init__()
         self.register_buffer("gain", torch.tensor(0.5), persistent=False)
 
-    def forward(self, condition: Tensor) -> Tensor:
+    def forward(self, condition: Tensor) -> Any:
         return torch.tanh(self.conv(condition) * self.gain)
 
 

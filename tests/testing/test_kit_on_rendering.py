@@ -73,7 +73,7 @@ class Green(Turned):
     """Has y down in the vectors."""
 
     def change(self, maps: Maps, camera: Camera) -> Any:
-        return replace(maps, normal=maps.normal * np.float32([1, -1, 1]))
+        return replace(maps, normal=maps.normal * np.array([1, -1, 1], np.float32))
 
 
 class World(Turned):

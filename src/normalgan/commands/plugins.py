@@ -31,7 +31,7 @@ def build_parser() -> LightParser:
         usage="%(prog)s [--kind KIND] [--json]",
         description="List the classes that settings can name, and what was left out and why.",
     )
-    parser.add_argument("--kind", type=Kind | None, help="list plug-ins of this kind only")  # type: ignore[arg-type]
+    parser.add_argument("--kind", type=Kind | None, help="list plug-ins of this kind only")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
     return parser
 

@@ -1,5 +1,7 @@
 """What is asked of a discriminator."""
 
+from typing import cast
+
 import torch
 from torch import Tensor
 
@@ -42,7 +44,7 @@ def _score(discriminator: Discriminator, condition: Tensor, normal: Tensor) -> t
         good = score.ndim > 0 and len(score) == len(normal)
         did = f"returned scores of {tuple(score.shape)} for {len(normal)} pictures"
         demand(good, discriminator, did, "the first axis of each head must be that of the pictures")
-    return scores
+    return cast("tuple[Tensor, ...]", scores)
 
 
 @torch.no_grad()

@@ -1,5 +1,7 @@
 """What is asked of a generator."""
 
+from typing import cast
+
 import torch
 from torch import Tensor
 
@@ -45,7 +47,7 @@ def _paint(generator: Generator, condition: Tensor) -> Tensor:
     wanted = [(count, channels, height, width) for channels in (3, 4)]
     asked = f"it must return normals {wanted[0]}, or {wanted[1]} with a confidence"
     demand(shape in wanted, generator, f"returned {shape} for a condition of {tuple(condition.shape)}", asked)
-    return painted
+    return cast("Tensor", painted)
 
 
 @torch.no_grad()
