@@ -92,7 +92,8 @@ def test_a_namesake_does_not_take_a_short_name_away(site: Path) -> None:
     from jsonargparse import ArgumentParser
 
     HINT_SAMPLERS.discover()
-    assert sys.modules["twins"].UniformHints in type.__subclasses__(HintSampler)  # it was imported, and yet  # type: ignore[type-abstract]
+    # It was imported, and yet:
+    assert sys.modules["twins"].UniformHints in type.__subclasses__(HintSampler)  # type: ignore[type-abstract]
     parser = ArgumentParser(exit_on_error=False)
     parser.add_argument("--sampler", type=HintSampler)
     built = parser.instantiate(parser.parse_args(["--sampler=UniformHints", "--sampler.minimum=3"]))
