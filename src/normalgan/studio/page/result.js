@@ -88,7 +88,7 @@ export class Result {
   }
 
   #warn(words) {
-    $("warning").textContent = words;
+    $("warning").textContent = words && `${words[0].toUpperCase()}${words.slice(1)}.`.replace("..", ".");
     $("warning").hidden = !words;
   }
 

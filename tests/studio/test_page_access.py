@@ -1,0 +1,161 @@
+"""The studio's page for everybody: keys alone, WebGL or none, dark, narrow, and words for screen readers."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from studio_page import SIDE, Server, Studio, open_studio, serving
+
+from chromium import browser
+from onnx_models import write_model
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+LEAST_TARGET = 40
+"""Pixels a finger needs."""
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["webgl", "plain"])
+def opened(request: pytest.FixtureRequest) -> Iterator["Browser"]:
+    with browser(webgl=request.param) as chromium:
+        yield chromium
+
+
+@pytest.fixture(scope="module")
+def plain() -> Iterator["Browser"]:
+    with browser(webgl=False) as chromium:
+        yield chromium
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    folder = tmp_path_factory.mktemp("studio")
+    with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
+        yield running
+
+
+def dent(studio: Studio) -> None:
+    """Draw a square, which takes few events."""
+    low, high = 60, SIDE - 60
+    with studio.repainting():
+        studio.line((low, low), (high, low), (high, high), (low, high), (low, low))
+
+
+def test_every_view_shows_something_and_none_complains(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        dent(studio)
+        left, right = studio.shown(90, 128), studio.shown(166, 128)
+        assert left[0] < -0.1 < 0.1 < right[0]
+        for key in "2345":
+            studio.page.keyboard.press(key)
+            chosen = studio.page.locator('#views [aria-selected="true"]')
+            assert chosen.get_attribute("data-view") == ["lit", "matcap", "flat", "relief"][int(key) - 2]
+        if studio.page.locator("#viewer-words").is_visible():
+            assert "WebGL" in studio.page.locator("#viewer-words").inner_text()
+        else:
+            studio.page.wait_for_function("() => document.getElementById('note').textContent === ''")
+
+
+def test_keys_alone_draw_pin_turn_and_undo(plain: "Browser", server: Server) -> None:
+    with open_studio(plain, server.url) as studio:
+        page, press = studio.page, studio.page.keyboard.press
+        page.locator("#new").focus()
+        press("Enter")
+        for _ in range(2):
+            press("Tab")  # the size 512
+        press("Enter")
+        page.locator("#new-dialog button.strong").focus()
+        press("Enter")
+        page.locator("#board").focus()
+        press("Enter")  # brings the cursor
+        for key, times in (("ArrowLeft", 3), ("ArrowUp", 3)):
+            for _ in range(times):
+                press(f"Shift+{key}")
+        press("Enter")
+        assert studio.status() == "Pen down."
+        for key in ("ArrowRight", "ArrowDown", "ArrowLeft", "ArrowUp"):
+            for _ in range(6):
+                press(f"Shift+{key}")
+        with studio.repainting():
+            press("Enter")
+        for key in ("ArrowRight", "ArrowDown"):
+            for _ in range(3):
+                press(f"Shift+{key}")
+        press("h")
+        with studio.repainting():
+            press("Enter")
+        press("n")
+        assert page.evaluate("document.activeElement.id") == "ball"
+        before = page.locator("#ball").get_attribute("aria-label")
+        with studio.repainting():
+            for _ in range(4):
+                press("ArrowRight")
+        after = page.locator("#ball").get_attribute("aria-label")
+        assert before != after
+        assert after is not None
+        assert "right" in after
+        press("Delete")
+        assert page.locator("#chips .chip").count() == 0
+        press("Control+z")
+        assert page.locator("#chips .chip").count() == 1
+
+
+def test_every_control_has_a_name_and_room_for_a_finger(plain: "Browser", server: Server) -> None:
+    with open_studio(plain, server.url) as studio:
+        studio.new()
+        dent(studio)
+        studio.pin(128, 128)
+        controls = studio.page.locator("button:visible, summary:visible, select:visible, input:visible")
+        assert controls.count() > 20
+        for control in controls.all():
+            name = control.evaluate(
+                "e => e.ariaLabel || e.textContent.trim() || e.labels?.[0]?.textContent.trim()"
+            )
+            assert name, control.evaluate("e => e.outerHTML")
+            box = control.bounding_box()
+            assert box is not None
+            assert box["height"] >= LEAST_TARGET, name
+            assert box["width"] >= LEAST_TARGET, name
+        assert studio.page.locator("#status").get_attribute("aria-live") == "polite"
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])
+def test_narrow_windows_stack_the_panes(plain: "Browser", server: Server, width: int, height: int) -> None:
+    with open_studio(plain, server.url, width=width, height=height) as studio:
+        studio.new()
+        dent(studio)
+        drawing = studio.page.locator("#board").bounding_box()
+        result = studio.page.locator("#viewer").bounding_box()
+        assert drawing is not None
+        assert result is not None
+        assert drawing["y"] + drawing["height"] <= result["y"]
+        assert min(drawing["height"], result["height"]) > 150
+        assert studio.page.evaluate("document.documentElement.scrollWidth") <= width
+        for control in ("#export", "#tool-hint", "#undo", "#view-relief"):
+            box = studio.page.locator(control).bounding_box()
+            assert box is not None
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= width
+
+
+def test_dark_and_light_follow_the_system_until_switched(plain: "Browser", server: Server) -> None:
+    with open_studio(plain, server.url) as studio:
+        header = studio.page.locator("header")
+
+        def brightness() -> float:
+            colour = header.evaluate("e => getComputedStyle(e).backgroundColor")
+            return float(np.mean([int(part) for part in colour[4:-1].split(",")]))
+
+        studio.page.emulate_media(color_scheme="dark")
+        assert brightness() < 60
+        studio.page.emulate_media(color_scheme="light")
+        assert brightness() > 200
+        studio.page.locator("#theme").click()
+        assert brightness() < 60
+        studio.page.reload()
+        studio.page.wait_for_selector("html[data-ready]")
+        assert brightness() < 60
