@@ -68,7 +68,6 @@ const clicks = {
   new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs(),
   import: () => importing.pick(), export: () => exporting.ask(), undo, redo, help,
   "zoom-in": () => board.zoom(1.25), "zoom-out": () => board.zoom(0.8), "zoom-fit": () => board.fit(),
-  "empty-import": () => importing.pick(),
 };
 for (const [id, action] of Object.entries(clicks)) $(id).addEventListener("click", action);
 const letters = { p: 0, b: 0, e: 1, h: 2, v: 3 };
