@@ -49,7 +49,17 @@ def ratio(ours: list[tuple[float, float]], bare: list[tuple[float, float]]) -> f
 
 def cold(model: Path, drawing: Path, folder: Path) -> float:
     """Return the wall-clock time of the command in a fresh process."""
-    command = [sys.executable, "-m", "normalgan", "generate", drawing, "-o", folder, "--model", model]
+    command: list[str | Path] = [
+        sys.executable,
+        "-m",
+        "normalgan",
+        "generate",
+        drawing,
+        "-o",
+        folder,
+        "--model",
+        model,
+    ]
     return timed(lambda: subprocess.run(command, check=True, capture_output=True), 1)[0]
 
 
@@ -71,7 +81,8 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
         seen = [prepare(read_picture(path), session.size).seen for path in drawings]
         session.paint(seen[0])
         single.paint(seen[0])
-        bare, alone, crowd, batch = ([] for _ in range(4))
+        bare: list[tuple[float, float]] = []
+        alone, crowd, batch = bare.copy(), bare.copy(), bare.copy()
         arguments = [*map(str, drawings), "-o", str(folder / "batch"), "--model", str(model)]
         for _ in range(rounds):  # by turns, so that a busy machine slows both
             bare.append(timed(lambda: [session.paint(each) for each in seen], count))
@@ -80,7 +91,7 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
             load = timed(lambda: Model(model, threads=1), count)
             with redirect_stdout(StringIO()):
                 whole = timed(lambda: run(arguments), count)
-            batch.append(tuple(a - b for a, b in zip(whole, load, strict=True)))
+            batch.append((whole[0] - load[0], whole[1] - load[1]))
     figures = {
         "drawings": count,
         "drawing_pixels": SIDE,

@@ -43,7 +43,7 @@ def clean(picture: Picture) -> Cleaned:
         seen = float((colour @ _GREY * picture.alpha).sum() / max(float(picture.alpha.sum()), 1e-6))
         paper = 1.0 if seen < 0.6 else 0.0  # light lines on nothing were drawn for a dark ground
         colour = colour * picture.alpha[..., None] + paper * (1 - picture.alpha[..., None])
-    if is_light_on_dark(cv2.transform(colour, _GREY[None])):
+    if is_light_on_dark(np.asarray(cv2.transform(colour, _GREY[None]), np.float32)):
         colour = 1 - colour
     ink = without_specks(ink_on_paper(colour))
     if silhouette is not None:

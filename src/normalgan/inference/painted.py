@@ -26,7 +26,7 @@ def darkest(colour: Floats) -> Floats:
 
 def paper_colour(paper: Floats) -> Floats:
     """Return the colour (3,) of the sheet, given that of the paper about each pixel, (H, W, 3)."""
-    counted = [Levels(channel, 0, 1) for channel in cv2.split(paper)]
+    counted = [Levels(np.asarray(channel, np.float32), 0, 1) for channel in cv2.split(paper)]
     level = np.array([each.quantile(0.5) for each in counted])
     lightest = np.array([each.quantile(0.95) for each in counted])
     # Where more than half is painted, the median is paint.

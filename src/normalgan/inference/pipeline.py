@@ -36,15 +36,19 @@ def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | E
         try:
             for job in jobs:
                 waiting.append((job, pool.submit(work, job)))
-                if len(waiting) > count:
-                    yield _outcome(*waiting.popleft())
-            while waiting:
-                yield _outcome(*waiting.popleft())
+                yield from _drained(waiting, count)
+            yield from _drained(waiting, 0)
         finally:
             for _, future in waiting:
                 future.cancel()
 
 
-def _outcome(job: J, future: Future[R]) -> tuple[J, R | Exception]:
-    failure = future.exception()
-    return job, failure if isinstance(failure, Exception) else future.result()
+def _drained(waiting: deque[tuple[J, Future[R]]], left: int) -> Iterator[tuple[J, R | Exception]]:
+    """Yield what came of the first jobs, once it is there, until so many are left."""
+    while len(waiting) > left:
+        job, future = waiting.popleft()
+        failure = future.exception()
+        if isinstance(failure, Exception):
+            yield job, failure
+        else:
+            yield job, future.result()

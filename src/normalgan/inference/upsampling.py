@@ -39,7 +39,7 @@ def sharpen(values: Floats, weight: Floats, ink: Floats, mask: Mark, scale: floa
         return np.asarray(cv2.resize(picture, shape[::-1], interpolation=cv2.INTER_AREA), np.float32)
 
     # A line thinner than a pixel must not get lost.
-    thick = cv2.dilate(ink, np.ones((3, 3), np.uint8))
+    thick = np.asarray(cv2.dilate(ink, np.ones((3, 3), np.uint8)), np.float32)
     inside = smaller(mask.astype(np.float32)) > 0.5
     if not inside.any():
         return values
