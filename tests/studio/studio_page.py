@@ -169,7 +169,8 @@ class Studio:
     def shown(self, x: float, y: float) -> NDArray[np.float64]:
         """Return the normal on show at a point of the drawing, in the view of the map."""
         column, row = self._on(self.page.locator("#viewer"), x, y)
-        return self.screen()[round(row), round(column)] / 127.5 - 1
+        colour: NDArray[np.float64] = self.screen()[round(row), round(column)] / 127.5 - 1
+        return colour
 
     def inked(self, x: float, y: float) -> bool:
         """Return whether there is ink at a point of the drawing."""

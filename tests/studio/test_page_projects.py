@@ -152,16 +152,19 @@ def test_an_exported_map_is_read_back(opened: "Browser", server: Server, tmp_pat
     np.testing.assert_allclose(flip_green(normals)[there], shown, atol=0.05)
 
 
-def test_a_picture_is_imported_to_draw_on_or_to_trace(opened: "Browser", server: Server) -> None:
-    file = {"name": "egg.svg", "mimeType": "image/svg+xml", "buffer": SVG.encode()}
+def test_a_picture_is_imported_to_draw_on_or_to_trace(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    file = tmp_path / "egg.svg"
+    file.write_text(SVG, encoding="utf-8")
     with open_studio(opened, server.url) as studio:
-        studio.page.set_input_files("#import-file", files=[file])  # type: ignore[list-item]
+        studio.page.set_input_files("#import-file", files=file)
         studio.page.locator("#choose button[value=traced]").click()
         studio.wait_for_status("egg.svg")
         assert studio.page.locator("#pixels").inner_text().count("1024") == 1
         assert studio.painted() == 0  # what is traced is never painted from
         with studio.repainting():
-            studio.page.set_input_files("#import-file", files=[file])  # type: ignore[list-item]
+            studio.page.set_input_files("#import-file", files=file)
             studio.page.locator("#choose button[value=drawing]").click()
         studio.page.keyboard.press("Control+z")
         assert studio.page.locator("#empty-result").is_visible()
