@@ -96,7 +96,7 @@ def _read(path: Path) -> Split:
         raise InputError(
             f"the split file {path} cannot be read: {error.strerror or brief(error)}."
         ) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"the split file {path} is not JSON ({brief(error)}); {right}") from error
     if not isinstance(content, dict) or not content or set(content) - set(SPLITS):
         raise InputError(f"the split file {path} does not map train, val and test to names; {right}")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError, brief
+from normalgan.rendering.claims import check_claims
 
 if TYPE_CHECKING:
     from trimesh import Scene, Trimesh
@@ -50,7 +51,12 @@ def _scene(path: Path) -> "Scene":
 
     try:
         with _silence():
-            return trimesh.load_scene(path, process=False)
+            check_claims(path)
+            # Materials of a glTF are pictures: nothing that is rendered, and files of anyone's choice.
+            more = {"skip_materials": True} if path.suffix.lower() in {".glb", ".gltf"} else {}
+            return trimesh.load_scene(path, process=False, **more)
+    except InputError:
+        raise
     except Exception as error:  # whatever the many parsers raise on a broken file
         raise InputError(
             f"{path} cannot be read as a mesh: {type(error).__name__}: {brief(error)}"

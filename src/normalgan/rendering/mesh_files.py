@@ -2,16 +2,18 @@
 
 import hashlib
 import json
+import struct
 from dataclasses import dataclass
 from glob import glob
 from itertools import pairwise
 from pathlib import Path
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.bounds import read_bounded
 from normalgan.errors import InputError
+from normalgan.rendering.claims import gltf_tree, name_in_folder
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
@@ -141,16 +143,22 @@ def _buffers(path: Path) -> list[Path]:
     if path.suffix.lower() != ".gltf":
         return []
     try:
-        names = [buffer.get("uri", "") for buffer in json.loads(_bytes(path))["buffers"]]
-    except (ValueError, LookupError, AttributeError, TypeError):
+        uris = [buffer.get("uri", "") for buffer in gltf_tree(path)["buffers"]]
+        names = [(uri, name_in_folder(uri)) for uri in uris if uri and not uri.startswith("data:")]
+    except InputError:
+        raise
+    except (ValueError, LookupError, AttributeError, TypeError, RecursionError, OSError, struct.error):
         return []  # broken: `load` says how
-    linked = [path.parent / name for name in names if name and not name.startswith("data:")]
     # A URI writes a space as %20; some exporters do not.
-    return [file if file.exists() else file.parent / unquote(file.name) for file in linked]
+    places = [
+        [path.parent / (uri if "%" in uri else name), path.parent / name] for uri, name in names if name
+    ]
+    chosen = [next((file for file in place if file.is_file()), place[1]) for place in places]
+    return [file for file in chosen if file.is_file() or not file.exists()]  # a device: `load` refuses it
 
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_bounded(path)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error

@@ -29,7 +29,7 @@ def read_orientations(path: str) -> dict[str, Orientation]:
     """
     try:
         table = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"the orientation file {path} cannot be read as JSON: {brief(error)}") from error
     if not isinstance(table, dict):
         raise InputError(f"the orientation file {path} must hold an object with one entry a mesh.")

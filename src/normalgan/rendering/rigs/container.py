@@ -3,14 +3,14 @@
 import base64
 import binascii
 import json
-import os
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote, urlsplit
 
+from normalgan.bounds import read_bounded
 from normalgan.errors import InputError, brief
+from normalgan.rendering.claims import name_in_folder
 
 RIG_SUFFIXES = (".glb", ".gltf")
 """The file formats that can hold a skin."""
@@ -129,9 +129,8 @@ def _linked(path: Path, uri: str) -> bytes:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
             raise bad_rig(path, f"a buffer written into it is no base64: {brief(error)}") from error
-    parts = urlsplit(uri)
-    name = os.path.normpath(unquote(parts.path))
-    if parts.scheme or parts.netloc or Path(name).is_absolute() or name.startswith(".."):
+    name = name_in_folder(uri)
+    if name is None:
         raise bad_rig(path, f"its buffer {uri!r} does not lie in its folder")
     if not (path.parent / name).is_file():
         raise bad_rig(path, f"its buffer {uri!r} is missing")
@@ -140,6 +139,6 @@ def _linked(path: Path, uri: str) -> bytes:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_bounded(path)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error

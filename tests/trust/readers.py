@@ -1,0 +1,103 @@
+"""The program that reads hostile files: reader, bytes and seconds as arguments, paths on standard input."""
+
+import json
+import resource
+import signal
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from normalgan.errors import InputError
+
+
+def mesh(path: Path) -> None:
+    """Read a mesh as rendering does: its fingerprint first."""
+    from normalgan.rendering.mesh_files import MeshFile
+
+    MeshFile(str(path)).fingerprint()
+    MeshFile(str(path)).load()
+
+
+def configuration(path: Path) -> None:
+    """Look at a configuration as every training command does first."""
+    from normalgan.mistakes import check_config
+
+    check_config(path, ("trainer", "data", "model"))
+
+
+def drawing(path: Path) -> None:
+    """Read a drawing."""
+    from normalgan.drawings import read_drawing
+
+    read_drawing(path)
+
+
+def hints(path: Path) -> None:
+    """Read hints for a drawing of 32 × 32 pixels."""
+    from normalgan.inference.hint_files import load_hints
+
+    load_hints(path, (32, 32))
+
+
+def orientation(path: Path) -> None:
+    """Read an orientation file."""
+    from normalgan.rendering.orientation import read_orientations
+
+    read_orientations(str(path))
+
+
+def checkpoint(path: Path) -> None:
+    """Read the settings in a checkpoint, as all that use one do first."""
+    from normalgan.checkpoints import read_settings
+
+    read_settings(path)
+
+
+READERS: dict[str, Callable[[Path], None]] = {
+    read.__name__: read for read in (mesh, configuration, drawing, hints, orientation, checkpoint)
+}
+
+
+def too_long(*_: object) -> None:
+    """Turn the signal of the timer into an exception that no parser catches."""
+    raise KeyboardInterrupt
+
+
+def answer(read: Callable[[Path], None], path: Path, seconds: float) -> dict[str, object]:
+    """Return what a reader made of a file."""
+    outcome, words, start = "read", "", time.process_time()
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        read(path)
+    except InputError as error:
+        outcome, words = "refused", str(error)
+    except KeyboardInterrupt:
+        outcome, words = "broke", f"not done after {seconds} seconds"
+    except BaseException as error:
+        outcome, words = "broke", repr(error)[:300]
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+    return {
+        "name": path.name,
+        "outcome": outcome,
+        "words": words,
+        "seconds": time.process_time() - start,
+    }
+
+
+def main(name: str, memory: int, seconds: float) -> None:
+    """Read all files."""
+    if name == "checkpoint":
+        import torch  # noqa: F401 -- its libraries alone map gigabytes
+    if name == "mesh":
+        import trimesh  # noqa: F401 -- not part of the first file's time
+    mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (mapped + memory, mapped + memory))
+    signal.signal(signal.SIGPROF, too_long)
+    for line in sys.stdin.read().splitlines():
+        print(json.dumps(answer(READERS[name], Path(line), seconds)), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int(sys.argv[2]), float(sys.argv[3]))
