@@ -10,9 +10,9 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
-    {"normals", "registry", "seeds"},
+    {"normals", "registry", "seeds", "bounds"},
     {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
-    | {"checkpoints", "mistakes", "quiet"},
+    | {"checkpoints", "mistakes", "occupied", "quiet"},
     {"painter", "inference", "testing"},
     {"data", "gan"},
     {"callbacks", "plugins"},

@@ -1,6 +1,7 @@
 """The front door: turns whatever happens inside into an exit code and, if it went wrong, one sentence.
 
 0: done. 2: something that was given cannot be used. 1: it failed while running. 130: stopped by Ctrl-C.
+143: stopped by SIGTERM, the checkpoint saved.
 """
 
 import difflib

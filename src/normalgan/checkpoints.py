@@ -61,6 +61,25 @@ def checkpoint_folder(root: str | None) -> str:
     return str(Path(root or ".") / "checkpoints")
 
 
+def stopped_checkpoint(root: str | None) -> Path:
+    """Return where a run that is stopped within an epoch leaves its checkpoint, by the run's folder."""
+    return Path(checkpoint_folder(root)) / "stopped.ckpt"
+
+
+def check_unused(folder: Path) -> None:
+    """Make sure that the folder of a new run's checkpoints holds none to go on from.
+
+    Raises:
+        InputError: if it does.
+    """
+    for there in (folder / "last.ckpt", stopped_checkpoint(str(folder.parent))):
+        if there.is_file():
+            raise InputError(
+                f"{folder} holds a run already: resume it with --ckpt_path {there}, "
+                "or give another --trainer.default_root_dir."
+            )
+
+
 def read_settings(path: Path) -> dict[str, Any]:
     """Return the settings of the model in a checkpoint.
 

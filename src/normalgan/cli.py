@@ -1,7 +1,9 @@
 """The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
 
+import signal
 import sys
 import warnings
+from contextlib import ExitStack
 from pathlib import Path
 from textwrap import shorten
 
@@ -9,11 +11,14 @@ from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import ModelCheckpoint
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
+from lightning.pytorch.utilities.exceptions import SIGTERMException
+from lightning.pytorch.utilities.rank_zero import rank_zero_only
 
-from normalgan.callbacks import NormalMapWriter, PictureLogger, TestReport
+from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
 from normalgan.checkpoints import (
     LastCheckpoint,
     check_size,
+    check_unused,
     check_writable,
     checkpoint_folder,
     overruled,
@@ -23,6 +28,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
 from normalgan.mistakes import check_config, refusal
+from normalgan.occupied import one_run_in
 from normalgan.parser import Parser, given_configs
 from normalgan.plugins import REGISTRIES
 from normalgan.quiet import be_quiet
@@ -57,6 +63,9 @@ class SaveConfig(SaveConfigCallback):
 
 class NormalGANCLI(LightningCLI):
     """fit, validate, test, predict, and render."""
+
+    held: ExitStack
+    """What the command holds until it ends: the run's folder."""
 
     @staticmethod
     def subcommands() -> dict[str, set[str]]:
@@ -130,11 +139,10 @@ class NormalGANCLI(LightningCLI):
             config["verbose"] = False  # Lightning's own list of figures would bury our table
         if command in {"fit", "test"}:
             check_writable(last.parent.parent)
-        if command == "fit" and config["ckpt_path"] is None and last.is_file():
-            raise InputError(
-                f"{last.parent} holds a run already: resume it with --ckpt_path {last}, "
-                "or give another --trainer.default_root_dir."
-            )
+        if command == "fit" and config["ckpt_path"] is None:
+            check_unused(last.parent)
+        if command == "fit" and rank_zero_only.rank == 0:  # the other processes of a run share its folder
+            self.held.enter_context(one_run_in(last.parent.parent))
 
     def instantiate_classes(self) -> None:
         """Build model, data and trainer; what they refuse is a setting."""
@@ -157,8 +165,8 @@ def run(arguments: list[str]) -> int:
         check_config(given, SECTIONS)
     # One command's parser alone: each takes a fifth of a second to build.
     only = {command: skip for command, skip in NormalGANCLI.subcommands().items() if command == arguments[0]}
-    cli = type("Command", (NormalGANCLI,), {"subcommands": staticmethod(lambda: only)})
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), ExitStack() as held:
+        cli = type("Command", (NormalGANCLI,), {"subcommands": staticmethod(lambda: only), "held": held})
         be_quiet()
         for registry in REGISTRIES.values():
             registry.load_entry_points()
@@ -169,7 +177,7 @@ def run(arguments: list[str]) -> int:
                 save_config_callback=SaveConfig,
                 save_config_kwargs={"overwrite": True},
                 trainer_class=RenderingTrainer,
-                trainer_defaults={"callbacks": [LastCheckpoint()]},
+                trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
                 seed_everything_default=0,
                 parser_class=Parser,
                 parser_kwargs={"prog": "normalgan"},
@@ -178,6 +186,8 @@ def run(arguments: list[str]) -> int:
             )
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
+        except SIGTERMException as stop:
+            raise SystemExit(128 + signal.SIGTERM) from stop
         except SystemExit as stop:
             if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes exit(1) of it
                 raise stop.__context__ from None

@@ -18,6 +18,7 @@ from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
 from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
+from normalgan.objectives.finite import loss_error, not_finite
 from normalgan.painter import NormalPainter
 from normalgan.seeds import derive_seed
 
@@ -104,39 +105,48 @@ class NormalGAN(NormalPainter):
             painted: Tensor = self.generator(condition)
         fake = paste_hints(painted[:, :3], hints)
         if self.discriminator is not None:
-            self._step_discriminator(self.discriminator, condition, batch["normal"], fake.detach())
+            self._step_discriminator(self.discriminator, condition, batch, fake.detach())
         if generates:
             terms = self.reconstruction.terms(painted, batch["normal"], batch["mask"], hints[:, 3:])
-            self._step_generator(condition, terms, fake)
+            self._step_generator(condition, terms, fake, batch)
 
     def _step_discriminator(
-        self, discriminator: Discriminator, condition: Tensor, real: Tensor, fake: Tensor
+        self, discriminator: Discriminator, condition: Tensor, batch: Batch, fake: Tensor
     ) -> None:
-        optimizer = self._optimizers()[1]
+        optimizer, real = self._optimizers()[1], batch["normal"]
         with self.toggled_optimizer(optimizer):
             # Two passes: in one, batch norm would mix the statistics of true and painted maps.
             loss = self.objective.discriminator_loss(
                 discriminator(condition, real), discriminator(condition, fake)
             )
             penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
+            self._check_losses({"discriminator": loss, "penalty": penalty}, batch)
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
         self.log("train/discriminator", loss.detach(), prog_bar=True)
 
-    def _step_generator(self, condition: Tensor, terms: dict[str, Term], fake: Tensor) -> None:
+    def _step_generator(self, condition: Tensor, terms: dict[str, Term], fake: Tensor, batch: Batch) -> None:
         optimizer = self._optimizers()[0]
         with self.toggled_optimizer(optimizer):
             if self.discriminator is not None:
                 score = self.objective.generator_loss(self.discriminator(condition, fake))
                 terms = {**terms, "adversarial": Term(score, self.adversarial_weight)}
+            self._check_losses({name: term.value for name, term in terms.items()}, batch)
             optimizer.zero_grad()
             self.manual_backward(torch.stack([term.weight * term.value for term in terms.values()]).sum())
             optimizer.step()
         self.log_dict({f"train/{name}": term.value.detach() for name, term in terms.items()})
         first = next(iter(terms))
         self.log(first, terms[first].value.detach(), prog_bar=True, logger=False)
+
+    def _check_losses(self, losses: dict[str, Tensor], batch: Batch) -> None:
+        """Stop before a step that would make all weights NaN; in every process, lest the others wait."""
+        bad = not_finite(losses)
+        strategy, loop = self.trainer.strategy, self.trainer.fit_loop.epoch_loop
+        if strategy.reduce_boolean_decision(bool(bad), all=False):
+            raise loss_error(bad, batch.get("name", []), self.current_epoch, loop.batch_idx)
 
     def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
         """Clip the generator's gradient: here that of mixed precision is no longer scaled."""

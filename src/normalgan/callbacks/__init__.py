@@ -3,7 +3,15 @@
 from normalgan.callbacks.learning_curve import LearningCurve
 from normalgan.callbacks.pictures import PictureLogger
 from normalgan.callbacks.report import TestReport
+from normalgan.callbacks.stopped import StoppedCheckpoint
 from normalgan.callbacks.wall_clock import WallClockSchedule
 from normalgan.callbacks.writer import NormalMapWriter
 
-__all__ = ["LearningCurve", "NormalMapWriter", "PictureLogger", "TestReport", "WallClockSchedule"]
+__all__ = [
+    "LearningCurve",
+    "NormalMapWriter",
+    "PictureLogger",
+    "StoppedCheckpoint",
+    "TestReport",
+    "WallClockSchedule",
+]
