@@ -58,7 +58,7 @@ def yaml_excess(text: str) -> str | None:
         elif isinstance(event, yaml.AliasEvent):
             if event.anchor in open_anchors:
                 return f"contains itself, at *{event.anchor}"
-            counts[-1] += sizes.get(event.anchor, 1)
+            counts[-1] += sizes.get(str(event.anchor), 1)
         elif isinstance(event, yaml.ScalarEvent):
             counts[-1] += 1
         if len(counts) > MOST_DEPTH:

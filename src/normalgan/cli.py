@@ -11,8 +11,8 @@ from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import ModelCheckpoint
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
+from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
-from lightning.pytorch.utilities.rank_zero import rank_zero_only
 
 from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
 from normalgan.checkpoints import (
@@ -141,7 +141,8 @@ class NormalGANCLI(LightningCLI):
             check_writable(last.parent.parent)
         if command == "fit" and config["ckpt_path"] is None:
             check_unused(last.parent)
-        if command == "fit" and rank_zero_only.rank == 0:  # the other processes of a run share its folder
+        # The other processes of a run share its folder.
+        if command == "fit" and rank_zero_only.rank == 0:  # type: ignore[attr-defined]
             self.held.enter_context(one_run_in(last.parent.parent))
 
     def instantiate_classes(self) -> None:

@@ -112,7 +112,8 @@ def _draw_svg(path: Path, data: bytes, side: int) -> bytes:
     try:
         text = data.decode("utf-8-sig")
         # Without fonts: what is drawn must not depend on those that a machine has.
-        small = bytes(svg_to_bytes(svg_string=text, width=64, dpi=_DPI, skip_system_fonts=True))
+        # Within a square: with a width alone, one that is very high would end the process for want of memory.
+        small = bytes(svg_to_bytes(svg_string=text, width=64, height=64, dpi=_DPI, skip_system_fonts=True))
         with Image.open(io.BytesIO(small)) as image:
             wide = image.height <= image.width
         width, height = (side, None) if wide else (None, side)

@@ -5,6 +5,7 @@ import resource
 import signal
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -47,6 +48,15 @@ def orientation(path: Path) -> None:
     read_orientations(str(path))
 
 
+def split(path: Path) -> None:
+    """Read a split file that may name the meshes a to d."""
+    from normalgan.data.splits import split_by_file
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of meshes it leaves out
+        split_by_file(path, ["a", "b", "c", "d"])
+
+
 def checkpoint(path: Path) -> None:
     """Read the settings in a checkpoint, as all that use one do first."""
     from normalgan.checkpoints import read_settings
@@ -55,7 +65,7 @@ def checkpoint(path: Path) -> None:
 
 
 READERS: dict[str, Callable[[Path], None]] = {
-    read.__name__: read for read in (mesh, configuration, drawing, hints, orientation, checkpoint)
+    read.__name__: read for read in (mesh, configuration, drawing, hints, orientation, split, checkpoint)
 }
 
 

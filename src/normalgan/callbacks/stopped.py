@@ -22,7 +22,7 @@ class StoppedCheckpoint(Callback):
         """Save, and say where."""
         if not isinstance(exception, SIGTERMException | LossError):
             return
-        if trainer.fast_dev_run or trainer.sanity_checking:
+        if trainer.sanity_checking or trainer.fast_dev_run:  # type: ignore[attr-defined]  # set from outside
             return
         path = stopped_checkpoint(trainer.default_root_dir)
         trainer.save_checkpoint(path)

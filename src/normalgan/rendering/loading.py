@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
 """The file formats taken, by suffix; upper case is as good."""
+GLTF = {".glb", ".gltf"}
 
 
 def read_triangles(path: Path) -> Triangles:
@@ -28,7 +29,7 @@ def read_triangles(path: Path) -> Triangles:
     Raises:
         InputError: if the file cannot be read, or holds no triangle, or a coordinate that is no number.
     """
-    parts = [_placed(mesh, matrix) for mesh, matrix in _meshes(_scene(path))]
+    parts = _parts(path)
     if not any(len(faces) for _, faces in parts):
         raise InputError(f"{path} holds no faces; a mesh of triangles is needed, not points or lines.")
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
@@ -42,7 +43,7 @@ def read_triangles(path: Path) -> Triangles:
     return vertices, faces
 
 
-def _scene(path: Path) -> "Scene":
+def _parts(path: Path) -> list[Triangles]:
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"{path} is no mesh file; its name must end in one of {' '.join(SUFFIXES)}.")
     if not path.is_file():
@@ -53,8 +54,9 @@ def _scene(path: Path) -> "Scene":
         with _silence():
             check_claims(path)
             # Materials of a glTF are pictures: nothing that is rendered, and files of anyone's choice.
-            more = {"skip_materials": True} if path.suffix.lower() in {".glb", ".gltf"} else {}
-            return trimesh.load_scene(path, process=False, **more)
+            more: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() in GLTF else {}
+            scene = trimesh.load_scene(path, process=False, **more)
+            return [_placed(mesh, matrix) for mesh, matrix in _meshes(scene)]
     except InputError:
         raise
     except Exception as error:  # whatever the many parsers raise on a broken file
@@ -75,6 +77,8 @@ def _meshes(scene: "Scene") -> Iterator[tuple["Trimesh", NDArray[np.float64]]]:
 
 
 def _placed(mesh: "Trimesh", matrix: NDArray[np.float64]) -> Triangles:
+    if mesh.vertices.shape[1:] != (3,):
+        raise ValueError("its vertices do not have three coordinates each")
     with np.errstate(invalid="ignore"):  # coordinates that are no numbers are refused later
         vertices = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     faces = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)

@@ -1,0 +1,70 @@
+"""Sound files of every kind that is read: what the mutator starts from."""
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from hostile import TRIANGLE, gltf
+from PIL import Image
+
+CONFIGURATION = Path(__file__).parents[1] / "conf" / "resume.yaml"
+
+
+def sound() -> dict[str, dict[str, bytes]]:
+    """Return the files by reader (see `readers.py`) and name."""
+    ball = trimesh.creation.icosphere(1)
+    meshes = {}
+    for suffix in ("off", "obj", "ply", "stl", "glb"):
+        content = ball.export(file_type=suffix)
+        meshes[f"ball.{suffix}"] = content.encode() if isinstance(content, str) else content
+    meshes["ascii.ply"] = ball.export(file_type="ply", encoding="ascii")
+    meshes["ascii.stl"] = ball.export(file_type="stl_ascii").encode()
+    meshes["beside.gltf"] = gltf().encode()
+    grey = np.full((24, 24), 255, np.uint8)
+    grey[6:18, 12] = 0
+    drawings = {
+        f"line.{kind}": _picture(grey, kind) for kind in ("png", "jpeg", "gif", "webp", "bmp", "tiff")
+    }
+    shape = b'<path d="M2 2L30 30" stroke="#000"/>'
+    drawings["line.svg"] = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">' + shape + b"</svg>"
+    painted = np.zeros((32, 32, 4), np.uint8)
+    painted[8, 8] = (128, 128, 255, 255)
+    listed = json.dumps(
+        [{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}, {"x": 1.5, "y": 0, "normal": [0, 0, 1]}]
+    )
+    turned = json.dumps({"ball": {"rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "inside_out": False}})
+    return {
+        "mesh": meshes,
+        "drawing": drawings,
+        "hints": {"hints.png": _picture(painted, "png"), "hints.json": listed.encode()},
+        "configuration": {"resume.yaml": CONFIGURATION.read_bytes()},
+        "orientation": {"turned.json": turned.encode()},
+        "split": {"split.json": json.dumps({"train": ["a"], "val": ["b"], "test": ["c"]}).encode()},
+    }
+
+
+def sound_checkpoint() -> bytes:
+    """Return a file of the form of a checkpoint, as small as it gets."""
+    import torch  # takes seconds
+
+    settings = {key: {"class_path": "a.B"} for key in ("generator", "hint_sampler", "objective")}
+    buffer = io.BytesIO()
+    torch.save({"hyper_parameters": settings, "state_dict": {"weight": torch.zeros(3)}}, buffer)
+    return buffer.getvalue()
+
+
+def _picture(pixels: "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]", kind: str) -> bytes:
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, kind)
+    return buffer.getvalue()
+
+
+def lay_out(folder: Path, content: bytes, name: str, number: int) -> Path:
+    """Write a mutant beside the buffer that a glTF refers to."""
+    if not (folder / "triangle.bin").exists():
+        (folder / "triangle.bin").write_bytes(TRIANGLE)
+    path = folder / f"{number:05d}-{name}"
+    path.write_bytes(content)
+    return path

@@ -1,0 +1,69 @@
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from limited import SECONDS, read_limited
+from mutator import mutated
+from seeds_of_mutants import lay_out, sound, sound_checkpoint
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")
+
+MUTATIONS = int(os.environ.get("NORMALGAN_MUTATIONS", "25"))
+"""How many mutants each reader gets."""
+SEED = int(os.environ.get("NORMALGAN_MUTATION_SEED", "0"))
+SOUND = sound()
+CORPUS = Path(__file__).with_name("corpus")
+"""Files that mutants which broke a reader were cut down to, by reader; made for these tests, CC0."""
+
+
+@pytest.mark.parametrize("reader", SOUND)
+def test_the_files_that_mutants_are_made_from_are_read(tmp_path: Path, reader: str) -> None:
+    # Else all mutants would be refused at the door, and nothing would be tried.
+    files = [lay_out(tmp_path, content, name, 0) for name, content in SOUND[reader].items()]
+    for answer in read_limited(reader, files):
+        assert answer.outcome == "read", answer
+
+
+def read_mutants(folder: Path, reader: str, kinds: dict[str, bytes], seed: int) -> None:
+    """Hold a reader to reading or refusing each mutant, within the limits."""
+    rng = np.random.default_rng([SEED, seed])
+    names = list(kinds)
+    files = []
+    for number in range(MUTATIONS):
+        name = names[number % len(names)]
+        files.append(lay_out(folder, mutated(kinds[name], rng), name, number))
+    answers = read_limited(reader, files)
+    for answer in answers:
+        assert answer.outcome in {"read", "refused"}, answer
+        assert answer.outcome == "read" or answer.name in answer.words, answer
+        assert "\n" not in answer.words, answer
+        assert answer.seconds < SECONDS, answer
+    assert any(answer.outcome == "refused" for answer in answers)
+
+
+@pytest.mark.parametrize("reader", SOUND)
+def test_a_mutant_is_read_or_refused(tmp_path: Path, reader: str) -> None:
+    read_mutants(tmp_path, reader, SOUND[reader], list(SOUND).index(reader))
+
+
+@pytest.mark.slow  # imports torch twice
+def test_a_mutant_of_a_checkpoint_is_read_or_refused(tmp_path: Path) -> None:
+    kinds = {"small.ckpt": sound_checkpoint()}
+    (whole,) = read_limited("checkpoint", [lay_out(tmp_path, kinds["small.ckpt"], "whole.ckpt", 0)])
+    assert whole.outcome == "read", whole
+    read_mutants(tmp_path, "checkpoint", kinds, len(SOUND))
+
+
+@pytest.mark.parametrize("reader", [folder.name for folder in CORPUS.iterdir()])
+def test_what_once_broke_a_reader_is_refused(reader: str) -> None:
+    for answer in read_limited(reader, sorted((CORPUS / reader).iterdir())):
+        assert answer.outcome == "refused", answer
+
+
+def test_the_mutator_repeats_itself_and_changes_something() -> None:
+    content = SOUND["mesh"]["ball.off"]
+    one, same, other = (mutated(content, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    assert one == same
+    assert one not in {content, other}
