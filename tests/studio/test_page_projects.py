@@ -68,6 +68,22 @@ def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> N
         assert studio.page.locator("#chips .chip").count() == 1
 
 
+def test_a_drawing_named_on_the_command_line_is_opened_once_in_a_tab(
+    opened: "Browser", tmp_path: Path
+) -> None:
+    (tmp_path / "egg.svg").write_text(SVG)
+    model = write_model(tmp_path / "ramp.onnx")
+    with (
+        serving(model, tmp_path / "projects", str(tmp_path / "egg.svg")) as server,
+        open_studio(opened, server.url) as studio,
+    ):
+        studio.wait_for_status("egg")
+        studio.page.wait_for_function("() => document.getElementById('result').dataset.painted")
+        studio.page.reload()
+        studio.page.wait_for_selector("html[data-ready]")
+        assert studio.painted() == 0
+
+
 def test_two_tabs_do_not_overwrite_one_another(opened: "Browser", server: Server) -> None:
     tolerate = ("status of 412",)
     with open_studio(opened, server.url) as one, open_studio(opened, server.url, tolerate=tolerate) as two:

@@ -35,6 +35,9 @@ const words = (response, name) => decodeURIComponent(response.headers.get(name) 
 /** @returns {Promise<{version: string, model: {name: string, size: number}}>} */
 export const about = async () => (await ask("/api/about")).json();
 
+/** Returns what the command line named. @returns {Promise<{kind: string, name: string, [more: string]: any} | null>} */
+export const named = async () => (await ask("/api/open")).json();
+
 /** Returns a painted map, or null if a newer request came in between. */
 export async function paint(request, signal) {
   const response = await post("/api/paint", request, signal);

@@ -94,5 +94,5 @@ $("keys").replaceChildren(...rows);
 
 const served = await about().catch((error) => status.fail(error));
 if (served) $("about").textContent = say("about", { version: served.version, model: served.model.name });
-await begin(served?.open ?? null, { projects, importing, autosave, status });
+await begin({ projects, importing, autosave, status });
 document.documentElement.dataset.ready = "true";

@@ -1,5 +1,6 @@
 /** Start: what the command line named is opened, and unsaved work is offered. */
 
+import { named } from "./api.js";
 import { unsaved } from "./autosave.js";
 import { $ } from "./dom.js";
 import { openTabs } from "./tab.js";
@@ -8,19 +9,23 @@ import { say, text } from "./text.js";
 /** @typedef {{projects: import("./projects.js").Projects, importing: import("./importing.js").Importing,
  *   autosave: import("./autosave.js").Autosave, status: import("./status.js").Status}} Parts */
 
+const OPENED = "normalgan-opened";
+
 /**
- * Opens what was named, then offers unsaved work.
- * @param {{kind: string, name: string, [more: string]: any} | null} named by the command line
+ * Opens what the command line named, then offers unsaved work.
  * @param {Parts} parts
  */
-export async function begin(named, parts) {
+export async function begin(parts) {
   const { projects, importing, status } = parts;
   try {
-    if (named?.kind === "project") await projects.open(named.name);
-    if (named?.kind === "document") await projects.load(named.document, null, false);
-    if (named?.kind === "drawing") {
-      const url = `data:image/png;base64,${named.picture}`;
-      await importing.place(url, named.width, named.height, "drawing", named.name);
+    // Once in a tab: a page that is loaded again offers what was made of it since.
+    const first = sessionStorage.getItem(OPENED) ? null : await named().catch((error) => status.fail(error));
+    if (first !== undefined) sessionStorage.setItem(OPENED, "yes");
+    if (first?.kind === "project") await projects.open(first.name);
+    if (first?.kind === "document") await projects.load(first.document, null, false);
+    if (first?.kind === "drawing") {
+      const url = `data:image/png;base64,${first.picture}`;
+      await importing.place(url, first.width, first.height, "drawing", first.name);
     }
     await offer(await unsaved(await openTabs()), parts);
   } catch (error) {
