@@ -137,7 +137,7 @@ def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: P
         thread = threading.Thread(target=meddle)
         thread.start()
         with pytest.raises(RunError, match=r"^the scheduler at .* is gone; what is finished is kept"):
-            render(tmp_path / "cache", troupe.address, seconds=0.1)
+            render(tmp_path / "cache", troupe.address, seconds=0.2)
         thread.join()
     assert 0 < finished(tmp_path / "cache") < 4
 

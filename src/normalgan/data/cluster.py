@@ -113,7 +113,10 @@ class Cluster:
         from distributed import KilledWorker
 
         if future.status == "finished":
-            outcome = future.result()
+            try:
+                outcome = future.result()
+            except KilledWorker:  # the result died with its worker, and so did those that made it anew
+                return Killed()
             if isinstance(outcome, Unfit):
                 self._watch(at_once=True)
             return outcome
