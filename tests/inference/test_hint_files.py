@@ -45,7 +45,11 @@ def test_no_hints_are_no_hints(tmp_path: Path) -> None:
             r"\[0, 3, 0\] of hint 1 of .*, at x 1, y 2, has length 3.00",
         ),
         ("\x80", "are not a text"),
+        ("[" * 100_000, "are no list of hints"),
+        ("[" + "9" * 5000 + "]", "are no list of hints"),
+        ('[{"x": 1' + "0" * 400 + ', "y": 2, "normal": [0, 0, 1]}]', "and a normal of three numbers"),
     ],
+    ids=lambda each: str(each)[:40],
 )
 def test_bad_hints_are_named(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "a.json").write_bytes(text.encode("latin-1"))

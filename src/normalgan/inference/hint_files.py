@@ -97,7 +97,8 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    # Far beyond any picture or normal, and within what a float holds.
+    return isinstance(value, int | float) and not isinstance(value, bool) and -1e9 < value < 1e9
 
 
 def _parsed(path: Path) -> Any:
@@ -107,5 +108,7 @@ def _parsed(path: Path) -> Any:
         raise InputError(f"the hints {path} are not JSON: line {error.lineno}: {error.msg}.") from None
     except UnicodeDecodeError:
         raise InputError(f"the hints {path} are not a text.") from None
+    except (ValueError, RecursionError):  # a number of thousands of digits, a list in a list in a list …
+        raise InputError(f"the hints {path} are no list of hints; they hold what none has.") from None
     except OSError as error:
         raise InputError(f"the hints {path} cannot be read: {error.strerror}.") from None
