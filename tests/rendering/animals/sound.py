@@ -1,5 +1,7 @@
 """What every mesh of every species must be; for the tests beside this file."""
 
+import os
+
 import numpy as np
 import pytest
 import trimesh
@@ -10,6 +12,8 @@ from normalgan.rendering.animals.meshing import to_mesh
 from normalgan.rendering.mesh import Mesh
 
 COARSE = 6_000  # faces of the quick tests
+# Individuals of each species at full size, a second each; try 12 after a change to how animals are made.
+FULL_SIZE = range(int(os.environ.get("NORMALGAN_ANIMALS", "3")))
 
 
 def coarse(species: str, seed: int, pose: str | None = None) -> Mesh:

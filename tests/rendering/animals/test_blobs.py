@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from sound import check_closed, check_full_size, check_individuals, coarse
+from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.rendering.animals import Animal
 from normalgan.rendering.animals.blobs_vessels import turned
@@ -62,5 +62,5 @@ def test_blobs_without_a_name_have_from_round_to_long_outlines() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("species", BLOBS)
 def test_all_blobs_are_sound_at_full_size(species: str) -> None:
-    for seed in range(24 if species in {"blob", "creature"} else 12):
+    for seed in FULL_SIZE:
         check_full_size(Animal(species, seed))

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from sound import check_closed, check_full_size, check_individuals, coarse
+from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.rendering.animals import Animal
 from normalgan.rendering.animals.insects import legs, wing
@@ -59,5 +59,5 @@ def test_wings_are_mirrored_and_raised() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("species", INSECTS)
 def test_all_insects_are_sound_at_full_size(species: str) -> None:
-    for seed in range(12):
+    for seed in FULL_SIZE:
         check_full_size(Animal(species, seed))

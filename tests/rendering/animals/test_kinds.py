@@ -86,7 +86,6 @@ def test_fish_that_glide_are_nearly_the_same_on_both_sides(species: str) -> None
 @pytest.mark.parametrize("species", NAMES)
 def test_every_pose_of_every_species_is_sound(species: str) -> None:
     for pose in SPECIES[species].poses:
-        for seed in (3, 4):
-            mesh = Animal(species, seed, pose).load()
-            assert_sound(mesh, f"{species} {pose} {seed}")
-            assert 15_000 <= len(mesh.faces) <= 45_000
+        mesh = Animal(species, 3, pose).load()
+        assert_sound(mesh, f"{species} {pose}")
+        assert 15_000 <= len(mesh.faces) <= 45_000

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from sound import check_closed, check_full_size, check_individuals, coarse
+from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.rendering.animals import Animal
 from normalgan.rendering.animals.kinds.plush import PLUSH
@@ -37,5 +37,5 @@ def test_what_is_sewn_on_a_head_lies_on_its_ellipsoid() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("species", PLUSH)
 def test_all_toys_are_sound_at_full_size(species: str) -> None:
-    for seed in range(12):
+    for seed in FULL_SIZE:
         check_full_size(Animal(species, seed))
