@@ -4,7 +4,7 @@ import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from itertools import count
 from queue import Empty, SimpleQueue
 from types import TracebackType
@@ -107,7 +107,8 @@ class Cluster:
                 yield task, outcome
         finally:
             if self._client.status == "running":
-                self._client.cancel([future for future, _ in under_way.values()], force=True)
+                with suppress(OSError):  # the scheduler may have gone a moment ago
+                    self._client.cancel([future for future, _ in under_way.values()], force=True)
 
     def _outcome(self, future: Any) -> Any:
         from distributed import KilledWorker
@@ -117,6 +118,8 @@ class Cluster:
                 outcome = future.result()
             except KilledWorker:  # the result died with its worker, and so did those that made it anew
                 return Killed()
+            except OSError as error:  # on the way, not of the task: that one would have ended in an error
+                raise self._lost() from error
             if isinstance(outcome, Unfit):
                 self._watch(at_once=True)
             return outcome
