@@ -118,8 +118,8 @@ class Cluster:
                 outcome = future.result()
             except KilledWorker:  # the result died with its worker, and so did those that made it anew
                 return Killed()
-            except OSError as error:  # on the way, not of the task: that one would have ended in an error
-                raise self._lost() from error
+            except OSError as cause:  # on the way, not of the task: that one would have ended in an error
+                raise self._lost() from cause
             if isinstance(outcome, Unfit):
                 self._watch(at_once=True)
             return outcome
