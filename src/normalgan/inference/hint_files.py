@@ -97,8 +97,10 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
 
 
 def _is_number(value: Any) -> bool:
-    # Far beyond any picture or normal, and within what a float holds.
-    return isinstance(value, int | float) and not isinstance(value, bool) and -1e9 < value < 1e9
+    try:
+        return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:  # a whole number beyond those of floats
+        return False
 
 
 def _parsed(path: Path) -> Any:

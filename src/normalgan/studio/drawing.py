@@ -65,10 +65,7 @@ class Drawing:
             mask = given.colour.mean(-1) * opacity > 0.5
             if not mask.any():
                 raise InputError("the mask is empty; paint the object white.")
-        try:
-            hints = parse_hints(self.hints, "the request", picture.shape)
-        except OverflowError:  # a whole number beyond those of floats
-            raise InputError("a hint has a number that is too large; x and y are pixels.") from None
+        hints = parse_hints(self.hints, "the request", picture.shape)
         return picture, hints if len(hints.points) else None, mask
 
 
