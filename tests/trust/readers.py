@@ -99,7 +99,7 @@ def answer(read: Callable[[Path], None], path: Path, seconds: float) -> dict[str
 def main(name: str, memory: int, seconds: float) -> None:
     """Read all files."""
     if name == "checkpoint":
-        import normalgan.checkpoints  # noqa: F401 -- takes seconds, and the libraries alone map gigabytes
+        import normalgan.checkpoints  # takes seconds, and the libraries alone map gigabytes
     if name == "mesh":
         import trimesh  # noqa: F401
 
