@@ -1,4 +1,4 @@
-"""A callback that ends the process as SIGKILL does: at once, and with nothing tidied up."""
+"""A callback that sends this process a signal, as a user, a cluster or a full memory does."""
 
 import os
 import signal
@@ -7,20 +7,22 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 
 
 class KillAt(Callback):
-    """Kills after a batch.
+    """Sends a signal after a batch.
 
     Args:
         epoch: in which epoch, from 0.
         batch: after which batch of it, from 0.
+        number: of the signal; SIGKILL ends the process at once, with nothing tidied up.
     """
 
-    def __init__(self, epoch: int, batch: int) -> None:
+    def __init__(self, epoch: int, batch: int, number: int = int(signal.SIGKILL)) -> None:
         self.epoch = epoch
         self.batch = batch
+        self.number = number
 
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: object, batch: object, batch_idx: int
     ) -> None:
-        """Kill, if it is time."""
+        """Send it, if it is time."""
         if (trainer.current_epoch, batch_idx) == (self.epoch, self.batch):
-            os.kill(os.getpid(), signal.SIGKILL)
+            os.kill(os.getpid(), self.number)

@@ -4,10 +4,10 @@ from mesh_shapes import angles, blob, bowl, camera_at, ellipsoid
 from numpy.typing import NDArray
 from opengl_here import needs_opengl
 
-from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer, PyrenderRenderer, Renderer
 from normalgan.rendering.views import Camera
+from normalgan.testing.solids import exact_ellipsoid
 
 both = pytest.mark.parametrize(
     "renderer",
@@ -15,19 +15,6 @@ both = pytest.mark.parametrize(
     ids=["embree", "pyrender"],
 )
 projections = pytest.mark.parametrize("field_of_view", [None, 40.0], ids=["orthographic", "perspective"])
-
-
-def exact_ellipsoid(radii: tuple[float, float, float], camera: Camera, size: int) -> Maps:
-    """Return the maps of an ellipsoid by solving the ray equation."""
-    origins, directions = camera.rays(size)
-    o, d = origins / radii, directions / radii
-    a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 1
-    mask = b * b - a * c > 0
-    depth = np.where(mask, (-b - np.sqrt(np.maximum(b * b - a * c, 0))) / a, np.inf)
-    points = origins + np.where(mask, depth, 0)[..., None] * directions
-    normal = (points / np.square(radii)) @ camera.rotation.T * mask[..., None]
-    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
-    return Maps(normal.astype(np.float32), depth.astype(np.float32), mask)
 
 
 @both

@@ -1,32 +1,9 @@
-"""Callbacks that a stopped run is tested with: a signal, and a loss that is no number."""
-
-import os
-import signal
+"""A callback that makes a loss no number."""
 
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
-
-
-class SignalAt(Callback):
-    """Sends this process SIGTERM, as a cluster does that wants its machine back.
-
-    Args:
-        epoch: in which epoch, from 0.
-        batch: after which batch of it, from 0.
-    """
-
-    def __init__(self, epoch: int, batch: int) -> None:
-        self.epoch = epoch
-        self.batch = batch
-
-    def on_train_batch_end(
-        self, trainer: Trainer, pl_module: LightningModule, outputs: object, batch: Batch, batch_idx: int
-    ) -> None:
-        """Send it, if it is time."""
-        if (trainer.current_epoch, batch_idx) == (self.epoch, self.batch):
-            os.kill(os.getpid(), signal.SIGTERM)
 
 
 class SpoilAt(Callback):

@@ -1,4 +1,5 @@
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -30,8 +31,9 @@ def load(path: Path) -> dict[str, Any]:
 
 
 def test_a_preempted_run_saves_and_says_where(bench: Bench, tmp_path: Path) -> None:
-    stop = ("--trainer.callbacks", "stoppers.SignalAt", "--trainer.callbacks.epoch", 1)
-    outcome = bench.run("fit", tmp_path / "run", *MORE, *stop, "--trainer.callbacks.batch", 1)
+    stop = ("--trainer.callbacks", "killer.KillAt", "--trainer.callbacks.number", int(signal.SIGTERM))
+    when = ("--trainer.callbacks.epoch", 1, "--trainer.callbacks.batch", 1)
+    outcome = bench.run("fit", tmp_path / "run", *MORE, *stop, *when)
     last, stopped = (tmp_path / "run" / "checkpoints" / name for name in ("last.ckpt", "stopped.ckpt"))
     outcome.refused("stopped by SIGTERM", f"resume with --ckpt_path {stopped}.", code=143)
     assert load(stopped)["global_step"] > load(last)["global_step"]
