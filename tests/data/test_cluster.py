@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from dask_processes import SOURCES, VIEWS, Cast, cast, finished, render, wait_for
+from distributed import Client
 from toys import Octahedron, contents, recipe
 
 from normalgan.data.cluster import Cluster
@@ -181,3 +182,16 @@ def test_workers_and_clusters_are_asked_alike(pair: Cast) -> None:
     with Workers(0) as alone, Cluster(pair.address) as many:
         for pool in (alone, many):
             assert sorted(pool.run(abs, [-1, 2, -3])) == [(-3, 3), (-1, 1), (2, 2)]
+
+
+def test_no_two_tasks_share_a_key(pair: Cast, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The scheduler answers for a key it knows with what came of it before, were it the death of a worker.
+    keys = []
+    submit = Client.submit
+    monkeypatch.setattr(
+        Client, "submit", lambda self, *a, key, **k: (keys.append(key), submit(self, *a, key=key, **k))[1]
+    )
+    with Cluster(pair.address) as pool:
+        for _ in range(20):
+            assert list(pool.run(abs, [-1])) == [(-1, 1)]
+    assert len(set(keys)) == len(keys) == 20

@@ -5,10 +5,10 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import ExitStack, suppress
-from itertools import count
 from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self, TypeVar
+from uuid import uuid4
 
 from normalgan.data.cluster_address import connect
 from normalgan.data.cluster_worker import Unfit, flaws, order
@@ -78,7 +78,7 @@ class Cluster:
             InputError: as a task does; what is finished by then is kept.
             RunError: if all workers or the scheduler are gone.
         """
-        todo, number = deque(tasks), count()
+        todo = deque(tasks)
         ended: SimpleQueue[Any] = SimpleQueue()
         under_way: dict[str, tuple[Any, T]] = {}
         suspicious: set[str] = set()
@@ -89,7 +89,8 @@ class Cluster:
                     if not suspicious.isdisjoint(kin(task)):
                         yield task, Killed()
                         continue
-                    key = f"normalgan-{function.__name__}-{id(under_way)}-{next(number)}"
+                    # Never used before: of a known key the scheduler gives the old result, or the old death.
+                    key = f"normalgan-{function.__name__}-{uuid4().hex}"
                     future = self._client.submit(eval, *order(function, task), key=key, pure=False)
                     under_way[key] = future, task
                     future.add_done_callback(ended.put)
