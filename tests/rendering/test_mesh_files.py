@@ -34,7 +34,7 @@ def test_every_format_gives_the_same_mesh(tmp_path: Path, suffix: str) -> None:
     np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-6)
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize("scale", [1e-300, 1e-9, 1.0, 1e9, 1e307])
 def test_size_and_place_in_the_file_do_not_matter(tmp_path: Path, scale: float) -> None:
     mesh = write(tmp_path / "ball.off", (BALL.vertices + np.array([3, 0, 0])) * scale, BALL.faces).load()
     assert len(mesh.vertices) == len(BALL.vertices)

@@ -84,7 +84,9 @@ def finish(name: str, file: MeshFile, vertices: NDArray[np.float64], faces: NDAr
     Raises:
         InputError: if no face has an area.
     """
-    vertices, faces = weld(vertices, faces)
+    # By a power of two, so that no digit changes: squares of huge or tiny lengths leave floating point.
+    _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
+    vertices, faces = weld(np.ldexp(vertices, -exponent), faces)
     if not len(faces):
         raise InputError(f"{file.path} has only faces without area; a mesh needs triangles that have one.")
     if file.rotation is not None:
