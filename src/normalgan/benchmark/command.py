@@ -1,6 +1,7 @@
 """normalgan benchmark: trains and measures every method of a plan, or measures a model as the plan does."""
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 from jsonargparse import Namespace
@@ -48,6 +49,7 @@ def build_parser() -> LightParser:
     parser.add_argument("-o", "--output", default="runs/benchmark", help="where runs and report go")
     parser.add_argument("--rows", type=str | None, help="names of rows, with commas; null takes all")
     parser.add_argument("--seeds", type=str, nargs="+", help="seeds in place of the plan's")
+    parser.add_argument("--images", type=int | None, help="images each generator learns from, not the plan's")
     parser.add_argument(
         "--budget", type=str | None, help="wall-clock time of each run in place of the images, such as 8m"
     )
@@ -127,7 +129,10 @@ def _read(options: Namespace) -> tuple[Plan, Scale]:
         )
     seconds = read_budget(options.budget) if options.budget else None
     overlays = [path for path in files if path not in plans]
-    return read_plan(plans[0]), read_scale(overlays, options.set or (), seconds)
+    plan = read_plan(plans[0])
+    if options.images is not None:
+        plan = replace(plan, images=options.images)
+    return plan, read_scale(overlays, options.set or (), seconds)
 
 
 def _seeds(given: list[str] | None) -> list[int]:
