@@ -5,6 +5,7 @@ from normalgan.callbacks.pictures import PictureLogger
 from normalgan.callbacks.report import TestReport
 from normalgan.callbacks.stopped import StoppedCheckpoint
 from normalgan.callbacks.wall_clock import WallClockSchedule
+from normalgan.callbacks.warm_average import WarmAverage
 from normalgan.callbacks.writer import NormalMapWriter
 
 __all__ = [
@@ -14,4 +15,5 @@ __all__ = [
     "StoppedCheckpoint",
     "TestReport",
     "WallClockSchedule",
+    "WarmAverage",
 ]
