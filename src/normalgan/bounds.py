@@ -1,6 +1,7 @@
 """Bounds: how much is read of what comes from outside, so that no file takes all memory or all time."""
 
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -66,3 +67,29 @@ def yaml_excess(text: str) -> str | None:
         if sum(counts) > MOST_NODES:
             return f"stands for more than {MOST_NODES} values"
     return None
+
+
+def load_yaml(text: str) -> Any:
+    """Return what a YAML text says, loaded safely; ask `yaml_excess` first.
+
+    Raises:
+        yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, of
+            which PyYAML raises a bare ValueError or worse.
+
+    >>> load_yaml("a: 2026-02-30")
+    Traceback (most recent call last):
+    yaml.constructor.ConstructorError: 2026-02-30 looks like a number or a date, but is none; put it in quotes
+      in "<unicode string>", line 1, column 4:
+        a: 2026-02-30
+           ^
+    """
+    return yaml.load(text, _Loader)
+
+
+class _Loader(yaml.SafeLoader):
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)  # type: ignore[no-untyped-call]
+        except (ValueError, AttributeError) as error:
+            problem = f"{node.value:.40} looks like a number or a date, but is none; put it in quotes"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from error

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from normalgan.bounds import MOST_SETTINGS, read_bounded, yaml_excess
+from normalgan.bounds import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.errors import InputError, brief
 from normalgan.registry import Registry
 
@@ -107,7 +107,7 @@ def check_config(path: str | Path, sections: Iterable[str]) -> None:
         text = read_bounded(Path(path), MOST_SETTINGS).decode("utf-8")
         if excess := yaml_excess(text):
             raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
-        content = yaml.safe_load(text)
+        content = load_yaml(text)
     except FileNotFoundError:
         raise InputError(f"there is no configuration file {path}.") from None
     except OSError as error:

@@ -57,6 +57,20 @@ def split(path: Path) -> None:
         split_by_file(path, ["a", "b", "c", "d"])
 
 
+def plan(path: Path) -> None:
+    """Read the plan of a benchmark."""
+    from normalgan.benchmark.plan import read_plan
+
+    read_plan(path)
+
+
+def cluster(path: Path) -> None:
+    """Read the file that says what cluster to render on."""
+    from normalgan.data.cluster_address import read_cluster
+
+    read_cluster(path)
+
+
 def checkpoint(path: Path) -> None:
     """Read the settings in a checkpoint, as all that use one do first."""
     from normalgan.checkpoints import read_settings
@@ -65,7 +79,8 @@ def checkpoint(path: Path) -> None:
 
 
 READERS: dict[str, Callable[[Path], None]] = {
-    read.__name__: read for read in (mesh, configuration, drawing, hints, orientation, split, checkpoint)
+    read.__name__: read
+    for read in (mesh, configuration, drawing, hints, orientation, split, plan, cluster, checkpoint)
 }
 
 
@@ -74,9 +89,16 @@ def too_long(*_: object) -> None:
     raise KeyboardInterrupt
 
 
+def resident(what: str) -> int:
+    """Return the bytes of memory that this process has (VmRSS), or had at most since it was asked (VmHWM)."""
+    status = Path("/proc/self/status").read_text()
+    return 1024 * int(status.partition(f"{what}:")[2].split()[0])
+
+
 def answer(read: Callable[[Path], None], path: Path, seconds: float) -> dict[str, object]:
     """Return what a reader made of a file."""
-    outcome, words, start = "read", "", time.process_time()
+    Path("/proc/self/clear_refs").write_text("5")  # VmHWM counts from here
+    before, outcome, words, start = resident("VmRSS"), "read", "", time.process_time()
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         read(path)
@@ -93,6 +115,7 @@ def answer(read: Callable[[Path], None], path: Path, seconds: float) -> dict[str
         "outcome": outcome,
         "words": words,
         "seconds": time.process_time() - start,
+        "memory": resident("VmHWM") - before,
     }
 
 
@@ -103,7 +126,9 @@ def main(name: str, memory: int, seconds: float) -> None:
     if name == "mesh":
         import trimesh  # noqa: F401
 
-        import normalgan.rendering.mesh_files  # noqa: F401 -- not part of the first file's time
+        import normalgan.rendering.mesh_files  # not part of the first file's time
+    if name == "plan":
+        import normalgan.benchmark.plan  # noqa: F401 -- the same
     mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (mapped + memory, mapped + memory))
     signal.signal(signal.SIGPROF, too_long)

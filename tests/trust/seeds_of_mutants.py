@@ -11,6 +11,25 @@ from PIL import Image
 
 CONFIGURATION = Path(__file__).parents[1] / "conf" / "resume.yaml"
 
+PLAN = """\
+name: small
+images: 100
+seeds: [0, 1]
+hints: 15
+hint_counts: [0, 5, 50]
+data: {data.size: 64, data.animals: 3}
+rows:
+  - {name: mean, label: mean normal, classical: mean}
+  - {name: ours, label: ours, group: ours, configs: [configs/ours.yaml], settings: {model.n_critic: 1}}
+reference: ours
+"""
+CLUSTER = """\
+class_path: distributed.LocalCluster
+init_args: {n_workers: 0, threads_per_worker: 1, dashboard_address: ":0", processes: false}
+adapt: {minimum: 1, maximum: 3}
+patience: 3600
+"""
+
 
 def sound() -> dict[str, dict[str, bytes]]:
     """Return the files by reader (see `readers.py`) and name."""
@@ -42,6 +61,8 @@ def sound() -> dict[str, dict[str, bytes]]:
         "configuration": {"resume.yaml": CONFIGURATION.read_bytes()},
         "orientation": {"turned.json": turned.encode()},
         "split": {"split.json": json.dumps({"train": ["a"], "val": ["b"], "test": ["c"]}).encode()},
+        "plan": {"plan.yaml": PLAN.encode()},
+        "cluster": {"cluster.yaml": CLUSTER.encode()},
     }
 
 

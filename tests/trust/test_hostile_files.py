@@ -2,7 +2,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hostile import CONFIGURATIONS, MESHES, ORIENTATIONS, gltf, pickles, write
+from hostile import CLUSTERS, CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, gltf, pickles, write
 from limited import SECONDS, read_limited
 
 from normalgan.bounds import MOST_BYTES, MOST_NODES, yaml_excess
@@ -14,7 +14,13 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of memor
 
 @pytest.mark.parametrize(
     ("reader", "files"),
-    [("mesh", MESHES), ("configuration", CONFIGURATIONS), ("orientation", ORIENTATIONS)],
+    [
+        ("mesh", MESHES),
+        ("configuration", CONFIGURATIONS),
+        ("orientation", ORIENTATIONS),
+        ("plan", PLANS),
+        ("cluster", CLUSTERS),
+    ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_hostile_files_are_refused_in_one_sentence(

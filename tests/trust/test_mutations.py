@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from limited import SECONDS, read_limited
+from limited import EndedError, read_limited
+from mutants import fault, lay_out_mutants
 from mutator import mutated
 from seeds_of_mutants import lay_out, sound, sound_checkpoint
 
@@ -28,18 +29,8 @@ def test_the_files_that_mutants_are_made_from_are_read(tmp_path: Path, reader: s
 
 def read_mutants(folder: Path, reader: str, kinds: dict[str, bytes], seed: int) -> None:
     """Hold a reader to reading or refusing each mutant, within the limits."""
-    rng = np.random.default_rng([SEED, seed])
-    names = list(kinds)
-    files = []
-    for number in range(MUTATIONS):
-        name = names[number % len(names)]
-        files.append(lay_out(folder, mutated(kinds[name], rng), name, number))
-    answers = read_limited(reader, files)
-    for answer in answers:
-        assert answer.outcome in {"read", "refused"}, answer
-        assert answer.outcome == "read" or answer.name in answer.words, answer
-        assert "\n" not in answer.words, answer
-        assert answer.seconds < SECONDS, answer
+    answers = read_limited(reader, lay_out_mutants(folder, kinds, MUTATIONS, [SEED, seed]))
+    assert [f"{answer.name}: {fault(answer)}" for answer in answers if fault(answer)] == []
     assert any(answer.outcome == "refused" for answer in answers)
 
 
@@ -67,3 +58,11 @@ def test_the_mutator_repeats_itself_and_changes_something() -> None:
     one, same, other = (mutated(content, np.random.default_rng(seed)) for seed in (1, 1, 2))
     assert one == same
     assert one not in {content, other}
+
+
+def test_a_process_that_ends_is_told_from_one_that_answers(tmp_path: Path) -> None:
+    files = [lay_out(tmp_path, SOUND["split"]["split.json"], "split.json", number) for number in range(2)]
+    with pytest.raises(EndedError, match="KeyError: 'nosuch'") as ended:
+        read_limited("nosuch", files)
+    assert ended.value.answers == []
+    assert ended.value.file == files[0]

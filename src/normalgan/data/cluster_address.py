@@ -10,6 +10,7 @@ from typing import Any
 
 import yaml
 
+from normalgan.bounds import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.data.remote import reason
 from normalgan.data.workers import one_thread_each
 from normalgan.errors import InputError
@@ -59,7 +60,7 @@ def connect(where: str, stack: ExitStack) -> tuple[Any, float]:
             )
         address = stack.enter_context(made)
     elif where.endswith((".yaml", ".yml")):
-        content = _read(Path(where))
+        content = read_cluster(Path(where))
         patience = float(content.get("patience", _PATIENCE))
         address = _make(where, content, stack)
     elif where.endswith(".json"):
@@ -97,9 +98,17 @@ def _silence() -> Iterator[None]:
             logging.getLogger(name).setLevel(level)
 
 
-def _read(file: Path) -> dict[str, Any]:
+def read_cluster(file: Path) -> dict[str, Any]:
+    """Return what a YAML file says of a cluster; see `connect`.
+
+    Raises:
+        InputError: if it cannot be read, wants too much, or does not name a class.
+    """
     try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+        text = read_bounded(file, MOST_SETTINGS).decode("utf-8")
+        if excess := yaml_excess(text):
+            raise InputError(f"the cluster file {file} {excess}; a cluster needs no such thing.")
+        content = load_yaml(text)
     except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
         raise InputError(f"the cluster file {file} cannot be read: {reason(error)}.") from error
     if not isinstance(content, dict) or "class_path" not in content or set(content) - _KEYS:
@@ -107,6 +116,9 @@ def _read(file: Path) -> dict[str, Any]:
             f"the cluster file {file} must hold class_path and may hold init_args, scale, adapt and "
             "patience, and nothing else."
         )
+    patience = content.get("patience", _PATIENCE)
+    if type(patience) not in {int, float} or not 0 <= patience < float("inf"):
+        raise InputError(f"patience in the cluster file {file} is {patience!r}; give seconds, such as 3600.")
     return content
 
 
