@@ -1,11 +1,12 @@
 # make demo   sets everything up and runs the main job on the embedded animals
 # make test   sets everything up and runs the tests
+# make coverage   sets everything up, runs the tests, and reports the lines and branches that they do not reach
 # make docs   sets everything up and builds the documentation into site/index.html
 VENV ?= .venv
 BIN := $(VENV)/bin
 RUN := runs/quickstart
 
-.PHONY: help install dev demo test docs lint types clean
+.PHONY: help install dev demo test coverage docs lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
@@ -30,6 +31,11 @@ demo: install
 # make test SLOW=1 also runs the tests that take long.
 test: dev
 	$(BIN)/pytest $(if $(SLOW),,-m "not slow")
+
+# A report, no threshold: to find what has no test. TESTS=tests/metrics looks at a part, SLOW=1 runs all.
+coverage: dev
+	mkdir -p build/coverage
+	$(BIN)/pytest --cov --cov-report=term --cov-report=html $(if $(SLOW),,-m "not slow") $(TESTS)
 
 # Warnings are errors. The variable silences an advertisement that the theme prints.
 docs: dev
