@@ -1,19 +1,17 @@
 """Storage: a folder for samples on this disk or behind any URL that fsspec knows."""
 
 import contextlib
-import time
-import uuid
 from pathlib import Path
 
 from fsspec.core import url_to_fs  # type: ignore[import-untyped]
 from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-untyped]
 from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 
+from normalgan.data.partials import abandoned, partial_name
 from normalgan.data.remote import no_bucket, options, reason
 from normalgan.errors import InputError, brief, unwritable
 
 _PARTIAL = ".partial"
-_ABANDONED = 3600.0  # seconds; no object takes an hour to write
 
 
 class Storage:
@@ -142,7 +140,7 @@ class Storage:
             return
         with contextlib.suppress(OSError):  # a finished data set may lie on a read-only disk
             for path in (Path(root) / _PARTIAL).iterdir():
-                if time.time() - path.stat().st_mtime > _ABANDONED:
+                if abandoned(path):
                     path.unlink(missing_ok=True)
 
     def _files(self) -> tuple[AbstractFileSystem, str]:
@@ -155,7 +153,7 @@ class Storage:
 
 
 def _write_atomically(root: Path, path: str, content: bytes) -> None:
-    target, partial = root / path, root / _PARTIAL / uuid.uuid4().hex
+    target, partial = root / path, root / _PARTIAL / partial_name()
     target.parent.mkdir(parents=True, exist_ok=True)
     partial.parent.mkdir(exist_ok=True)
     try:
