@@ -99,7 +99,8 @@ def _live(arguments: list[str], folder: Path, log: Path, moment: Moment | None, 
         os.dup2(stream, 1)
         os.dup2(stream, 2)
         if fresh:
-            os.environ["PYTHONPATH"] = str(Path(__file__).parent)  # the diary
+            paths = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]  # the first: the diary
+            os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
             os.execv(sys.executable, [sys.executable, "-m", "normalgan", *arguments])
         killed_at = (moment.change, moment.seconds) if moment else (0, 0.0)
         tell_changes(folder, log.with_suffix(".changes"), *killed_at)
