@@ -1,0 +1,56 @@
+"""A run that begins with what another one has learnt."""
+
+from pathlib import Path
+from typing import Any
+
+import torch
+from lightning.pytorch import Callback, LightningModule, Trainer
+
+from normalgan.checkpoints import read_settings
+from normalgan.errors import InputError
+
+_PREFIX = "generator."
+
+
+class StartFrom(Callback):
+    """Gives a new run the generator's weights of another run; all else, the optimiser too, begins anew.
+
+    A run that is resumed has its own weights and is left as it is.
+
+    Args:
+        checkpoint: of the other run, as `normalgan fit` saved it, with a generator of the same class and
+            settings.
+    """
+
+    def __init__(self, checkpoint: str) -> None:
+        self.checkpoint = checkpoint
+        self._resumed = False
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return that the run has begun, for its checkpoints."""
+        return {"begun": True}
+
+    def load_state_dict(self, state_dict: dict[str, Any]) -> None:
+        """Take note that the run is resumed."""
+        self._resumed = bool(state_dict["begun"])
+
+    def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Load the weights, if the run is new.
+
+        Raises:
+            InputError: if the checkpoint cannot be used, or its generator is another one.
+        """
+        if self._resumed:
+            return
+        path = Path(self.checkpoint)
+        read_settings(path)  # says what is wrong with it
+        saved = torch.load(path, map_location="cpu", weights_only=True, mmap=True)["state_dict"]
+        weights = {name.removeprefix(_PREFIX): w for name, w in saved.items() if name.startswith(_PREFIX)}
+        network = pl_module.get_submodule("generator")
+        own = {name: tensor.shape for name, tensor in network.state_dict().items()}
+        if {name: tensor.shape for name, tensor in weights.items()} != own:
+            raise InputError(
+                f"StartFrom was given {path}, whose generator is another one than the run's; give both the "
+                "same class and settings."
+            )
+        network.load_state_dict(weights)

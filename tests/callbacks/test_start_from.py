@@ -1,0 +1,59 @@
+from pathlib import Path
+
+import pytest
+import torch
+
+from normalgan.callbacks import StartFrom
+from normalgan.errors import InputError
+from normalgan.models import UNetGenerator
+from small import QUIET, data, gan, trainer
+
+pytestmark = pytest.mark.filterwarnings(*QUIET)
+
+
+@pytest.fixture(name="other")
+def train_other(meshes: Path, cache: Path, tmp_path: Path) -> Path:
+    run = trainer(tmp_path / "other", max_epochs=1)
+    run.fit(gan(seed=1), data(meshes, cache))
+    run.save_checkpoint(tmp_path / "other.ckpt")
+    # From Python the settings are saved as objects, from the command line as text, which is safe to read.
+    plain = torch.load(tmp_path / "other.ckpt", weights_only=False)
+    plain["hyper_parameters"] = {part: {} for part in ("generator", "hint_sampler", "objective")}
+    torch.save(plain, tmp_path / "other.ckpt")
+    return tmp_path / "other.ckpt"
+
+
+def test_a_new_run_begins_with_the_other_ones_generator(
+    other: Path, meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    saved = torch.load(other, weights_only=True)["state_dict"]
+    model = gan()
+    before = {name: w.clone() for name, w in model.discriminator.state_dict().items()}
+    start = StartFrom(str(other))
+    run = trainer(tmp_path / "new", max_steps=0, callbacks=[start])
+    run.fit(model, data(meshes, cache))
+    for name, weights in model.generator.state_dict().items():
+        assert torch.equal(weights, saved[f"generator.{name}"])
+    for name, weights in model.discriminator.state_dict().items():
+        assert torch.equal(weights, before[name])
+
+
+def test_a_resumed_run_goes_on_with_its_own(other: Path, meshes: Path, cache: Path, tmp_path: Path) -> None:
+    first, again = gan(), gan()
+    run = trainer(tmp_path / "new", max_epochs=1, callbacks=[StartFrom(str(other))])
+    run.fit(first, data(meshes, cache))
+    run.save_checkpoint(tmp_path / "new.ckpt")
+    resumed = trainer(tmp_path / "new", max_epochs=1, callbacks=[StartFrom("/gone.ckpt")])
+    resumed.fit(again, data(meshes, cache), ckpt_path=tmp_path / "new.ckpt", weights_only=False)
+    for name, weights in again.generator.state_dict().items():
+        assert torch.equal(weights, first.generator.state_dict()[name])
+
+
+def test_what_cannot_be_begun_with_is_refused(other: Path, meshes: Path, cache: Path, tmp_path: Path) -> None:
+    wider = gan(generator=UNetGenerator(size=32, width=8))
+    for start, said in (
+        (str(other), "whose generator is another one"),
+        ("/gone.ckpt", "there is no checkpoint"),
+    ):
+        with pytest.raises(InputError, match=said):
+            trainer(tmp_path / "new", callbacks=[StartFrom(start)]).fit(wider, data(meshes, cache))
