@@ -40,7 +40,7 @@ def main() -> int:
     module, count, _ = EXPERIMENTS[options.experiment]
     experiment: Callable[[Path, int, int], Iterator[dict[str, Any]]] = getattr(import_module(module), module)
     count = options.count or count
-    asked = f"{options.experiment} --count {count} --seed {options.seed} -o {options.output}"
+    asked = f"{options.experiment} --count {count} --seed {options.seed}"
     with tempfile.TemporaryDirectory(prefix="trust-") as temporary:
         steps = experiment(options.work or Path(temporary), count, options.seed)
         findings = keep(

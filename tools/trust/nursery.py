@@ -13,6 +13,7 @@ from pathlib import Path
 
 import psutil
 from changes import tell_changes
+from moments import Moment
 
 import normalgan.cli  # noqa: F401 -- so that a forked child need not
 from normalgan.__main__ import main
@@ -20,21 +21,6 @@ from normalgan.__main__ import main
 PATIENCE = 300.0
 """Seconds after which a child hangs; a tiny run takes three, on a busy machine thirty."""
 TICK = 0.002
-
-
-@dataclass(frozen=True)
-class Moment:
-    """When a child gets SIGKILL: so many seconds after its start, or after something that it does.
-
-    Args:
-        seconds: to wait.
-        change: if not 0, they count from this change of its folder by the process itself, from 1.
-        files: if not 0, they count from when there are so many files in the folder, whoever wrote them.
-    """
-
-    seconds: float
-    change: int = 0
-    files: int = 0
 
 
 @dataclass(frozen=True)
@@ -59,6 +45,11 @@ class Child:
     def killed(self) -> bool:
         """Whether the signal came before it was done."""
         return self.code == -signal.SIGKILL
+
+    def troubles(self) -> list[str]:
+        """Return what is wrong with it, if it should have ended by itself."""
+        found = [f"it ended with {self.code}: {self.said[-300:]}"] if self.code else []
+        return found + ([f"{self.orphans} processes outlived it"] if self.orphans else [])
 
 
 def rear(

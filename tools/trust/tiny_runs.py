@@ -6,7 +6,8 @@ from typing import Any
 
 import torch
 from diary import epochs_before
-from nursery import Child, Moment, rear
+from moments import Moment
+from nursery import Child, rear
 from test_resume import assert_same
 
 from normalgan.checkpoints import read_settings
@@ -23,10 +24,12 @@ class TinyRun:
     Args:
         work: folder that such runs share: meshes, samples, logs.
         name: of this one.
+        seed: of all that it draws.
     """
 
     work: Path
     name: str
+    seed: int = 0
 
     @property
     def folder(self) -> Path:
@@ -53,7 +56,8 @@ class TinyRun:
         arguments = (
             *("fit", "--config", CONF / "tiny.yaml", "--config", CONF / "resume.yaml"),
             *("--data.meshes", meshes, "--data.cache", self.work / "cache"),
-            *("--trainer.default_root_dir", self.folder),
+            *("--trainer.default_root_dir", self.folder, "--seed_everything", self.seed),
+            *("--model.seed", self.seed, "--data.seed", self.seed),
             *("--trainer.callbacks", "diary.Diary", "--trainer.callbacks.path", self.diary),
         )
         log = self.work / f"{self.name}.log"
