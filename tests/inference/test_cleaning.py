@@ -125,37 +125,6 @@ def test_polarity_turns_with_the_picture(paper: float, pen: float, width: int) -
     assert is_light_on_dark(1 - brightness)
 
 
-def test_a_gap_in_the_outline_is_closed_and_a_wide_one_is_told() -> None:
-    whole = fill_outline(INK)
-    gap = INK.copy()
-    gap[140:, 165:171] = 0
-    closed = fill_outline(gap)
-    assert closed.closed > 0.9
-    assert overlap(closed.mask, whole.mask) > 0.97
-    half = INK.copy()
-    half[:, 170:] = 0
-    assert fill_outline(half).closed < 0.5
-
-
-def test_whiskers_do_not_belong_to_the_object() -> None:
-    ink = INK.copy()
-    cv2.line(ink, (230, 90), (290, 80), 1, 2)
-    mask = fill_outline(ink).mask
-    assert not mask[70:95, 240:].any()
-    assert overlap(mask, fill_outline(INK).mask) > 0.98
-
-
-def test_legs_are_not_grown_together() -> None:
-    ink = np.zeros((200, 200), np.float32)
-    x = [20, 180, 180, 160, 160, 40, 40, 20]
-    y = [30, 30, 180, 180, 90, 90, 180, 180]
-    cv2.polylines(ink, [np.stack([x, y], axis=1).astype(np.int32)], True, 1, 2)
-    mask = fill_outline(ink).mask
-    assert mask[60, 100]
-    assert mask[150, 30]
-    assert not mask[130, 100]
-
-
 @pytest.mark.slow
 def test_shared_sketches_are_all_seen(shared_sketches: list[Path]) -> None:
     from normalgan.inference.picture import read_picture

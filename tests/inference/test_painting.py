@@ -129,10 +129,12 @@ def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:
 
 
 def test_an_open_outline_is_told(model: Path) -> None:
-    ink = outline(blob())
-    ink[:, 170:] = 0
-    painted = paint(Model(model), prepare(Picture(np.repeat(1 - ink[..., None], 3, -1), None), 64))
-    assert "its outline is not closed" in painted.warning
+    half, line = outline(blob()), np.zeros((200, 300), np.float32)
+    half[:, 170:] = 0
+    line[100, 40:260] = 1
+    for ink, sentence in ((half, "a wide gap, which was closed"), (line, "its outline is not closed")):
+        painted = paint(Model(model), prepare(Picture(np.repeat(1 - ink[..., None], 3, -1), None), 64))
+        assert sentence in painted.warning
 
 
 def test_a_model_that_sees_little_is_told(tmp_path: Path) -> None:

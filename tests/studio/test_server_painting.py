@@ -74,7 +74,7 @@ def test_a_warning_can_be_read_from_its_header(model: Path, tmp_path: Path) -> N
     with serving(model, tmp_path) as client:
         warning = client.post("/api/paint", json=asking(picture=b64(png(arc)))).headers["x-warning"]
         assert client.post("/api/paint", json=asking(2)).headers["x-warning"] == ""
-    assert "its outline is not closed" in unquote(warning)
+    assert "its outline has a wide gap" in unquote(warning)
     assert " " not in warning
 
 

@@ -23,6 +23,11 @@ _ENLARGED = 1.2
 _CLOSED = 0.8
 """Share of the ink that must enclose something for the outline to be believed."""
 
+_STRAIGHT = (
+    "its outline has a wide gap, which was closed by a straight line; "
+    "draw on there, or give --mask, if the object goes on"
+)
+
 
 @dataclass(frozen=True)
 class Painted:
@@ -136,7 +141,7 @@ def _choose(prepared: Prepared, present: Mark) -> tuple[Mark, str]:
     if prepared.mask is None:
         return present, ""
     if prepared.closed >= _CLOSED:
-        return prepared.mask, ""
+        return prepared.mask, _STRAIGHT if prepared.guessed else ""
     return prepared.mask | present, (
         f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "
         "not, the mask is the model's guess (close the gaps, or give --mask)"

@@ -30,6 +30,7 @@ class Prepared:
         seen: (S, S), what it is shown.
         hints: (4, S, S), or None.
         closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
+        guessed: whether that closed a gap so wide that it may have been meant.
     """
 
     shape: tuple[int, int]
@@ -40,6 +41,7 @@ class Prepared:
     seen: Floats
     hints: Floats | None
     closed: float
+    guessed: bool
 
 
 def prepare(
@@ -71,12 +73,13 @@ def prepare(
     given = None
     if hints is not None:
         given = frame.cut_points(hints.points * (worked[1] / picture.shape[1]), hints.normals)
-    alpha, closed = None, 1.0
+    alpha, closed, guessed = None, 1.0, False
     if mask is not None:
         mask = resize(mask.astype(np.float32), worked) > 0.5
     elif source is None and cleaned.silhouette is not None:
         mask, alpha = cleaned.silhouette, picture.alpha
     elif source != MODEL:
         outline = fill_outline(cleaned.ink)
-        mask, closed = outline.mask, outline.closed
-    return Prepared(shape, cleaned.ink, mask, alpha, frame, show(cleaned.ink, frame), given, closed)
+        mask, closed, guessed = outline.mask, outline.closed, outline.guessed
+    seen = show(cleaned.ink, frame)
+    return Prepared(shape, cleaned.ink, mask, alpha, frame, seen, given, closed, guessed)

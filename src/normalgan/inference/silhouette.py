@@ -32,9 +32,9 @@ def is_silhouette(alpha: Floats) -> bool:
 
 def enclosed_by(barrier: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the barrier (H, W) and all that cannot be reached past it from the picture's edge."""
-    free = np.pad(~barrier, 1, constant_values=True).astype(np.uint8)
-    _, labels = cv2.connectedComponents(free, connectivity=4)
-    inside: NDArray[np.bool_] = labels[1:-1, 1:-1] != labels[0, 0]
+    reached = np.pad(barrier, 1).astype(np.uint8)
+    cv2.floodFill(reached, None, (0, 0), 2, flags=4)
+    inside: NDArray[np.bool_] = reached[1:-1, 1:-1] != 2
     return inside
 
 
