@@ -1,43 +1,62 @@
 #!/usr/bin/env bash
 # Builds wheel and sdist, checks them, installs each in an empty environment and uses it there:
-# tools/check_packages.sh [FOLDER]
+#
+#     tools/check_packages.sh [FOLDER]      FOLDER: of the packages; dist without it
+#
+# PyTorch is its build for the CPU, of its own index; TORCH=torch==2.13.0 takes that version of uv's usual index.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+here=$PWD
 
 folder=${1:-dist}
 python=${PYTHON:-python3}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+unset PYTHONPATH
+if [ -n "${TORCH:-}" ]; then
+    export UV_CONSTRAINT=$work/torch.txt
+    echo "$TORCH" >"$UV_CONSTRAINT"
+else
+    export UV_TORCH_BACKEND=cpu
+fi
 
 rm -rf "$folder"
 "$python" -m venv "$work/tools"
-"$work/tools/bin/python" -m pip install --quiet 'build>=1.2' 'twine>=6.1' uv onnx numpy
-"$work/tools/bin/python" -m build --outdir "$folder"
+"$work/tools/bin/python" -m pip install --quiet 'build>=1.2' 'twine>=6.1' uv
+"$work/tools/bin/python" -m build --outdir "$folder" # the sdist, and the wheel from the sdist
 "$work/tools/bin/python" -m twine check --strict "$folder"/*
-
-# A model that paints a ramp, to try `generate` with: no trained one is needed for that.
-(cd tests && "$work/tools/bin/python" -c "
-import pathlib, sys, onnx_models
-onnx_models.write_model(pathlib.Path(sys.argv[1]))" "$work/ramp.onnx")
 
 for package in "$folder"/*.whl "$folder"/*.tar.gz; do
     echo "== $(basename "$package")"
     environment=$work/$(basename "$package")
     "$python" -m venv "$environment"
     # Named on its own, so that neither the repository nor an index can slip in another.
-    "$work/tools/bin/uv" pip install --quiet --python "$environment/bin/python" --torch-backend cpu "$package"
+    "$work/tools/bin/uv" pip install --quiet --python "$environment/bin/python" "$package"
+    "$work/tools/bin/uv" pip check --python "$environment/bin/python"
     mkdir "$work/empty"
     (
         cd "$work/empty"
-        "$environment/bin/normalgan" --help
-        "$environment/bin/normalgan" --version
-        "$environment/bin/normalgan" sketch fox-1 -o fox.png --size 256
-        "$environment/bin/python" -c '
+        normalgan=$environment/bin/normalgan
+        "$environment/bin/python" - "$(basename "$package")" <<'CHECK'
+import sys
+from pathlib import Path
 import normalgan
-assert "site-packages" in normalgan.__file__, f"{normalgan.__file__} is not the installed one"'
-        "$environment/bin/normalgan" generate fox.png -o maps --model "$work/ramp.onnx"
+folder = Path(normalgan.__file__).parent
+assert folder.is_relative_to(sys.prefix), f"{folder} is not the installed one"
+assert sys.argv[1].startswith(f"normalgan-{normalgan.__version__}"), f"{sys.argv[1]} has another version"
+for name in ("py.typed", "weights", "studio/page"):
+    assert (folder / name).exists(), f"{name} was not packed"
+CHECK
+        "$normalgan" --help >/dev/null
+        "$normalgan" --version
+        "$normalgan" plugins --kind renderer | tee plugins.txt
+        grep -q '^Nothing was left out' plugins.txt
+        "$normalgan" sketch fox-1 -o fox.png --size 256
+        "$normalgan" generate fox.png -o maps # with the model that comes along
         test -s maps/fox_normal.png
+        "$normalgan" fit --config "$here/tests/conf/tiny.yaml" --trainer.default_root_dir run
+        test -s run/checkpoints/last.ckpt
     )
-    rm -rf "$work/empty"
+    rm -rf "$work/empty" "$environment"
 done
 echo "wheel and sdist are well."

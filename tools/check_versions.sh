@@ -1,17 +1,27 @@
 #!/usr/bin/env bash
-# Runs the quick tests with the oldest or the newest versions that pyproject.toml allows:
-# tools/check_versions.sh lowest-direct|highest [ENVIRONMENT]
+# Runs the quick tests, or those that are named, with the oldest or the newest versions that pyproject.toml allows:
+#
+#     tools/check_versions.sh lowest-direct|highest [ENVIRONMENT] [TESTS...]
+#
+# PyTorch is its build for the CPU, of its own index: the tests need no other, and it is a tenth of the size.
+# TORCH=torch==2.13.0 takes that version, of uv's usual index.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-resolution=${1:?usage: tools/check_versions.sh lowest-direct|highest [ENVIRONMENT]}
+resolution=${1:?usage: tools/check_versions.sh lowest-direct|highest [ENVIRONMENT] [TESTS...]}
 environment=${2:-.venv-$resolution}
+tests=("${@:3}")
 python=${PYTHON:-python3}
 
-"$python" -m venv "$environment"
+"$python" -m venv --clear "$environment"
+if [ -n "${TORCH:-}" ]; then
+    export UV_CONSTRAINT=$environment/torch.txt
+    echo "$TORCH" >"$UV_CONSTRAINT"
+else
+    export UV_TORCH_BACKEND=cpu
+fi
 "$environment/bin/python" -m pip install --quiet uv
-# PyTorch for the CPU: the tests need no other, and it is a tenth of the size.
-"$environment/bin/uv" pip install --python "$environment/bin/python" --torch-backend cpu \
+"$environment/bin/uv" pip install --python "$environment/bin/python" \
     --resolution "$resolution" --editable '.[dev]'
 "$environment/bin/uv" pip list --python "$environment/bin/python"
 
@@ -20,4 +30,4 @@ if [ "$resolution" = highest ]; then
     # What a library will drop one day is told here and fails nowhere: CI must not break by itself.
     options+=(-W default)
 fi
-"$environment/bin/python" -m pytest "${options[@]}"
+"$environment/bin/python" -m pytest "${options[@]}" "${tests[@]}"
