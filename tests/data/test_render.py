@@ -23,6 +23,7 @@ from normalgan.rendering.lines.occluding import OccludingContours
 from normalgan.rendering.samples import Recipe
 
 SOURCES = {"train": [Octahedron("a"), Octahedron("b", 0.3)], "val": [], "test": [Octahedron("c", 0.8)]}
+AGAIN = "damaged, and written again: the manifest of "
 VIEWS = 18  # 36 samples to train on are two shards, 18 to test on are one
 
 
@@ -98,6 +99,42 @@ def test_damage_is_named_and_mended(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match=r"damaged, and rendered again: shard 1 of train in "):
         render(tmp_path)
     assert contents(folder) == whole
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "warning"),
+    [
+        ("dataset.json", '"views": 18', '"views": 19', AGAIN),
+        ("dataset.json", '"per_shard": 32', '"per_shard": 36', AGAIN),
+        ("dataset.json", '"sha256"', '"sha257"', AGAIN),
+        ("dataset.json", "{", "[", AGAIN),
+        ("samples.zarr/train/normal/zarr.json", '"float16"', '"float17"', None),
+        ("samples.zarr/test/zarr.json", "{", "[", None),
+    ],
+)
+def test_damage_of_what_describes_the_samples_is_mended(
+    tmp_path: Path, name: str, old: str, new: str, warning: str | None
+) -> None:
+    folder = render(tmp_path)
+    whole = contents(folder)
+    path = folder / name
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new, 1))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        render(tmp_path)
+    assert [str(one.message).startswith(warning or "") for one in caught] == ([True] if warning else [])
+    assert contents(folder) == whole
+
+
+def test_a_manifest_of_an_older_version_is_believed(tmp_path: Path) -> None:
+    folder = render(tmp_path)
+    path = folder / "dataset.json"
+    content = json.loads(path.read_text())
+    del content["sha256"]
+    path.write_text(json.dumps(content))
+    render(tmp_path)
+    assert json.loads(path.read_text()) == content
 
 
 def test_a_killed_run_is_taken_up_and_leaves_no_workers_behind(tmp_path: Path) -> None:

@@ -19,11 +19,16 @@ FORMAT_VERSION = 1
 """Raise it when samples are stored in another way: those stored before are then made anew."""
 
 _NAME = "dataset.json"
+_SUM = "sha256"
+_KEYS = {"format", "samples", "recipe", "splits", "left_out", _SUM}
 
 
 @dataclass(frozen=True)
 class Manifest:
     """What is in a data set; for people to read, it lies beside the samples as ``dataset.json``.
+
+    The file has a SHA-256 of its own content, so that a flipped bit in it is found; one of an older version
+    has none, and is believed.
 
     Args:
         recipe: how the samples were made, as `Recipe.describe` tells it.
@@ -62,18 +67,28 @@ class Manifest:
 
     def write(self, folder: Storage) -> None:
         """Write the descriptions of the arrays, then the manifest, which vouches for them."""
-        for store in self.stores(folder).values():
-            store.create()
+        self.describe(folder)
         counts = {split: len(layout) for split, layout in self.splits.items()}
         content = {"format": FORMAT_VERSION, "samples": counts, **asdict(self)}
-        folder.write(_NAME, (json.dumps(content, indent=1) + "\n").encode())
+        folder.write(_NAME, (json.dumps(content | {_SUM: _digest(content)}, indent=1) + "\n").encode())
+
+    def describe(self, folder: Storage) -> None:
+        """Write the descriptions of the arrays, where they are not there or not whole."""
+        for store in self.stores(folder).values():
+            store.create()
+
+    @staticmethod
+    def damaged(folder: Storage) -> bool:
+        """Whether a manifest is there that `read` does not believe."""
+        return folder.size(_NAME) is not None and Manifest.read(folder) is None
 
     @staticmethod
     def read(folder: Storage) -> "Manifest | None":
-        """Return the manifest in a folder, or None if there is none that makes sense."""
-        text = folder.read(_NAME) or b""
+        """Return the manifest in a folder, or None if there is none that is whole."""
         try:
-            content = json.loads(text)
+            content = json.loads(folder.read(_NAME) or b"")
+            if set(content) - _KEYS or content.pop(_SUM, None) not in {None, _digest(content)}:
+                return None
             splits = {
                 split: Layout(**{**layout, "meshes": tuple(layout["meshes"])})
                 for split, layout in content["splits"].items()
@@ -81,6 +96,10 @@ class Manifest:
             return Manifest(dict(content["recipe"]), splits, dict(content["left_out"]))
         except (ValueError, TypeError, KeyError, AttributeError):
             return None
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def fingerprints(sources: Mapping[str, Sequence[MeshSource]]) -> dict[str, list[tuple[str, str]]]:

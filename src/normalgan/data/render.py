@@ -68,8 +68,12 @@ def render_samples(
     with Cluster(cluster) if cluster else Workers(workers) as pool:
         manifest = Manifest.read(folder)
         if manifest is None:
+            if Manifest.damaged(folder):
+                warnings.warn(f"damaged, and written again: the manifest of {folder.url}.", stacklevel=2)
             manifest = lay_out(pool, sources, views, recipe, meshes, per_shard)
             manifest.write(folder)
+        elif folder.local or thorough:
+            manifest.describe(folder)  # mends what describes the arrays
         _warn(manifest.left_out)
         tasks = [
             ShardTask(folder.address, shard, recipe, {name: meshes[name] for name in shard.meshes})
