@@ -31,7 +31,7 @@ def reader_rows(section: Section) -> list[str]:
 def _tried(section: Section) -> str:
     for what in ("kills", "flips", "mutants", "runs"):
         if what in section:
-            return f"{section[what]} {what}"
+            return f"{section[what]} {what}" + ("" if section["finished"] else ", so far")
     raise KeyError("kills, flips, mutants or runs")
 
 
