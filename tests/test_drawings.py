@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from normalgan.drawings import find_drawings, read_drawing, read_hints
+from normalgan import drawings
+from normalgan.drawings import find_drawings, open_image, read_drawing, read_hints
 from normalgan.errors import InputError
 
 
@@ -144,3 +145,16 @@ def test_bad_hints_are_named(tmp_path: Path) -> None:
     Image.new("RGB", (32, 32)).save(tmp_path / "opaque.png")
     with pytest.raises(InputError, match="have no transparency"):
         read_hints(tmp_path / "opaque.png", (32, 32))
+
+
+def test_a_file_of_no_drawings_size_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sparse = tmp_path / "sparse.png"
+    with sparse.open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(InputError, match=r"sparse.png has more than 536870912 bytes; no file of its kind"):
+        read_drawing(sparse)
+    with pytest.raises(InputError, match=r"sparse.png has more than 536870912 bytes; no file of its kind"):
+        read_hints(sparse, (32, 32))
+    monkeypatch.setattr(drawings, "MOST_BYTES", 1000)
+    with pytest.raises(InputError, match="stdin has more than 1000 bytes; a drawing is smaller"):
+        open_image(Path("stdin"), bytes(1001))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
+from normalgan.bounds import read_bounded
 from normalgan.errors import InputError, brief
 from normalgan.normals import normalize
 
@@ -21,6 +22,8 @@ _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
 SMALLEST, LARGEST = 8, 8192
 """Least and greatest side in pixels: less holds no line, more is a mistake or a decompression bomb."""
+MOST_BYTES = 2**29
+"""Larger files are refused; the largest picture has as many with 16 bits a channel, not packed at all."""
 
 
 def find_drawings(
@@ -84,7 +87,9 @@ def open_image(path: Path, content: bytes | None = None, svg_side: int = SVG_SID
         InputError: if it is missing, no image, or of no possible size.
     """
     try:
-        data = path.read_bytes() if content is None else content
+        data = read_bounded(path, MOST_BYTES) if content is None else content
+        if len(data) > MOST_BYTES:
+            raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
         if b"<svg" in data[:4096]:
             data = _draw_svg(path, data, svg_side)
         with Image.open(io.BytesIO(data)) as image:

@@ -66,3 +66,10 @@ def test_hints_are_found_by_name_and_a_drawing_is_not_its_own(tmp_path: Path) ->
     (tmp_path / "fox_hints.png").touch()
     assert find_hints(drawing, tmp_path) == tmp_path / "fox_hints.png"
     assert find_hints(Path("other.png"), tmp_path / "fox.json") == tmp_path / "fox.json"
+
+
+def test_a_list_of_no_hints_size_is_not_read(tmp_path: Path) -> None:
+    with (tmp_path / "a.json").open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(InputError, match=r"a\.json has more than 16777216 bytes; no file of its kind"):
+        load_hints(tmp_path / "a.json", (30, 40))

@@ -164,7 +164,10 @@ def test_a_project_a_file_or_a_drawing_is_opened(tmp_path: Path) -> None:
         160,
         120,
     )
+    with (tmp_path / "huge.normalgan").open("wb") as file:
+        file.truncate(2**40)
     for given, sentence in (
+        (str(tmp_path / "huge.normalgan"), "huge.normalgan has more than 20971520 bytes"),
         ("cat", "there is neither a project nor a file called cat"),
         ("../fox", "there is neither a project nor a file called ../fox"),
         (str(tmp_path / "bad.normalgan"), "bad.normalgan: that is no project of the studio"),

@@ -9,6 +9,7 @@ from pathlib import Path
 from jsonargparse import Namespace
 
 from normalgan.commands.light_parser import LightParser
+from normalgan.drawings import MOST_BYTES
 from normalgan.errors import InputError, unwritable
 from normalgan.inference.hint_files import load_hints
 from normalgan.inference.jobs import MODEL, OUTLINE, STDIN, Job, plan
@@ -77,7 +78,9 @@ def generate(settings: Namespace) -> int:
     if settings.size is not None and not 8 <= settings.size <= 8192:
         raise InputError(f"size is {settings.size}; a map has 8 to 8192 pixels a side.")
     outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
-    content = sys.stdin.buffer.read() if STDIN in settings.sketches and not settings.dry_run else None
+    content = (
+        sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
+    )
     jobs = plan(
         settings.sketches,
         Path(settings.output),

@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from normalgan.bounds import read_bounded
 from normalgan.drawings import read_hints
 from normalgan.errors import InputError
 from normalgan.normals import Floats, normalize
 
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 """What the hints of a drawing are named, after its stem, in the order in which they are looked for."""
+MOST_LISTED = 2**24
+"""Larger lists of hints are refused, in bytes; each hint takes some fifty."""
 
 
 @dataclass(frozen=True)
@@ -105,12 +108,14 @@ def _is_number(value: Any) -> bool:
 
 def _parsed(path: Path) -> Any:
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        content = read_bounded(path, MOST_LISTED)
+    except OSError as error:
+        raise InputError(f"the hints {path} cannot be read: {error.strerror}.") from None
+    try:
+        return json.loads(content.decode("utf-8"))
     except json.JSONDecodeError as error:
         raise InputError(f"the hints {path} are not JSON: line {error.lineno}: {error.msg}.") from None
     except UnicodeDecodeError:
         raise InputError(f"the hints {path} are not a text.") from None
     except (ValueError, RecursionError):  # a number of thousands of digits, a list in a list in a list …
         raise InputError(f"the hints {path} are no list of hints; they hold what none has.") from None
-    except OSError as error:
-        raise InputError(f"the hints {path} cannot be read: {error.strerror}.") from None

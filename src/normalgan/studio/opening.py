@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from normalgan.bounds import read_bounded
 from normalgan.errors import InputError
+from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.documents import check_document
 from normalgan.studio.names import check_name, to_name
 from normalgan.studio.pictures import import_picture
@@ -41,7 +43,7 @@ def find_opened(given: str, shelf: Shelf) -> Opened:
 
 def _of_file(path: Path) -> Opened:
     try:
-        content = path.read_bytes()
+        content = read_bounded(path, MOST_BYTES)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from None
     name = to_name(path.stem)
