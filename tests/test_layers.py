@@ -13,10 +13,10 @@ LAYERS = (
     {"normals", "registry", "seeds", "bounds"},
     {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
     | {"checkpoints", "mistakes", "occupied", "quiet"},
-    {"painter", "inference", "testing"},
+    {"painter", "inference", "testing", "weights"},
     {"data", "gan"},
     {"callbacks", "plugins"},
-    {"parser"},
+    {"parser", "loading"},
     {"cli", "commands"},
     {"benchmark", "exporting", "studio"},
     {"__main__"},

@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import os
+import warnings
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
@@ -127,6 +128,22 @@ def check_writable(folder: Path) -> None:
         raise InputError(f"the run cannot be kept in {folder}: {there} is no folder.")
     if not os.access(there, os.W_OK | os.X_OK):
         raise InputError(f"the run cannot be kept in {folder}: {there} may not be written to.")
+
+
+def warn_of_overruled(
+    path: Path, given: Mapping[str, Any], defaults: Mapping[str, Any], saved: Mapping[str, Any]
+) -> None:
+    """Warn of settings of the model that were given, while those in the file are used.
+
+    Args:
+        path: of the file.
+        given: as `overruled` takes it, as are the next two.
+        defaults: of the same settings.
+        saved: in the file.
+    """
+    if lost := overruled(given, defaults, saved):
+        names = ", ".join(f"model.{name}" for name in lost)
+        warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=3)
 
 
 def overruled(given: Mapping[str, Any], defaults: Mapping[str, Any], saved: Mapping[str, Any]) -> list[str]:

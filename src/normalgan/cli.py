@@ -17,16 +17,14 @@ from lightning.pytorch.utilities.exceptions import SIGTERMException
 from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
 from normalgan.checkpoints import (
     LastCheckpoint,
-    check_size,
     check_unused,
     check_writable,
     checkpoint_folder,
-    overruled,
-    read_settings,
 )
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
+from normalgan.loading import ModelLoader
 from normalgan.mistakes import check_config, refusal
 from normalgan.occupied import one_run_in
 from normalgan.parser import Parser, given_configs
@@ -61,7 +59,7 @@ class SaveConfig(SaveConfigCallback):
             super().setup(trainer, pl_module, stage)
 
 
-class NormalGANCLI(LightningCLI):
+class NormalGANCLI(ModelLoader):
     """fit, validate, test, predict, and render."""
 
     held: ExitStack
@@ -102,32 +100,6 @@ class NormalGANCLI(LightningCLI):
         for network in ("generator", "discriminator"):
             parser.link_arguments("data.size", f"model.{network}.init_args.size")
 
-    def _parse_ckpt_path(self) -> None:
-        """Read the checkpoint's settings over the configuration's, after a look at whether it can be used."""
-        command = self.config["subcommand"]
-        config = self.config[command]
-        if command == "render":
-            return
-        if config["ckpt_path"] == "last":
-            folder = checkpoint_folder(config["trainer"]["default_root_dir"])
-            config["ckpt_path"] = str(Path(folder) / "last.ckpt")
-        if config["ckpt_path"] is None:
-            if command != "fit":
-                raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
-            return
-        path = Path(config["ckpt_path"])
-        saved = read_settings(path)
-        check_size(path, saved, config["data"]["size"])
-        defaults = self._parser(command).get_defaults()["model"].as_dict()
-        lost = overruled(config["model"].as_dict(), defaults, saved)
-        if lost:
-            names = ", ".join(f"model.{name}" for name in lost)
-            warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
-        try:
-            super()._parse_ckpt_path()
-        except InputError as error:
-            raise InputError(f"the model in {path} cannot be built here: {error}") from error
-
     def before_instantiate_classes(self) -> None:
         """Refuse to train over a finished run, or where nothing can be written."""
         command = self.config["subcommand"]
@@ -153,6 +125,7 @@ class NormalGANCLI(LightningCLI):
             raise
         except (MisconfigurationException, ValueError, TypeError) as error:
             raise InputError(f"a setting cannot be used: {refusal(error)}") from error
+        self.fill(self.model)
 
 
 def run(arguments: list[str]) -> int:

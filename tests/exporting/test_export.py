@@ -1,3 +1,4 @@
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -8,7 +9,7 @@ import onnxruntime
 import pytest
 import torch
 from PIL import Image
-from small_checkpoints import save
+from small_checkpoints import RESIDUAL, UNET, save
 from torch import Tensor
 
 import normalgan
@@ -17,7 +18,7 @@ from normalgan.exporting import comparison
 from normalgan.exporting.comparison import examples
 from normalgan.exporting.formats import FORMATS
 from normalgan.inference.session import Model
-from normalgan.models import Generator
+from normalgan.models import Generator, UNetGenerator
 from normalgan.models.condition import make_condition
 
 KINDS = ("UNetGenerator", "ResidualUNetGenerator")
@@ -79,11 +80,16 @@ def test_the_file_says_what_it_is_and_nothing_of_the_machine(exported: Export) -
     folder, generator = exported
     content = (folder / "m.onnx").read_bytes()
     said = {p.key: p.value for p in onnx.load_from_string(content).metadata_props}
+    arguments = UNET if isinstance(generator, UNetGenerator) else RESIDUAL
     assert said == {
         "normalgan_version": normalgan.__version__,
         "model": type(generator).__name__,
         "licence": "CC0-1.0",
         "size": "32",
+        "generator": json.dumps({"class_path": type(generator).__name__, "init_args": arguments}),
+        "hint_sampler": '{"class_path": "UniformHints", "init_args": {}}',
+        "noise_at_test": "false",
+        "seed": "0",
     }
     for trace in (b".py", str(Path(normalgan.__file__).parent).encode(), str(Path.home()).encode()):
         assert trace not in content
@@ -181,10 +187,10 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
         (["text.ckpt"], "damaged or no checkpoint"),
         (
             ["good.ckpt", "--format", "tflite"],
-            "there is no format 'tflite'; it is one of onnx, torchscript, pt2",
+            "there is no format 'tflite'; it is one of onnx, safetensors, torchscript, pt2",
         ),
         (["good.ckpt", "-o", "m.pt"], "m.pt is to be a .onnx, as --format onnx writes"),
-        (["good.ckpt", "-o", "m.pt2", "--format", "pt2", "--half"], "--half is for ONNX"),
+        (["good.ckpt", "-o", "m.pt2", "--format", "pt2", "--half"], "--half is for onnx and safetensors"),
         (["good.ckpt", "--size", "4"], "8 pixels or more, not 4"),
         (["good.ckpt", "--size", "40"], "sides that are multiples of 32, not 40"),
         (["good.ckpt", "--licence", "two\nlines"], "--licence is one line"),

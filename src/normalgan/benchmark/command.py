@@ -25,7 +25,7 @@ def run(arguments: list[str]) -> int:
     with warnings.catch_warnings():
         be_quiet()
         if options.evaluate is not None:
-            return evaluate(plan, scale, Path(options.evaluate))
+            return evaluate(plan, scale, options.evaluate)
         chosen = options.rows.split(",") if options.rows else [row.name for row in plan.rows]
         for name in chosen:
             plan.row(name)
@@ -61,7 +61,10 @@ def build_parser() -> LightParser:
         help="settings of data or trainer that win over all: data.size=64",
     )
     parser.add_argument(
-        "--evaluate", type=str | None, help="a checkpoint to measure as the plan does, and train nothing"
+        "--evaluate",
+        type=str | None,
+        help="measure a model as the plan does, and train nothing: a checkpoint, .safetensors, .onnx, or "
+        "shipped, the one that comes with the package",
     )
     return parser
 
@@ -102,18 +105,23 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
     return 1 if failures else 0
 
 
-def evaluate(plan: Plan, scale: Scale, checkpoint: Path) -> int:
-    """Measure a model on the plan's test split, print its tables, and return the exit code."""
-    from normalgan.benchmark.evaluation import Evaluation
-    from normalgan.benchmark.methods import trained_method
-    from normalgan.benchmark.runs import shared_settings
-    from normalgan.benchmark.table import markdown
-    from normalgan.checkpoints import check_size, read_settings
+def evaluate(plan: Plan, scale: Scale, name: str) -> int:
+    """Measure a model on the plan's test split, print its tables, and return the exit code.
 
-    evaluation = Evaluation(plan, shared_settings(plan, scale))
-    check_size(checkpoint, read_settings(checkpoint), evaluation.data.recipe.size)
-    figures = evaluation.of_method(trained_method(checkpoint, evaluation.device))
-    model = Row("model", str(checkpoint), configs=["–"])
+    Args:
+        plan: in what way.
+        scale: at which.
+        name: of the model's file, or ``shipped``.
+    """
+    from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.runs import shared_settings
+    from normalgan.benchmark.saved import saved_method
+    from normalgan.benchmark.table import markdown
+
+    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
+    method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)
+    figures = evaluation.of_method(method)
+    model = Row("model", name, configs=["–"])
     one = Plan(plan.name, plan.images, [model], hints=plan.hints, hint_counts=plan.hint_counts)
     _say(markdown(one, scale, {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}))
     return 0

@@ -43,10 +43,12 @@ class Evaluation:
     Args:
         plan: which hints.
         shared: settings with the data of all rows.
+        test_alone: whether no split but the test split is to be rendered, as nothing is trained.
     """
 
     plan: Plan
     shared: Settings
+    test_alone: bool = False
 
     @property
     def hash(self) -> str:
@@ -66,7 +68,10 @@ class Evaluation:
     @cached_property
     def data(self) -> MeshDataModule:
         """The shared data, rendered if it is not yet."""
-        data = build_data(self.shared, batch_size=_BATCH, workers=0)
+        once = {"on_the_fly": False} if self.test_alone else {}
+        data = build_data(self.shared, batch_size=_BATCH, workers=0, **once)
+        if self.test_alone:
+            data.sources = {"test": data.sources["test"]}
         data.render(thorough=False)
         return data
 

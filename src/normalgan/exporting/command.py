@@ -1,4 +1,4 @@
-"""normalgan export: a checkpoint as a file that runs without this package."""
+"""normalgan export: a checkpoint as a file that runs without this package, or as weights without code."""
 
 import re
 import warnings
@@ -11,7 +11,8 @@ from normalgan.errors import InputError, RunError, unwritable
 from normalgan.normals import write_bytes
 from normalgan.quiet import be_quiet
 
-SUFFIXES = {"onnx": ".onnx", "torchscript": ".pt", "pt2": ".pt2"}
+SUFFIXES = {"onnx": ".onnx", "safetensors": ".safetensors", "torchscript": ".pt", "pt2": ".pt2"}
+HALVED = ("onnx", "safetensors")
 TOLERANCE = 1e-3
 """Largest difference to torch that is accepted."""
 
@@ -34,13 +35,14 @@ def build_parser() -> LightParser:
     """Return the parser of the command line."""
     parser = LightParser(
         prog="normalgan export",
-        usage="%(prog)s CHECKPOINT -o MODEL.onnx [--half] [--format onnx|torchscript|pt2]",
-        description="Write a trained generator as a file that runs without this package.",
+        usage="%(prog)s CHECKPOINT -o MODEL.onnx [--half] [--format onnx|safetensors|torchscript|pt2]",
+        description="Write a trained generator as a file that runs without this package, or as its weights.",
     )
     parser.add_argument("checkpoint", help="a file that `normalgan fit` saved, such as last.ckpt")
     parser.add_argument("-o", "--output", default="model.onnx", help="where the model goes")
-    parser.add_argument("--format", default="onnx", help="onnx (.onnx), torchscript (.pt) or pt2 (.pt2)")
-    parser.add_argument("--half", action="store_true", help="store the weights of ONNX in 16 bits")
+    named = ", ".join(f"{name} ({suffix})" for name, suffix in SUFFIXES.items())
+    parser.add_argument("--format", default="onnx", help=named)
+    parser.add_argument("--half", action="store_true", help="store the weights in 16 bits")
     parser.add_argument(
         "--size", type=int | None, help="side of the pictures; null is what it was trained at"
     )
@@ -60,20 +62,15 @@ def export(checkpoint: Path, target: Path, options: Namespace) -> str:
         InputError: if the checkpoint cannot be used or the file not be written.
         RunError: if the exported model paints something else than torch; nothing is written then.
     """
-    import normalgan
+    from normalgan.checkpoints import read_settings
     from normalgan.exporting.comparison import largest_difference, turn_in_degrees
     from normalgan.exporting.deployed import load
     from normalgan.exporting.formats import FORMATS
-    from normalgan.exporting.onnx_file import halve
+    from normalgan.weights.notes import Notes
 
     model, form = load(checkpoint, options.size), FORMATS[options.format]
-    notes = {
-        "normalgan_version": normalgan.__version__,
-        "model": model.name,
-        "licence": options.licence,
-        "size": str(model.size),
-    }
-    content = form.write(model, notes)
+    notes = Notes.of_checkpoint(read_settings(checkpoint), model.size, options.licence)
+    content = form.write(model, notes.metadata())
     difference = largest_difference(model, form.read(content))
     if not difference <= TOLERANCE:
         raise RunError(
@@ -81,8 +78,8 @@ def export(checkpoint: Path, target: Path, options: Namespace) -> str:
             "written."
         )
     said = f"differs from torch by at most {difference:.1g}"
-    if options.half:
-        content = halve(content)
+    if options.half and form.halve:
+        content = form.halve(content)
         mean, most = turn_in_degrees(model, form.read(content))
         said += f"; half precision turns its normals by {mean:.3f}° in the mean and {most:.2f}° at most"
     try:
@@ -103,8 +100,10 @@ def _check(options: Namespace) -> Path:
         raise InputError(
             f"the model {options.output} is to be a {suffix}, as --format {options.format} writes."
         )
-    if options.half and options.format != "onnx":
-        raise InputError(f"--half is for ONNX; leave it out, or write {options.format} without it.")
+    if options.half and options.format not in HALVED:
+        raise InputError(
+            f"--half is for {' and '.join(HALVED)}; leave it out, or write {options.format} without it."
+        )
     if options.size is not None and options.size < 8:
         raise InputError(f"the size of a model is 8 pixels or more, not {options.size}.")
     if not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):

@@ -16,7 +16,8 @@ from torch.export import Dim
 
 from normalgan.errors import InputError
 from normalgan.exporting.deployed import Deployed
-from normalgan.exporting.onnx_file import finish
+from normalgan.weights.file import Weights, parse_weights
+from normalgan.weights.notes import Notes
 
 Floats = NDArray[np.float32]
 Run = Callable[[Floats, Floats], Sequence[Floats]]
@@ -29,10 +30,12 @@ class Format:
     Args:
         write: makes the bytes from a model and what is to be said about it.
         read: makes of the bytes what paints sketches with hints.
+        halve: makes of the bytes those with weights in 16 bits; None where that is not done.
     """
 
     write: Callable[[Deployed, Mapping[str, str]], bytes]
     read: Callable[[bytes], Run]
+    halve: Callable[[bytes], bytes] | None = None
 
 
 def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
@@ -47,6 +50,8 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
         raise InputError(
             "ONNX needs two more packages; install them with pip install 'normalgan[export]'."
         ) from None
+    from normalgan.exporting.onnx_file import finish
+
     batch = {0: Dim.DYNAMIC}
     with warnings.catch_warnings(), _silence("torch.onnx", "onnxscript", "onnx_ir"):
         warnings.simplefilter("ignore")  # between torch and its own parts
@@ -73,6 +78,13 @@ def read_onnx(content: bytes) -> Run:
     return lambda sketch, hints: [
         np.asarray(output) for output in session.run(None, {"sketch": sketch, "hints": hints})
     ]
+
+
+def halve_onnx(content: bytes) -> bytes:
+    """Return a model with its weights in 16 bits."""
+    from normalgan.exporting.onnx_file import halve  # late: other formats do without the package onnx
+
+    return halve(content)
 
 
 def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:
@@ -110,8 +122,28 @@ def read_program(content: bytes) -> Run:
         return _tensors(torch.export.load(BytesIO(content)).module())
 
 
+def write_safetensors(model: Deployed, notes: Mapping[str, str]) -> bytes:
+    """Return a generator's weights, with what this package needs to build it.
+
+    Raises:
+        InputError: if its settings are not plain enough for that.
+    """
+    return Weights(Notes.parse(notes), model.generator.state_dict()).to_bytes()
+
+
+def read_safetensors(content: bytes) -> Run:
+    """Return what a generator paints that is built from such a file alone."""
+    weights = parse_weights(content)
+    return _tensors(Deployed(weights.generator(), weights.notes.size))
+
+
 FORMATS = {
-    "onnx": Format(write_onnx, read_onnx),
+    "onnx": Format(write_onnx, read_onnx, halve_onnx),
+    "safetensors": Format(
+        write_safetensors,
+        read_safetensors,
+        lambda content: parse_weights(content).halved().to_bytes(),
+    ),
     "torchscript": Format(write_torchscript, read_torchscript),
     "pt2": Format(write_program, read_program),
 }

@@ -65,6 +65,8 @@ class Model:
             )
         self.size: int = sides[0]
         """Side of the model's pictures in pixels."""
+        self.notes: dict[str, str] = self._session.get_modelmeta().custom_metadata_map
+        """What the file says about itself."""
 
     def paint(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
         """Return the normals painted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.

@@ -1,0 +1,73 @@
+"""Saved models: a checkpoint, safetensors, ONNX, or the weights that come with the package, as a method."""
+
+from pathlib import Path
+
+import torch
+from torch import Tensor
+
+from normalgan.batch import Batch
+from normalgan.benchmark.methods import Method, model_method, trained_method
+from normalgan.checkpoints import check_size, read_settings
+from normalgan.errors import InputError
+from normalgan.gan import NormalGAN
+from normalgan.hints import HINT_SAMPLERS
+from normalgan.inference.session import Model, find_model
+from normalgan.objectives import Wasserstein
+from normalgan.weights.file import SHIPPED, SUFFIX, read_weights
+from normalgan.weights.part import Part
+
+
+def saved_method(name: str, size: int, device: torch.device) -> Method:
+    """Return a model as a method; all kinds of file of one model give the same figures.
+
+    Args:
+        name: of the file; ``shipped`` is the one that comes with the package.
+        size: side of the pictures that it is to paint.
+        device: where to; ONNX paints on the processor.
+
+    Raises:
+        InputError: if it cannot be used, or was trained at another size.
+    """
+    path = SHIPPED if name == "shipped" else Path(name)
+    match path.suffix.lower():
+        case ".onnx":
+            return _onnx_method(find_model(name), size)
+        case suffix if suffix == SUFFIX:
+            return _weights_method(path, size, device)
+    check_size(path, read_settings(path), size)
+    return trained_method(path, device)
+
+
+def _weights_method(path: Path, size: int, device: torch.device) -> Method:
+    weights = read_weights(path)
+    notes = weights.notes
+    _check_size(path, notes.size, size)
+    model = NormalGAN(
+        generator=weights.generator(),
+        discriminator=None,
+        hint_sampler=notes.hint_sampler.build(HINT_SAMPLERS),
+        objective=Wasserstein(),  # nothing is learnt
+        noise_at_test=notes.noise_at_test,
+        seed=notes.seed,
+    )
+    return model_method(model.to(device))
+
+
+def _onnx_method(path: Path, size: int) -> Method:
+    model = Model(path, torch.get_num_threads())
+    _check_size(path, model.size, size)
+    if "hint_sampler" not in model.notes:
+        raise InputError(f"{path} does not say what hints it was trained for; export it anew.")
+    sampler = Part.from_json(model.notes["hint_sampler"]).build(HINT_SAMPLERS)
+
+    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+        given = [None] * len(batch["sketch"]) if hints is None else list(hints.cpu().numpy())
+        sketches = batch["sketch"][:, 0].cpu().numpy()
+        painted = [model.paint(sketch, hint)[0] for sketch, hint in zip(sketches, given, strict=True)]
+        return torch.stack([torch.from_numpy(one).permute(2, 0, 1) for one in painted]).to(batch["sketch"])
+
+    return Method(paint, sampler)
+
+
+def _check_size(path: Path, trained: int, size: int) -> None:
+    check_size(path, {"generator": {"init_args": {"size": trained}}}, size)

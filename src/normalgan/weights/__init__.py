@@ -1,0 +1,1 @@
+"""Weights: a generator as safetensors, read without running anything; and that which the package brings."""

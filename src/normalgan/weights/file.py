@@ -1,0 +1,126 @@
+"""Weights as safetensors: tensors and notes, no code; a stranger's file is checked before it is used."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors.torch import load, save
+from torch import Tensor
+
+from normalgan.bounds import read_bounded
+from normalgan.errors import InputError
+from normalgan.models import Generator
+from normalgan.weights.network import build_generator, check_fit
+from normalgan.weights.notes import Notes
+
+SUFFIX = ".safetensors"
+SHIPPED = Path(__file__).parent / f"ours{SUFFIX}"
+"""The weights that come with the package."""
+_MOST_HEADER = 2**20  # of names and shapes, a hundred bytes a tensor
+_SMALL = 64  # tensors of fewer elements weigh nothing, and are kept as they are
+
+
+@dataclass(frozen=True)
+class Weights:
+    """A generator as tensors by name, and what there is to say about it.
+
+    Args:
+        notes: what it is.
+        tensors: its parameters and statistics.
+    """
+
+    notes: Notes
+    tensors: Mapping[str, Tensor]
+
+    def generator(self) -> Generator:
+        """Return the generator, in float32, ready to paint."""
+        return build_generator(self.notes.generator, self.tensors)
+
+    def load_into(self, generator: Generator) -> None:
+        """Give a generator of this kind these weights, each in its own precision."""
+        generator.load_state_dict(dict(self.tensors))
+
+    def halved(self) -> "Weights":
+        """Return the weights in 16 bits, those too large for it at its limits."""
+        return Weights(self.notes, {name: _halve(tensor) for name, tensor in self.tensors.items()})
+
+    def to_bytes(self) -> bytes:
+        """Return the content of a file, the same for the same weights."""
+        # Clones: tensors that share memory are refused.
+        tensors = {
+            name: tensor.clone(memory_format=torch.contiguous_format) for name, tensor in self.tensors.items()
+        }
+        header, numbers = _split(save(tensors, {"format": "pt"}))
+        # The library writes notes in an order that changes from call to call; these are sorted.
+        header["__metadata__"] |= self.notes.metadata()
+        text = json.dumps(header, sort_keys=True, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 8)  # numbers are aligned so
+        return len(text).to_bytes(8, "little") + text + numbers
+
+
+def parse_weights(content: bytes, name: str = "the file") -> Weights:
+    """Return the weights in the content of a file; nothing in it is executed.
+
+    Args:
+        content: of the file.
+        name: of the file, in what is said of it.
+
+    Raises:
+        InputError: if it is damaged, holds another model, or one that cannot be built here.
+    """
+    try:
+        header, _ = _split(content)
+        tensors = load(content)
+        metadata = {str(k): str(v) for k, v in header.get("__metadata__", {}).items()}
+    except Exception:  # safetensors' own class of errors, and torch's on types that it does not have
+        raise InputError(
+            f"{name} is damaged or no safetensors; give a file that `normalgan export` wrote."
+        ) from None
+    try:
+        notes = Notes.parse(metadata)
+        check_fit(notes.generator, tensors)
+    except KeyError:
+        raise InputError(
+            f"{name} holds weights of another program; give a file that `normalgan export` wrote."
+        ) from None
+    except InputError as error:
+        raise InputError(f"the model in {name} cannot be built here: {error}") from error
+    return Weights(notes, tensors)
+
+
+def read_weights(path: Path) -> Weights:
+    """Return the weights in a file.
+
+    Raises:
+        InputError: if it is missing, cannot be read, or `parse_weights` refuses it.
+    """
+    if not path.is_file():
+        raise InputError(f"there are no weights {path}; name a file that `normalgan export` wrote.")
+    try:
+        content = read_bounded(path)
+    except OSError as error:
+        raise InputError(f"the weights {path} cannot be read: {error.strerror}.") from None
+    return parse_weights(content, str(path))
+
+
+def _split(content: bytes) -> tuple[dict[str, Any], bytes]:
+    """Return the header of a file and what follows it.
+
+    Raises:
+        ValueError: if it is longer than any header of ours, or no text.
+    """
+    length = int.from_bytes(content[:8], "little")
+    if length > _MOST_HEADER:
+        raise ValueError(f"a header of {length} bytes")
+    header: dict[str, Any] = json.loads(content[8 : 8 + length])
+    return header, content[8 + length :]
+
+
+def _halve(tensor: Tensor) -> Tensor:
+    if not tensor.is_floating_point() or tensor.numel() < _SMALL:
+        return tensor
+    largest = torch.finfo(torch.float16).max
+    return tensor.clamp(-largest, largest).to(torch.float16)

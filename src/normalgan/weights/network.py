@@ -1,0 +1,72 @@
+"""Network: a generator that is built to hold given tensors, after a look at whether they are its own."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import torch
+from torch import Tensor, nn
+from torch.nn.modules.module import register_module_parameter_registration_hook
+
+from normalgan.errors import InputError
+from normalgan.models import GENERATORS, Generator
+from normalgan.weights.part import Part
+
+Tensors = Mapping[str, Tensor]
+_FLOATS = {torch.float16, torch.bfloat16, torch.float32}
+
+
+def check_fit(part: Part, tensors: Tensors) -> None:
+    """Make sure that tensors are the weights of a generator; no memory is taken for it.
+
+    Raises:
+        InputError: if it cannot be built, or they are not its weights, or not finite.
+    """
+    # Without memory, and no further than there are tensors: settings may ask for billions of layers.
+    with torch.device("meta"), _at_most(2 * len(tensors) + 16):
+        wanted = part.build(GENERATORS).state_dict()
+    for name in [*wanted, *tensors]:
+        if name not in wanted or name not in tensors or not _alike(tensors[name], wanted[name]):
+            raise InputError(
+                f"its weights are not those of a {part.name} with these settings: {name[:80]} is "
+                f"{_shape(tensors, name)}, not {_shape(wanted, name)}."
+            )
+    for name, tensor in tensors.items():
+        if tensor.is_floating_point() and not tensor.isfinite().all():
+            raise InputError(f"its weights {name[:80]} are not all finite numbers.")
+
+
+def build_generator(part: Part, tensors: Tensors) -> Generator:
+    """Return the generator with these weights, in float32, ready to paint."""
+    generator = part.build(GENERATORS)
+    generator.load_state_dict(dict(tensors))
+    return generator.eval()
+
+
+@contextmanager
+def _at_most(parameters: int) -> Iterator[None]:
+    """Refuse to build more parameters than so many."""
+    seen = 0
+
+    def count(module: nn.Module, name: str, parameter: nn.Parameter) -> None:
+        nonlocal seen
+        seen += parameter is not None
+        if seen > parameters:
+            raise InputError("it would have more weights than there are.")
+
+    hook = register_module_parameter_registration_hook(count)
+    try:
+        yield
+    finally:
+        hook.remove()
+
+
+def _alike(tensor: Tensor, wanted: Tensor) -> bool:
+    kind = tensor.dtype in _FLOATS if wanted.is_floating_point() else tensor.dtype == wanted.dtype
+    return kind and tensor.shape == wanted.shape
+
+
+def _shape(tensors: Tensors, name: str) -> str:
+    if name not in tensors:
+        return "missing"
+    dtype = str(tensors[name].dtype).removeprefix("torch.")
+    return f"{dtype} {' × '.join(map(str, tensors[name].shape))}".rstrip()

@@ -1,0 +1,98 @@
+"""Notes: what a file of weights says beside the numbers; ONNX files of ours say the same."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from normalgan import __version__
+from normalgan.errors import InputError
+from normalgan.hints import HINT_SAMPLERS
+from normalgan.models import GENERATORS
+from normalgan.weights.part import LARGEST, Part
+
+
+@dataclass(frozen=True)
+class Notes:
+    """All that is needed to build a model and to measure it as the checkpoint it is from.
+
+    Args:
+        generator: what paints.
+        hint_sampler: gave the hints in training.
+        size: side of the pictures in pixels.
+        noise_at_test: whether the noise stays on when testing and predicting.
+        seed: of the hints and the noise.
+        licence: of the weights.
+        version: of normalgan that wrote them.
+    """
+
+    generator: Part
+    hint_sampler: Part
+    size: int
+    noise_at_test: bool = False
+    seed: int = 0
+    licence: str = "not stated"
+    version: str = __version__
+
+    @classmethod
+    def of_checkpoint(cls, settings: Mapping[str, Any], size: int, licence: str) -> "Notes":
+        """Return the notes on the model in a checkpoint.
+
+        Args:
+            settings: as `normalgan.checkpoints.read_settings` returns them.
+            size: side of the pictures in pixels.
+            licence: of the weights.
+        """
+        return cls(
+            *(Part.of(settings["generator"]), Part.of(settings["hint_sampler"]), size),
+            *(bool(settings.get("noise_at_test", False)), int(settings.get("seed", 0)), licence),
+        )
+
+    def metadata(self) -> dict[str, str]:
+        """Return the notes as texts by name, which is what files of models can hold."""
+        return {
+            "normalgan_version": self.version,
+            "model": self.generator.name,
+            "licence": self.licence,
+            "size": str(self.size),
+            "generator": self.generator.to_json(),
+            "hint_sampler": self.hint_sampler.to_json(),
+            "noise_at_test": str(self.noise_at_test).lower(),
+            "seed": str(self.seed),
+        }
+
+    def settings(self) -> dict[str, Any]:
+        """Return what of `NormalGAN`'s settings the notes decide on, as a configuration names it.
+
+        Raises:
+            InputError: if a class is not known here.
+        """
+        return {
+            "generator": self.generator.configuration(GENERATORS),
+            "hint_sampler": self.hint_sampler.configuration(HINT_SAMPLERS),
+            "noise_at_test": self.noise_at_test,
+            "seed": self.seed,
+        }
+
+    @classmethod
+    def parse(cls, metadata: Mapping[str, str]) -> "Notes":
+        """Return the notes in such texts.
+
+        Raises:
+            KeyError: if one is missing.
+            InputError: if one cannot be used.
+        """
+        return cls(
+            *(Part.from_json(metadata["generator"]), Part.from_json(metadata["hint_sampler"])),
+            size=_number(metadata, "size", LARGEST),
+            noise_at_test=metadata["noise_at_test"] == "true",
+            seed=_number(metadata, "seed", 2**63 - 1),
+            licence=metadata["licence"],
+            version=metadata["normalgan_version"],
+        )
+
+
+def _number(metadata: Mapping[str, str], name: str, most: int) -> int:
+    text = metadata[name]
+    if not (text.isascii() and text.isdecimal() and len(text) < 20 and int(text) <= most):
+        raise InputError(f"its {name} is {text[:40]}, no whole number from 0 to {most}.")
+    return int(text)

@@ -1,0 +1,75 @@
+"""A model in any kind of file is measured alike."""
+
+from pathlib import Path
+
+import pytest
+import torch
+
+from normalgan.batch import Batch
+from normalgan.benchmark.measure import Figures, measure
+from normalgan.benchmark.methods import model_method
+from normalgan.benchmark.saved import saved_method
+from normalgan.errors import InputError
+from normalgan.gan import NormalGAN
+from normalgan.hints import UniformHints
+from normalgan.models import UNetGenerator
+from normalgan.objectives import Wasserstein
+from normalgan.weights.file import SHIPPED, Weights, read_weights
+from normalgan.weights.notes import Notes
+from normalgan.weights.part import Part
+from onnx_models import write_model
+
+CPU = torch.device("cpu")
+torch.set_num_threads(1)
+
+
+def a_batch(size: int) -> Batch:
+    generator = torch.Generator().manual_seed(3)
+    mask = torch.zeros(2, 1, size, size)
+    mask[:, :, size // 8 : -size // 8, size // 8 : -size // 8] = 1
+    normal = torch.nn.functional.normalize(torch.randn(2, 3, size, size, generator=generator), dim=1)
+    sketch = (torch.rand(2, 1, size, size, generator=generator) > 0.95).float()
+    return {"sketch": sketch, "normal": normal * mask, "mask": mask, "name": ["a/0", "a/1"]}
+
+
+def figures_of(name: str, size: int) -> Figures:
+    return measure(saved_method(name, size, CPU), [a_batch(size)], [0, 5, 20], 0, CPU)
+
+
+def test_the_shipped_files_measure_the_same() -> None:
+    by_weights, by_onnx = figures_of("shipped", 128), figures_of(str(SHIPPED.with_suffix(".onnx")), 128)
+    assert by_weights.keys() == by_onnx.keys() == {"0", "5", "20", "own"}
+    for given, figures in by_weights.items():
+        assert figures == pytest.approx(by_onnx[given], abs=2e-3)
+    assert by_weights["20"]["angular_mean"] != by_weights["0"]["angular_mean"]  # the hints were looked at
+    assert saved_method("shipped", 128, CPU).sampler == UniformHints(1, 50, 0.3)
+
+
+def test_noise_sampler_and_weights_come_from_the_file(tmp_path: Path) -> None:
+    torch.manual_seed(0)
+    generator, sampler = UNetGenerator(size=32, width=4), UniformHints(4, 4)
+    notes = Notes(
+        generator=Part("UNetGenerator", {"size": 32, "width": 4}),
+        hint_sampler=Part("UniformHints", {"minimum": 4, "maximum": 4}),
+        size=32,
+        noise_at_test=True,
+    )
+    path = tmp_path / "m.safetensors"
+    path.write_bytes(Weights(notes, generator.state_dict()).to_bytes())
+    model = NormalGAN(generator, None, sampler, Wasserstein(), noise_at_test=True)
+    wanted = measure(model_method(model), [a_batch(32)], [0, 5, 20], 0, CPU)
+    assert figures_of(str(path), 32) == wanted
+    assert wanted["own"]["hints"] == 4
+
+
+def test_models_of_another_size_or_kind(tmp_path: Path) -> None:
+    onnx = str(SHIPPED.with_suffix(".onnx"))
+    for name in ("shipped", onnx):
+        with pytest.raises(InputError, match=r"was trained at 128 pixels, not 64; give --data.size 128"):
+            saved_method(name, 64, CPU)
+    for name in ("gone.onnx", "gone.safetensors", "gone.ckpt"):
+        with pytest.raises(InputError, match=f"there (is|are) no .* {name}"):
+            saved_method(name, 64, CPU)
+    with pytest.raises(InputError, match="does not say what hints it was trained for; export it anew"):
+        saved_method(str(write_model(tmp_path / "ramp.onnx")), 64, CPU)
+    assert read_weights(SHIPPED).notes.size == 128

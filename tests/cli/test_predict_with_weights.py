@@ -1,0 +1,107 @@
+"""The training commands with safetensors in place of a checkpoint, and predict with those of the package."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from command import Bench, Outcome, left_in, run
+from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
+from numpy.typing import NDArray
+from PIL import Image
+
+from normalgan.__main__ import main
+from normalgan.drawings import read_drawing
+from normalgan.framing import Frame
+from normalgan.models.condition import make_condition
+from normalgan.normals import read_png
+from normalgan.weights.file import SHIPPED, read_weights
+
+
+@pytest.fixture(scope="module", name="weights")
+def make_weights(trained: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The weights of the trained run."""
+    path = tmp_path_factory.mktemp("weights") / "Run.SafeTensors"
+    checkpoint = trained / "checkpoints" / "last.ckpt"
+    assert main(["export", str(checkpoint), "-o", str(path), "--format", "safetensors"]) == 0
+    return path
+
+
+@pytest.fixture
+def predict(tmp_path: Path) -> Callable[..., Outcome]:
+    """The command on a drawing of a ring, with no settings but those given."""
+    y, x = np.mgrid[:80, :80] - 39.5
+    ring = np.where(np.abs(np.hypot(x, y) - 30) < 1.5, 0, 255).astype(np.uint8)
+    Image.fromarray(ring).save(tmp_path / "ring.png")
+
+    def predict(*arguments: object) -> Outcome:
+        where = ("--data.sketches", tmp_path / "ring.png", "--trainer.accelerator", "cpu")
+        return run("predict", *where, "--output.folder", tmp_path / "maps", *arguments)
+
+    return predict
+
+
+def painted(folder: Path) -> NDArray[np.float32]:
+    return read_png(folder / "maps" / "ring_normal.png")[0]
+
+
+def test_predict_needs_nothing_but_a_drawing(predict: Callable[..., Outcome], tmp_path: Path) -> None:
+    outcome = predict()
+    assert outcome.code == 0, outcome.err
+    assert outcome.err.splitlines()[0] == (
+        "normalgan: predict uses the weights that come with the package: ResidualUNetGenerator, 128 pixels."
+    )
+    sketch = read_drawing(tmp_path / "ring.png")
+    frame = Frame.around(sketch, 128)
+    given = torch.from_numpy(frame.cut(sketch))[None, None]
+    with torch.no_grad():
+        wanted = read_weights(SHIPPED).generator()(make_condition(given, torch.zeros(1, 4, 128, 128)))
+    vectors = frame.restore(wanted[0, :3].permute(1, 2, 0).numpy())
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    sure = np.abs(length[..., 0] - 0.5) > 0.01  # at the threshold the last bit decides
+    flat = np.where(length > 0.5, vectors / np.maximum(length, 1e-6), [0, 0, 1])
+    assert np.abs(painted(tmp_path) - flat)[sure].max() < 0.02
+    assert 0.3 < (length > 0.5).mean() < 0.6  # the disc
+
+
+def test_weights_paint_and_measure_as_their_checkpoint(
+    predict: Callable[..., Outcome], bench: Bench, trained: Path, weights: Path, tmp_path: Path
+) -> None:
+    checkpoint = trained / "checkpoints" / "last.ckpt"
+    maps, figures = [], []
+    for path in (checkpoint, weights):
+        assert predict("--ckpt_path", path, "--data.size", 32).code == 0
+        maps.append(painted(tmp_path))
+        done = bench.run("test", tmp_path / "run", "--ckpt_path", path)
+        assert done.code == 0, done.err
+        figures.append(json.loads((tmp_path / "run" / "test" / "metrics.json").read_text()))
+    assert np.ptp(maps[0], axis=(0, 1)).max() > 0.1
+    np.testing.assert_array_equal(maps[0], maps[1])
+    assert figures[0] == figures[1]
+
+
+@pytest.mark.filterwarnings("default")
+def test_what_the_weights_overrule_is_said(predict: Callable[..., Outcome], weights: Path) -> None:
+    outcome = predict("--ckpt_path", weights, "--model.generator", "ResidualUNetGenerator")
+    assert outcome.code == 0, outcome.err
+    said = outcome.err.splitlines()
+    assert said[0].endswith("was trained with other settings, and they stay: model.generator.")
+    assert said[1] == f"normalgan: predict uses the weights in {weights}: UNetGenerator, 32 pixels."
+
+
+def test_weights_that_cannot_be_used(
+    predict: Callable[..., Outcome], bench: Bench, weights: Path, tmp_path: Path
+) -> None:
+    before = left_in(tmp_path)
+    predict("--data.size", 64).refused("ours.safetensors was trained at 128 pixels, not 64")
+    predict("--ckpt_path", "gone.safetensors").refused("there are no weights gone.safetensors")
+    bench.run("fit", tmp_path / "run", "--ckpt_path", weights).refused("has weights alone")
+    bench.run("test", tmp_path / "run").refused("test needs a trained model: --ckpt_path")
+    bench.run("test", tmp_path / "run", "--ckpt_path", "shipped").refused("trained at 128 pixels, not 32")
+    bad = tmp_path.parent / f"{tmp_path.name}.safetensors"
+    bad.write_bytes(weights.read_bytes()[:-9000])
+    predict("--ckpt_path", bad).refused(f"{bad} is damaged or no safetensors")
+    bench.run("test", tmp_path / "run", "--ckpt_path", bad).refused(f"{bad} is damaged or no safetensors")
+    assert left_in(tmp_path) == before

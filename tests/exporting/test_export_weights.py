@@ -1,0 +1,58 @@
+"""Export as safetensors."""
+
+from pathlib import Path
+
+import pytest
+import torch
+from small_checkpoints import save
+
+from normalgan.__main__ import main
+from normalgan.exporting.comparison import examples
+from normalgan.models import Generator
+from normalgan.models.condition import make_condition
+from normalgan.weights.file import read_weights
+
+torch.set_num_threads(1)
+
+
+def export(checkpoint: Path, target: Path, *more: str) -> int:
+    given = ["export", str(checkpoint), "-o", str(target), "--size", "32", "--format", "safetensors"]
+    return main([*given, *more])
+
+
+def painted(generator: Generator) -> torch.Tensor:
+    sketch, hints = examples(2, 32, seed=13)
+    with torch.no_grad():
+        result: torch.Tensor = generator(make_condition(torch.from_numpy(sketch), torch.from_numpy(hints)))
+    return result
+
+
+@pytest.mark.parametrize("kind", ["UNetGenerator", "ResidualUNetGenerator"])
+def test_weights_alone_build_the_generator(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
+) -> None:
+    generator = save(tmp_path / "last.ckpt", kind)
+    wanted = painted(generator)
+    for more, most in (((), 0.0), (("--half",), 0.1)):
+        target = tmp_path / f"m{len(more)}.safetensors"
+        assert export(tmp_path / "last.ckpt", target, *more) == 0
+        assert ("half precision turns" in capsys.readouterr().out) == bool(more)
+        weights = read_weights(target)
+        assert weights.notes.size == 32
+        error = (painted(weights.generator()) - wanted).abs()
+        assert error.mean() <= most
+    small, large = ((tmp_path / f"m{n}.safetensors").stat().st_size for n in (1, 0))
+    assert 0.4 < small / large < 0.75
+
+
+def test_settings_that_weights_cannot_bring_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save(tmp_path / "last.ckpt", "UNetGenerator")
+    checkpoint = torch.load(tmp_path / "last.ckpt", weights_only=True)
+    checkpoint["hyper_parameters"]["hint_sampler"]["init_args"] = {"minimum": 5000, "maximum": 5000}
+    torch.save(checkpoint, tmp_path / "last.ckpt")
+    target = tmp_path / "m.safetensors"
+    assert export(tmp_path / "last.ckpt", target) == 2
+    assert "minimum of UniformHints is 5000, but settings that weights bring" in capsys.readouterr().err
+    assert not target.exists()
