@@ -131,3 +131,18 @@ def test_checkpoints_do_not_grow_but_may_hold_it(name: str) -> None:
     other.load_state_dict(metric.state_dict())
     other.update(*BATCHES[0])  # and goes on from there
     assert torch.equal(other.compute(), filled(name, *BATCHES, BATCHES[0]).compute())
+
+
+@each_metric
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # scripting asks for all attributes, also old ones
+def test_a_module_that_holds_it_can_be_scripted(name: str) -> None:
+    class Measured(torch.nn.Module):
+        def __init__(self) -> None:
+            super().__init__()
+            self.metric = METRICS[name]()
+
+        def forward(self, values: Tensor) -> Tensor:
+            return 2 * values
+
+    scripted = torch.jit.script(Measured())
+    assert torch.equal(scripted(torch.ones(2)), torch.full((2,), 2.0))
