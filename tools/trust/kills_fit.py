@@ -37,7 +37,7 @@ def kills_fit(folder: Path, count: int, seed: int) -> Iterator[dict[str, Any]]:
         run = TinyRun(folder, f"run{runs}")
         found: list[str] = []
         for _ in range(min(int(rng.integers(1, 7)), count - ways.total())):
-            way, moment = draw.moment(ways.total())
+            way, moment = draw.moment(ways.total(), run.kept / unbroken.kept)
             child = run.train(moment, fresh=way == FRESH)
             if not child.killed:  # the moment would have come after its end
                 break

@@ -35,7 +35,7 @@ def kills_render(folder: Path, count: int, seed: int) -> Iterator[dict[str, Any]
         whole = TinySet(folder, f"whole{workers}")
         child = whole.render(workers)
         troubles += [*child.troubles(), *whole.differences(unbroken)]
-        files = sum(path.is_file() for path in whole.cache.rglob("*")) if workers else 0
+        files = whole.files if workers else 0
         draws[workers] = Draw(rng, fresh.seconds, child.seconds, len(child.changes), files)
     if troubles:
         raise RuntimeError(f"renderings that nobody killed: {troubles}")
@@ -47,7 +47,7 @@ def kills_render(folder: Path, count: int, seed: int) -> Iterator[dict[str, Any]
         found: list[str] = []
         for _ in range(min(int(rng.integers(1, 7)), count - ways.total())):
             workers = int(rng.choice(WORKERS))
-            way, moment = draws[workers].moment(ways.total())
+            way, moment = draws[workers].moment(ways.total(), made.files / unbroken.files)
             before = made.finished()
             child = made.render(workers, moment, fresh=way == FRESH)
             found += [f"after a kill at {moment}: {words}" for words in _lost(before, made.finished())]

@@ -42,13 +42,22 @@ class Draw:
     changes: int
     files: int = 0
 
-    def moment(self, number: int) -> tuple[str, Moment]:
-        """Return the kind of the moment of a kill, and the moment."""
+    def moment(self, number: int, done: float = 0.0) -> tuple[str, Moment]:
+        """Return the kind of the moment of a kill, and the moment.
+
+        Args:
+            number: of the kill, from 0.
+            done: share of the work that kills before have left, so that few moments come too late.
+        """
         if number % FRESH_EACH == FRESH_EACH - 1:
             return FRESH, Moment(self.rng.uniform(0, self.fresh))
         if number % 2:
-            return ANY, Moment(self.rng.uniform(0, self.forked))
+            return ANY, Moment(self.rng.uniform(0, self.forked * (1 - done / 2)))  # half is starting
         if self.files:
-            return CHANGE, Moment(self.rng.uniform(0, 0.05), files=int(self.rng.integers(self.files)) + 1)
+            there = min(round(self.files * done), self.files - 1)
+            return CHANGE, Moment(
+                self.rng.uniform(0, 0.05), files=int(self.rng.integers(there, self.files)) + 1
+            )
         wait = self.rng.uniform(0, 0.01) if self.rng.random() < 0.5 else 0.0
-        return CHANGE, Moment(wait, change=int(self.rng.integers(self.changes)) + 1)
+        to_come = max(1, round(self.changes * (1 - done)))
+        return CHANGE, Moment(wait, change=int(self.rng.integers(to_come)) + 1)

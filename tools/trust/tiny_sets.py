@@ -48,6 +48,11 @@ class TinySet:
         markers = self.cache.glob("*/done/*/*.json")
         return {str(path.relative_to(self.cache)): path.stat().st_mtime_ns for path in markers}
 
+    @property
+    def files(self) -> int:
+        """How many files there are, half-written ones too."""
+        return sum(path.is_file() for path in self.cache.rglob("*"))
+
     def left(self) -> list[Path]:
         """Return what is half written."""
         return [path for path in self.cache.rglob("*") if path.is_file() and ".partial" in path.parts]
