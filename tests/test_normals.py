@@ -1,4 +1,6 @@
+import math
 import os
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +35,28 @@ def test_decoding_undoes_encoding(azimuth: float, elevation: float) -> None:
 def test_flat_is_128_and_zero_too() -> None:
     assert normals.encode(np.array([0.0, 0.0, 1.0])).tolist() == [128, 128, 255]
     assert normals.encode(np.zeros(3), 16).tolist() == [32768] * 3
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_each_level_begins_where_exact_arithmetic_says(bits: Bits) -> None:
+    top = 2**bits - 1
+    # The floats of single precision on either side of each boundary, (k + ½) / top, and the nearest ones to it.
+    boundaries = ((2 * np.arange(top) + 1) / top - 1).astype(np.float32)
+    near = [boundaries]
+    for towards in (-2, 2):
+        moved = boundaries
+        for _ in range(3):
+            moved = np.nextafter(moved, np.float32(towards))
+            near.append(moved)
+    chosen = np.stack(near)[:, :: 1 if bits == 8 else 97]  # fractions are slow
+    chosen[np.abs(chosen) < 1e-15] = 0  # what is less does not change 1
+    # Only 0 lies on a boundary, and its level is the even one of both, the upper.
+    exact = [
+        [math.floor((Fraction(float(value)) + 1) * top / 2 + Fraction(1, 2)) for value in row]
+        for row in chosen
+    ]
+    assert normals.encode(chosen, bits).tolist() == exact
+    assert normals.encode(np.array([-2.0, -1, 1, 2]), bits).tolist() == [0, 0, top, top]
 
 
 def test_axes_are_opengl() -> None:

@@ -28,11 +28,9 @@ def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_])
         return normals
     there = known.astype(np.float32)
     sweeps = _SWEEPS if (needed & ~known).any() else 0
-    vectors = unit(_pushed_and_pulled(normals * there[..., None], there, sweeps))
     # Opposite neighbours cancel at a point; there the surface faces the viewer.
-    vectors[~vectors.any(-1)] = (0, 0, 1)
-    np.copyto(vectors, normals, where=known[..., None])
-    return vectors
+    vectors = unit(_pushed_and_pulled(normals * there[..., None], there, sweeps), front=True)
+    return np.asarray(cv2.copyTo(normals, known.astype(np.uint8), vectors), np.float32)
 
 
 def _pushed_and_pulled(values: Floats, known: Floats, sweeps: int) -> Floats:

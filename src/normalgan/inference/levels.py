@@ -28,10 +28,13 @@ class Levels:
 
     def __init__(self, values: Floats, low: float, high: float) -> None:
         self._low, self._step = low, (high - low) / (_BINS - 1)
-        # Half a step at either end: the middle of the first bin is the least value.
-        ends = [low - self._step / 2, high + self._step / 2]
-        inside = np.clip(values, np.float32(low), np.float32(high))
-        self._counts = cv2.calcHist([inside], [0], None, [_BINS], ends).ravel().astype(np.int64)
+        # The middle of the first bin is the least value: half a step is added, and the rest cut off.
+        places = values * np.float32(1 / self._step)
+        places += np.float32(0.5 - low / self._step)
+        np.clip(places, 0, _BINS - 1, out=places)
+        # Of whole numbers it counts many times as fast as of floats.
+        whole = places.astype(np.uint16)
+        self._counts = cv2.calcHist([whole], [0], None, [_BINS], [0, _BINS]).ravel().astype(np.int64)
 
     def quantile(self, share: float, above: float = -np.inf, below: float = np.inf) -> float:
         """Return what ``share`` of the values between two bounds do not exceed; NaN if there are none."""

@@ -86,8 +86,7 @@ def finish(prepared: Prepared, painted: Floats, confidence: Floats | None) -> Pa
     if prepared.shape != mask.shape:
         normals, mask = resize(normals, prepared.shape), resize(mask.astype(np.float32), prepared.shape) > 0.5
         shown = None if shown is None else resize(shown, prepared.shape)
-    normals = unit(normals)
-    normals[~normals.any(-1)] = (0, 0, 1)  # between opposite ones, and beyond the frame
+    normals = unit(normals, front=True)  # some have none: between opposite ones, and beyond the frame
     alpha = mask.astype(np.float32) if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
     return Painted(normals, mask, np.clip(alpha, 0, 1), prepared.seen, shown, warning)
 

@@ -15,12 +15,23 @@ def lengths(vectors: Floats) -> Floats:
     return np.asarray(np.sqrt(total), np.float32)
 
 
-def unit(vectors: Floats) -> Floats:
-    """Return unit vectors (H, W, 3) of float32 ones; those shorter than 1e-8 become zero.
+def unit(vectors: Floats, front: bool = False) -> Floats:
+    """Return unit vectors (H, W, 3) of float32 ones.
+
+    Args:
+        vectors: (H, W, 3).
+        front: whether those shorter than 1e-8 are to face the viewer; else they become zero.
 
     >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()
     [[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]]
+    >>> unit(np.zeros((1, 1, 3), np.float32), front=True).tolist()
+    [[[0.0, 0.0, 1.0]]]
     """
-    length = lengths(vectors)
-    scale = (length > _NONE) / np.maximum(length, _NONE)
-    return np.asarray(cv2.merge([plane * scale for plane in cv2.split(vectors)]), np.float32)
+    planes = cv2.split(vectors)
+    length = np.sqrt(sum(plane * plane for plane in planes))
+    there = length > _NONE
+    scale = there / np.maximum(length, _NONE)
+    planes = [plane * scale for plane in planes]
+    if front and not there.all():
+        planes[2] += ~there
+    return np.asarray(cv2.merge(planes), np.float32)
