@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT
-NAMED_BY_FIRST = {"os.rename", "os.remove", "os.mkdir", "os.rmdir"}
+NAMED_BY_FIRST = {"os.rename", "os.remove"}  # not os.mkdir: most folders are there already
 
 
 def changed(event: str, arguments: tuple[object, ...]) -> str | None:
