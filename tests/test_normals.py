@@ -40,7 +40,7 @@ def test_flat_is_128_and_zero_too() -> None:
 @pytest.mark.parametrize("bits", [8, 16])
 def test_each_level_begins_where_exact_arithmetic_says(bits: Bits) -> None:
     top = 2**bits - 1
-    # The floats of single precision on either side of each boundary, (k + ½) / top, and the nearest ones to it.
+    # The floats of single precision about each boundary, (k + ½) / top.
     boundaries = ((2 * np.arange(top) + 1) / top - 1).astype(np.float32)
     near = [boundaries]
     for towards in (-2, 2):
