@@ -89,11 +89,18 @@ def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
     (checkpoint,) = (out / "pix2pix" / "seed0" / "checkpoints").glob("0*.ckpt")
     shutil.copy(checkpoint, tmp_path / "model.ckpt")
-    assert main([*given, "--evaluate", str(tmp_path / "model.ckpt")]) == 0
+    weights = tmp_path / "model.safetensors"
+    assert main(["export", str(checkpoint), "--format", "safetensors", "-o", str(weights)]) == 0
     table = (out / "table.md").read_text(encoding="utf-8")
-    printed = capsys.readouterr().out
-    for heading in ("Table 1: 5 hints", "Table 1, without hints", "Table 2", "Mean angular error"):
-        assert figures(printed, heading) == figures(table, heading)
+    for model in (tmp_path / "model.ckpt", weights):
+        capsys.readouterr()
+        # In a cache of its own: only the test views are rendered.
+        assert main([*given, "--set", f"data.cache={tmp_path / 'alone'}", "--evaluate", str(model)]) == 0
+        printed = capsys.readouterr().out
+        for heading in ("Table 1: 5 hints", "Table 1, without hints", "Table 2", "Mean angular error"):
+            assert figures(printed, heading) == figures(table, heading)
+    (rendered,) = (tmp_path / "alone").glob("*/dataset.json")
+    assert json.loads(rendered.read_text(encoding="utf-8"))["splits"].keys() == {"test"}
 
     assert main([*given, "--set", "data.test_views=4"]) == 2
     assert "was made with other settings (data.test_views)" in capsys.readouterr().err
