@@ -1,9 +1,13 @@
 """Metrics over processes: each counts its share, and all tell the figure of the whole."""
 
+from itertools import cycle
+from multiprocessing import get_context
+from pathlib import Path
+
 import pytest
 import torch
 from metric_samples import computed, random_batch
-from torch import Tensor, distributed, multiprocessing
+from torch import Tensor, distributed
 from torchmetrics import Metric
 
 from normalgan.metrics import MeanAngularError, normal_map_metrics
@@ -21,15 +25,10 @@ def whole(seeds: tuple[int, ...]) -> dict[str, float]:
 
 def gathering_from(other: Metric) -> MeanAngularError:
     """A metric that takes `other` for the second of two processes."""
-    states = iter(())
+    names = cycle(other.metric_state)  # each round asks for all states in turn
 
     def gather(state: Tensor, group: object) -> list[Tensor]:
-        nonlocal states
-        theirs = next(states, None)
-        if theirs is None:  # a round begins
-            states = iter(list(other.metric_state.values()))
-            theirs = next(states)
-        return [state, theirs]
+        return [state, torch.as_tensor(other.metric_state[next(names)])]
 
     return MeanAngularError(dist_sync_fn=gather, distributed_available_fn=lambda: True)
 
@@ -66,10 +65,16 @@ def in_a_process(rank: int, folder: str) -> None:
 
 
 @pytest.mark.slow  # two processes import torch
-def test_two_gloo_processes_tell_what_one_does(tmp_path: object) -> None:
-    multiprocessing.spawn(in_a_process, (str(tmp_path),), nprocs=len(SHARES))
+def test_two_gloo_processes_tell_what_one_does(tmp_path: Path) -> None:
+    start = get_context("spawn").Process
+    processes = [start(target=in_a_process, args=(rank, str(tmp_path))) for rank in range(len(SHARES))]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join()
+    assert [process.exitcode for process in processes] == [0] * len(SHARES)
     expected = whole(tuple(seed for share in SHARES for seed in share))
     step = whole((10, 11))["angular_mean"]
     for rank in range(len(SHARES)):
-        told = torch.load(f"{tmp_path}/{rank}", weights_only=True)
+        told = torch.load(tmp_path / str(rank), weights_only=True)
         assert told == {"all": expected, "step": step, "steps": step}
