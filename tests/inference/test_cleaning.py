@@ -136,3 +136,12 @@ def test_shared_sketches_are_all_seen(shared_sketches: list[Path]) -> None:
             assert fill_outline(cleaned.ink).closed > 0.9, path
         if path.suffix == ".svg":
             assert cleaned.silhouette is not None, path
+
+
+@pytest.mark.parametrize("painted", [False, True])
+def test_a_grey_drawing_has_the_ink_of_one_with_a_touch_of_colour(painted: bool) -> None:
+    colour = grey(0.5 * FILLED) if painted else np.repeat(shaded(grey(INK))[..., :1], 3, axis=-1)
+    tinted = colour.copy()
+    tinted[0, 0] += np.array([0, 1e-6, 0], np.float32)
+    assert (tinted != colour).any()
+    assert np.abs(clean(Picture(colour, None)).ink - clean(Picture(tinted, None)).ink).max() < 1e-4

@@ -29,13 +29,13 @@ def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_])
     there = known.astype(np.float32)
     sweeps = _SWEEPS if (needed & ~known).any() else 0
     # Opposite neighbours cancel at a point; there the surface faces the viewer.
-    vectors = unit(_pushed_and_pulled(normals * there[..., None], there, sweeps), front=True)
+    vectors = unit(_pushed_and_pulled(normals, there, sweeps), front=True)
     return np.asarray(cv2.copyTo(normals, known.astype(np.uint8), vectors), np.float32)
 
 
 def _pushed_and_pulled(values: Floats, known: Floats, sweeps: int) -> Floats:
-    """Return values (H, W, 3) that go on from where they are known; elsewhere they are 0."""
-    levels = [np.dstack([values, known])]
+    """Return values (H, W, 3) that go on from where they are ``known``, 1 and not 0."""
+    levels = [cv2.merge([*(plane * known for plane in cv2.split(values)), known])]
     while max(levels[-1].shape[:2]) > 1:
         h, w = levels[-1].shape[:2]
         half = cv2.resize(levels[-1], ((w + 1) // 2, (h + 1) // 2), interpolation=cv2.INTER_AREA)
@@ -44,11 +44,15 @@ def _pushed_and_pulled(values: Floats, known: Floats, sweeps: int) -> Floats:
     for level in reversed(levels[:-1]):
         h, w = level.shape[:2]
         filled = cv2.resize(coarse, (w, h), interpolation=cv2.INTER_LINEAR).reshape(h, w, 3)
-        weight = np.minimum(level[..., 3:], 1)
-        own = level[..., :3] / np.maximum(level[..., 3:], 1e-12) * weight
-        free = 1 - weight
-        filled = own + free * filled
+        *own, weight = cv2.split(level)
+        share = np.minimum(weight, 1) / np.maximum(weight, 1e-12)
+        free = 1 - np.minimum(weight, 1)
+        # Three planes alike: NumPy takes many times as long to stretch one over the last axis.
+        kept, moving = cv2.merge([plane * share for plane in own]), cv2.merge([free, free, free])
+        filled = kept + moving * filled
         for _ in range(sweeps):
-            filled = own + free * cv2.filter2D(filled, -1, _MEAN, borderType=cv2.BORDER_REPLICATE)
+            filled = cv2.filter2D(filled, -1, _MEAN, borderType=cv2.BORDER_REPLICATE).reshape(h, w, 3)
+            filled *= moving
+            filled += kept
         coarse = filled
     return np.asarray(coarse, np.float32)

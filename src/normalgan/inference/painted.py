@@ -1,5 +1,7 @@
 """Painted areas: what is wide and dark in a drawing is no line: a coloured body, a desk around the sheet."""
 
+from functools import reduce
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +21,12 @@ Mark = NDArray[np.bool_]
 
 
 def darkest(colour: Floats) -> Floats:
-    """Return the least channel of colours (H, W, 3); NumPy's own takes ten times as long."""
-    red, green, blue = cv2.split(colour)
-    return np.asarray(cv2.min(cv2.min(red, green), blue), np.float32)
+    """Return the least channel of colours, (H, W); NumPy's own takes ten times as long."""
+    return np.asarray(reduce(cv2.min, cv2.split(colour)), np.float32)
 
 
 def paper_colour(paper: Floats) -> Floats:
-    """Return the colour (3,) of the sheet, given that of the paper about each pixel, (H, W, 3)."""
+    """Return the colour (C,) of the sheet, given that of the paper about each pixel, (H, W, 3) or (H, W)."""
     counted = [Levels(np.asarray(channel, np.float32), 0, 1) for channel in cv2.split(paper)]
     level = np.array([each.quantile(0.5) for each in counted])
     lightest = np.array([each.quantile(0.95) for each in counted])
@@ -47,9 +48,9 @@ def painted_areas(colour: Floats, paper: Floats, level: Floats, step: Mark) -> t
     which are narrower. What hangs together with the trunk and has its colour belongs to it.
 
     Args:
-        colour: (H, W, 3), the drawing.
-        paper: (H, W, 3), the lightest colour about each pixel.
-        level: (3,), the sheet's colour.
+        colour: (H, W, 3), the drawing; (H, W) if it is grey.
+        paper: of the same shape, the lightest colour about each pixel.
+        level: (3,) or (1,), the sheet's colour.
         step: (H, W), where it gets darker within a few pixels.
     """
     wide: Mark = darkest(paper / level) < _PAINTED
@@ -64,7 +65,7 @@ def painted_areas(colour: Floats, paper: Floats, level: Floats, step: Mark) -> t
         if edge.any() and step[edge].mean() < 0.5:
             continue  # shaded
         paint = np.median(colour[own], axis=0)
-        alike = (np.abs(colour - paint).max(-1) < _ALIKE) & (darkest(colour / level) < _PAINTED)
+        alike = (-darkest(-np.abs(colour - paint)) < _ALIKE) & (darkest(colour / level) < _PAINTED)
         _, parts = cv2.connectedComponents((alike | own).astype(np.uint8), connectivity=4)
         parts_of_it = parts == np.bincount(parts[own]).argmax()
         same = parts_of_it & alike  # at the window's edges the trunk's paper is too light as well

@@ -30,6 +30,9 @@ def ink_on_paper(colour: Floats) -> Floats:
         colour: (H, W, 3) in [0, 1].
     """
     shape = (colour.shape[0], colour.shape[1])
+    red, green, blue = cv2.split(colour)
+    if (red == green).all() and (red == blue).all():  # as in most drawings: one channel says it all
+        colour = np.asarray(red, np.float32)
     small = colour if max(shape) <= _SIDE else resize(colour, fitted(shape, _SIDE))
     paper = _paper(small)
     level = paper_colour(paper)
@@ -53,8 +56,8 @@ def ink_on_paper(colour: Floats) -> Floats:
 
 
 def _paper(colour: Floats) -> Floats:
-    """Return the lightest colour about each pixel, (H, W, 3), with edges where they were."""
-    width = 2 * max(round(_WINDOW * max(colour.shape) / 2), 2) + 1
+    """Return the lightest colour about each pixel, of the same shape, with edges where they were."""
+    width = 2 * max(round(_WINDOW * max(colour.shape[:2]) / 2), 2) + 1
     window = cv2.getStructuringElement(cv2.MORPH_RECT, (width, width))
     # Grain has bright grains; without them the paper is not taken for lighter than it is.
     smooth = cv2.GaussianBlur(colour, (3, 3), 0)

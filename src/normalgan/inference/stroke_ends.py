@@ -64,7 +64,7 @@ def stroke_ends(inked: Mark, width: float) -> Ends:
     own = labels[rows, columns] - 1
     back = ring @ np.stack([across, down], axis=1).astype(np.float32) / share[:, None]
     ways = -np.stack([np.bincount(own, back[:, axis], count - 1) for axis in (0, 1)], axis=1)
-    ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-6)
+    ways = ways / np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-6)
     pixels = np.stack([columns, rows], axis=1)
     order = np.lexsort(((pixels * ways[own]).sum(1), own))
     last = np.flatnonzero(np.diff(own[order], append=count))
