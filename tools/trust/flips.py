@@ -16,7 +16,7 @@ WORKERS_EACH = 5
 
 
 def flips(folder: Path, count: int, seed: int) -> Iterator[dict[str, Any]]:
-    """Flip bits of shards, then one of each other file, rendering again after each; yield the counts.
+    """Flip bits of shards and one of each other file, rendering again after each; yield the counts.
 
     Args:
         folder: to work in.
@@ -39,7 +39,8 @@ def flips(folder: Path, count: int, seed: int) -> Iterator[dict[str, Any]]:
     others = [name for name in names if name not in shards]
     kinds, mended = Counter[str](), Counter[str]()
     findings: list[str] = []
-    for number, name in enumerate([shards[int(rng.integers(len(shards)))] for _ in range(count)] + others):
+    places = [shards[int(rng.integers(len(shards)))] for _ in range(count)] + others
+    for number, name in enumerate(map(str, rng.permutation(places))):
         bit = flip(made.cache / name, rng)
         child = made.render(2 if number % WORKERS_EACH == WORKERS_EACH - 1 else 0)
         found = [*child.troubles(), *made.differences(untouched)]
