@@ -51,7 +51,7 @@ def test_a_bad_checkpoint_is_refused(
 def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
     bench.run("test", tmp_path, "--ckpt_path", "gone.ckpt").refused("there is no checkpoint gone.ckpt.")
     bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no checkpoint", "last.ckpt")
-    for command in ("validate", "test", "predict"):
+    for command in ("validate", "test"):
         bench.run(command, tmp_path).refused(f"{command} needs a trained model: --ckpt_path")
 
 
