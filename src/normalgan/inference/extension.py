@@ -40,7 +40,7 @@ def _pushed_and_pulled(values: Floats, known: Floats, sweeps: int) -> Floats:
         h, w = levels[-1].shape[:2]
         half = cv2.resize(levels[-1], ((w + 1) // 2, (h + 1) // 2), interpolation=cv2.INTER_AREA)
         levels.append(np.asarray(half.reshape((h + 1) // 2, (w + 1) // 2, 4), np.float32))
-    coarse = levels[-1][..., :3] / np.maximum(levels[-1][..., 3:], 1e-12)
+    coarse = np.asarray(levels[-1][..., :3] / np.maximum(levels[-1][..., 3:], 1e-12), np.float32)
     for level in reversed(levels[:-1]):
         h, w = level.shape[:2]
         filled = cv2.resize(coarse, (w, h), interpolation=cv2.INTER_LINEAR).reshape(h, w, 3)
@@ -48,11 +48,12 @@ def _pushed_and_pulled(values: Floats, known: Floats, sweeps: int) -> Floats:
         share = np.minimum(weight, 1) / np.maximum(weight, 1e-12)
         free = 1 - np.minimum(weight, 1)
         # Three planes alike: NumPy takes many times as long to stretch one over the last axis.
-        kept, moving = cv2.merge([plane * share for plane in own]), cv2.merge([free, free, free])
-        filled = kept + moving * filled
+        kept = np.asarray(cv2.merge([plane * share for plane in own]), np.float32)
+        moving = np.asarray(cv2.merge([free, free, free]), np.float32)
+        coarse = kept + moving * np.asarray(filled, np.float32)
         for _ in range(sweeps):
-            filled = cv2.filter2D(filled, -1, _MEAN, borderType=cv2.BORDER_REPLICATE).reshape(h, w, 3)
-            filled *= moving
-            filled += kept
-        coarse = filled
-    return np.asarray(coarse, np.float32)
+            mean = cv2.filter2D(coarse, -1, _MEAN, borderType=cv2.BORDER_REPLICATE)
+            coarse = np.asarray(mean.reshape(h, w, 3), np.float32)
+            coarse *= moving
+            coarse += kept
+    return coarse
