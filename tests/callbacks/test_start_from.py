@@ -53,7 +53,9 @@ def test_what_cannot_be_begun_with_is_refused(other: Path, meshes: Path, cache: 
     wider = gan(generator=UNetGenerator(size=32, width=8))
     for start, said in (
         (str(other), "whose generator is another one"),
+        ("shipped", "ours.safetensors, whose generator is another one"),
         ("/gone.ckpt", "there is no checkpoint"),
+        ("/gone.safetensors", "there are no weights"),
     ):
         with pytest.raises(InputError, match=said):
             trainer(tmp_path / "new", callbacks=[StartFrom(start)]).fit(wider, data(meshes, cache))

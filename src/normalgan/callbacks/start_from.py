@@ -1,13 +1,16 @@
 """A run that begins with what another one has learnt."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
+from torch import Tensor
 
 from normalgan.checkpoints import read_settings
 from normalgan.errors import InputError
+from normalgan.weights.file import SHIPPED, SUFFIX, read_weights
 
 _PREFIX = "generator."
 
@@ -18,12 +21,12 @@ class StartFrom(Callback):
     A run that is resumed has its own weights and is left as it is.
 
     Args:
-        checkpoint: of the other run, as `normalgan fit` saved it, with a generator of the same class and
-            settings.
+        weights: a file of safetensors, a checkpoint, or ``shipped`` for what comes with the package; its
+            generator is of the same class and settings as the run's.
     """
 
-    def __init__(self, checkpoint: str) -> None:
-        self.checkpoint = checkpoint
+    def __init__(self, weights: str = "shipped") -> None:
+        self.weights = weights
         self._resumed = False
 
     def state_dict(self) -> dict[str, Any]:
@@ -38,19 +41,24 @@ class StartFrom(Callback):
         """Load the weights, if the run is new.
 
         Raises:
-            InputError: if the checkpoint cannot be used, or its generator is another one.
+            InputError: if the file cannot be used, or its generator is another one.
         """
         if self._resumed:
             return
-        path = Path(self.checkpoint)
-        read_settings(path)  # says what is wrong with it
-        saved = torch.load(path, map_location="cpu", weights_only=True, mmap=True)["state_dict"]
-        weights = {name.removeprefix(_PREFIX): w for name, w in saved.items() if name.startswith(_PREFIX)}
+        path = SHIPPED if self.weights == "shipped" else Path(self.weights)
+        tensors = read_weights(path).tensors if path.suffix.lower() == SUFFIX else _of_checkpoint(path)
         network = pl_module.get_submodule("generator")
         own = {name: tensor.shape for name, tensor in network.state_dict().items()}
-        if {name: tensor.shape for name, tensor in weights.items()} != own:
+        if {name: tensor.shape for name, tensor in tensors.items()} != own:
             raise InputError(
                 f"StartFrom was given {path}, whose generator is another one than the run's; give both the "
                 "same class and settings."
             )
-        network.load_state_dict(weights)
+        network.load_state_dict(dict(tensors))
+
+
+def _of_checkpoint(path: Path) -> Mapping[str, Tensor]:
+    """Return the generator's tensors by name."""
+    read_settings(path)  # says what is wrong with it
+    saved = torch.load(path, map_location="cpu", weights_only=True, mmap=True)["state_dict"]
+    return {name.removeprefix(_PREFIX): w for name, w in saved.items() if name.startswith(_PREFIX)}
