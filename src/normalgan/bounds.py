@@ -89,7 +89,7 @@ def load_yaml(text: str) -> Any:
 class _Loader(yaml.SafeLoader):
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         try:
-            return super().construct_object(node, deep)  # type: ignore[no-untyped-call]
+            return super().construct_object(node, deep)
         except (ValueError, AttributeError) as error:
             problem = f"{node.value:.40} looks like a number or a date, but is none; put it in quotes"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from error
