@@ -42,10 +42,12 @@ def kills_fit(folder: Path, count: int, seed: int) -> Iterator[dict[str, Any]]:
             if not child.killed:  # the moment would have come after its end
                 break
             ways[way] += 1
+            places.update([place(child)] if way == CHANGE else [])
+            if troubles := run.troubles():
+                found += [f"after a kill at {moment}: {words}" for words in troubles]
+                break
             epochs[run.kept] += 1
             loaded += len(run.checkpoints)
-            places.update([place(child)] if way == CHANGE else [])
-            found += [f"after a kill at {moment}: {words}" for words in run.troubles()]
         else:
             child = run.train()
         found += [*child.troubles(), *run.differences(unbroken)]
