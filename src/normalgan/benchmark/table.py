@@ -64,7 +64,9 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
         results: of the rows; those missing are left out.
     """
     span = f"{scale.seconds:g} seconds a run" if scale.seconds else f"{plan.images} images a generator"
-    lines = [f"# {plan.name}, scale {scale.name}", "", f"{span[0].upper()}{span[1:]}."]
+    lines = [f"# {plan.name}, scale {scale.name}", ""]
+    if scale.seconds or any(run["images"] for runs in results.values() for run in runs):  # a saved model does not tell
+        lines.append(f"{span[0].upper()}{span[1:]}.")
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
     lines += [
