@@ -65,7 +65,8 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
     """
     span = f"{scale.seconds:g} seconds a run" if scale.seconds else f"{plan.images} images a generator"
     lines = [f"# {plan.name}, scale {scale.name}", ""]
-    if scale.seconds or any(run["images"] for runs in results.values() for run in runs):  # a saved model does not tell
+    learnt = any(run["images"] for runs in results.values() for run in runs)  # a saved model does not tell
+    if scale.seconds or learnt:
         lines.append(f"{span[0].upper()}{span[1:]}.")
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
