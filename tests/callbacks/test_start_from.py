@@ -28,13 +28,13 @@ def test_a_new_run_begins_with_the_other_ones_generator(
 ) -> None:
     saved = torch.load(other, weights_only=True)["state_dict"]
     model = gan()
-    before = {name: w.clone() for name, w in model.discriminator.state_dict().items()}
-    start = StartFrom(str(other))
-    run = trainer(tmp_path / "new", max_steps=0, callbacks=[start])
-    run.fit(model, data(meshes, cache))
+    discriminator = model.discriminator
+    assert discriminator is not None
+    before = {name: w.clone() for name, w in discriminator.state_dict().items()}
+    trainer(tmp_path / "new", max_steps=0, callbacks=[StartFrom(str(other))]).fit(model, data(meshes, cache))
     for name, weights in model.generator.state_dict().items():
         assert torch.equal(weights, saved[f"generator.{name}"])
-    for name, weights in model.discriminator.state_dict().items():
+    for name, weights in discriminator.state_dict().items():
         assert torch.equal(weights, before[name])
 
 

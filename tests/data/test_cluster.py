@@ -188,9 +188,12 @@ def test_no_two_tasks_share_a_key(pair: Cast, monkeypatch: pytest.MonkeyPatch) -
     # The scheduler answers for a key it knows with what came of it before, were it the death of a worker.
     keys = []
     submit = Client.submit
-    monkeypatch.setattr(
-        Client, "submit", lambda self, *a, key, **k: (keys.append(key), submit(self, *a, key=key, **k))[1]
-    )
+
+    def note(client: Client, *call: Any, key: str, **how: Any) -> Any:
+        keys.append(key)
+        return submit(client, *call, key=key, **how)
+
+    monkeypatch.setattr(Client, "submit", note)
     with Cluster(pair.address) as pool:
         for _ in range(20):
             assert list(pool.run(abs, [-1])) == [(-1, 1)]
