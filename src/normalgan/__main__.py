@@ -27,7 +27,7 @@ Commands:
   sketch     draw a mesh from a view, as SVG or PNG
   generate   paint normal maps for drawings with an exported model, without torch
   studio     draw, pin normals, light and export in the browser, with an exported model
-  export     write a checkpoint as a file that runs without this package: ONNX, TorchScript
+  export     write a checkpoint as a file for elsewhere: ONNX, safetensors, TorchScript
   benchmark  train and measure the methods of a plan on one split, or a model of yours
   plugins    list the samplers, networks, losses, renderers and line styles there are
 
