@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# The same examples each time, lest a change be refused for one that it has nothing to do with. Others are tried
-# with --hypothesis-profile=default.
+# The same examples each time, lest a change be refused for one that it has nothing to do with;
+# --hypothesis-profile=default tries others.
 settings.register_profile("steady", derandomize=True)
 settings.load_profile("steady")
 
