@@ -103,18 +103,20 @@ def read_settings(path: Path) -> dict[str, Any]:
     return settings
 
 
-def check_size(path: Path, settings: Mapping[str, Any], size: int) -> None:
-    """Compare the size of the networks' pictures with that of the data.
+def check_sizes(path: Path, settings: Mapping[str, Any], size: int) -> None:
+    """Compare the sizes of the networks' pictures with that of the data; see `check_size`."""
+    for network in ("generator", "discriminator"):
+        check_size(path, ((settings.get(network) or {}).get("init_args") or {}).get("size"), size)
+
+
+def check_size(path: Path, trained: int | None, size: int) -> None:
+    """Compare the size that a model was trained at, None for any, with that of the data.
 
     Raises:
         InputError: if they differ.
     """
-    for network in ("generator", "discriminator"):
-        trained = ((settings.get(network) or {}).get("init_args") or {}).get("size")
-        if trained not in {None, size}:
-            raise InputError(
-                f"{path} was trained at {trained} pixels, not {size}; give --data.size {trained}."
-            )
+    if trained not in {None, size}:
+        raise InputError(f"{path} was trained at {trained} pixels, not {size}; give --data.size {trained}.")
 
 
 def check_writable(folder: Path) -> None:

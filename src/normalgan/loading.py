@@ -7,10 +7,16 @@ from typing import Any
 
 from lightning.pytorch.cli import LightningCLI
 
-from normalgan.checkpoints import check_size, checkpoint_folder, read_settings, warn_of_overruled
+from normalgan.checkpoints import (
+    check_size,
+    check_sizes,
+    checkpoint_folder,
+    read_settings,
+    warn_of_overruled,
+)
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
-from normalgan.weights.file import SHIPPED, SUFFIX, Weights, read_weights
+from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
 
 
 class ModelLoader(LightningCLI, ABC):
@@ -35,13 +41,13 @@ class ModelLoader(LightningCLI, ABC):
         if given == "last":
             folder = checkpoint_folder(config["trainer"]["default_root_dir"])
             config["ckpt_path"] = given = str(Path(folder) / "last.ckpt")
-        path = SHIPPED if given in {None, "shipped"} else Path(given)
+        path = find_weights(given or SHIPPED_NAME)
         (self._use_weights if path.suffix.lower() == SUFFIX else self._use_checkpoint)(path, command)
 
     def _use_checkpoint(self, path: Path, command: str) -> None:
         """Read a checkpoint's settings over the configuration's."""
         saved = read_settings(path)
-        check_size(path, saved, self.config[command]["data"]["size"])
+        check_sizes(path, saved, self.config[command]["data"]["size"])
         self._warn_of_overruled(path, command, saved)
         try:
             super()._parse_ckpt_path()
@@ -55,7 +61,7 @@ class ModelLoader(LightningCLI, ABC):
         self.weights = read_weights(path)
         notes, size = self.weights.notes, self.config[command]["data"]["size"]
         if size != self._parser(command).get_defaults()["data"]["size"]:
-            check_size(path, {"generator": {"init_args": {"size": notes.size}}}, size)
+            check_size(path, notes.size, size)
         saved = notes.settings()
         self._warn_of_overruled(path, command, saved)
         changes = {"model": {**saved, "discriminator": None}, "data": {"size": notes.size}, "ckpt_path": None}

@@ -7,13 +7,13 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 from normalgan.benchmark.methods import Method, model_method, trained_method
-from normalgan.checkpoints import check_size, read_settings
+from normalgan.checkpoints import check_size, check_sizes, read_settings
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.inference.session import Model, find_model
 from normalgan.objectives import Wasserstein
-from normalgan.weights.file import SHIPPED, SUFFIX, read_weights
+from normalgan.weights.file import SUFFIX, find_weights, read_weights
 from normalgan.weights.part import Part
 
 
@@ -28,20 +28,20 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
     Raises:
         InputError: if it cannot be used, or was trained at another size.
     """
-    path = SHIPPED if name == "shipped" else Path(name)
+    path = find_weights(name)
     match path.suffix.lower():
         case ".onnx":
             return _onnx_method(find_model(name), size)
         case suffix if suffix == SUFFIX:
             return _weights_method(path, size, device)
-    check_size(path, read_settings(path), size)
+    check_sizes(path, read_settings(path), size)
     return trained_method(path, device)
 
 
 def _weights_method(path: Path, size: int, device: torch.device) -> Method:
     weights = read_weights(path)
     notes = weights.notes
-    _check_size(path, notes.size, size)
+    check_size(path, notes.size, size)
     model = NormalGAN(
         generator=weights.generator(),
         discriminator=None,
@@ -55,7 +55,7 @@ def _weights_method(path: Path, size: int, device: torch.device) -> Method:
 
 def _onnx_method(path: Path, size: int) -> Method:
     model = Model(path, torch.get_num_threads())
-    _check_size(path, model.size, size)
+    check_size(path, model.size, size)
     if "hint_sampler" not in model.notes:
         raise InputError(f"{path} does not say what hints it was trained for; export it anew.")
     sampler = Part.from_json(model.notes["hint_sampler"]).build(HINT_SAMPLERS)
@@ -67,7 +67,3 @@ def _onnx_method(path: Path, size: int) -> Method:
         return torch.stack([torch.from_numpy(one).permute(2, 0, 1) for one in painted]).to(batch["sketch"])
 
     return Method(paint, sampler)
-
-
-def _check_size(path: Path, trained: int, size: int) -> None:
-    check_size(path, {"generator": {"init_args": {"size": trained}}}, size)

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from normalgan.checkpoints import read_settings
 from normalgan.errors import InputError
-from normalgan.weights.file import SHIPPED, SUFFIX, read_weights
+from normalgan.weights.file import SHIPPED_NAME, SUFFIX, find_weights, read_weights
 
 _PREFIX = "generator."
 
@@ -25,7 +25,7 @@ class StartFrom(Callback):
             generator is of the same class and settings as the run's.
     """
 
-    def __init__(self, weights: str = "shipped") -> None:
+    def __init__(self, weights: str = SHIPPED_NAME) -> None:
         self.weights = weights
         self._resumed = False
 
@@ -45,7 +45,7 @@ class StartFrom(Callback):
         """
         if self._resumed:
             return
-        path = SHIPPED if self.weights == "shipped" else Path(self.weights)
+        path = find_weights(self.weights)
         tensors = read_weights(path).tensors if path.suffix.lower() == SUFFIX else _of_checkpoint(path)
         network = pl_module.get_submodule("generator")
         own = {name: tensor.shape for name, tensor in network.state_dict().items()}

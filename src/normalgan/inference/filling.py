@@ -40,7 +40,7 @@ class Filling:
 
     def __init__(self, inked: Mark, span: int) -> None:
         self._inked, self._span, self._width = inked, span, line_width(inked)
-        self._lines, self._inside, self._rim = inked, np.zeros_like(inked), np.zeros_like(inked)
+        self._lines, self._inside = inked, np.zeros_like(inked)
         self.closed = 0.0
 
     def fill(self) -> None:

@@ -19,6 +19,8 @@ from normalgan.weights.notes import Notes
 SUFFIX = ".safetensors"
 SHIPPED = Path(__file__).parent / f"ours{SUFFIX}"
 """The weights that come with the package."""
+SHIPPED_NAME = "shipped"
+"""What they are called where a file is asked for."""
 _MOST_HEADER = 2**20  # of names and shapes, a hundred bytes a tensor
 _SMALL = 64  # tensors of fewer elements weigh nothing, and are kept as they are
 
@@ -89,6 +91,11 @@ def parse_weights(content: bytes, name: str = "the file") -> Weights:
     except InputError as error:
         raise InputError(f"the model in {name} cannot be built here: {error}") from error
     return Weights(notes, tensors)
+
+
+def find_weights(name: str) -> Path:
+    """Return the file of a model, given its path or ``shipped``."""
+    return SHIPPED if name == SHIPPED_NAME else Path(name)
 
 
 def read_weights(path: Path) -> Weights:

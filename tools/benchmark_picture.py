@@ -1,0 +1,18 @@
+"""Makes a picture of a benchmark's report small enough for the docs, in few colours that stay as they are.
+
+tools/benchmark_picture.py runs/benchmark/gallery.png docs/pictures/benchmark_gallery.png [COLOURS]
+"""
+
+import sys
+
+from PIL import Image
+
+
+def main(source: str, target: str, colours: int = 256) -> None:
+    """Write the picture with a palette; without dithering, as normals and errors are read by their colour."""
+    picture = Image.open(source).convert("RGB").quantize(colours, dither=Image.Dither.NONE)
+    picture.save(target, optimize=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:3], *map(int, sys.argv[3:4]))
