@@ -22,6 +22,8 @@ function database() {
 async function run(mode, work) {
   const transaction = (await database()).transaction(TABLE, mode, { durability: "strict" });
   const request = work(transaction.objectStore(TABLE));
+  // Left to itself it commits when the request's answer is back here: a page that closes first takes it along.
+  transaction.commit();
   return new Promise((resolve, reject) => {
     transaction.oncomplete = () => resolve(request.result);
     transaction.onabort = transaction.onerror = () => reject(transaction.error);
