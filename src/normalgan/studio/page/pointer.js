@@ -30,7 +30,9 @@ export function followPointers(board, tool) {
   const pinch = (id, to) => {
     const [other] = [...down].filter(([key]) => key !== id).map(([, at]) => at);
     const from = down.get(id);
-    camera.zoom(other.x, other.y, Math.hypot(to.x - other.x, to.y - other.y) / Math.max(1, Math.hypot(from.x - other.x, from.y - other.y)));
+    const growth = Math.hypot(to.x - other.x, to.y - other.y) / Math.max(1, Math.hypot(from.x - other.x, from.y - other.y));
+    // Around the middle, which then follows by half: what is under either finger stays there.
+    camera.zoom((from.x + other.x) / 2, (from.y + other.y) / 2, growth);
     camera.pan((to.x - from.x) / 2, (to.y - from.y) / 2);
   };
 

@@ -1,0 +1,145 @@
+"""The studio's page under fingers: one draws, two move and enlarge the paper, and beside a pen none draws."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_page import SIDE, Server, Studio, open_studio, serving
+
+from chromium import browser
+from onnx_models import write_model
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+MIDDLE = SIDE / 2
+LEFT, RIGHT = (MIDDLE - 80, MIDDLE), (MIDDLE + 80, MIDDLE)
+"""Of the circle."""
+Point = tuple[float, float]
+
+
+class Hand:
+    """Fingers on the screen, as Chromium gets them from a touch screen.
+
+    Args:
+        studio: what they touch; all points are in pixels of the window.
+    """
+
+    def __init__(self, studio: Studio) -> None:
+        self._session = studio.page.context.new_cdp_session(studio.page)
+
+    def put(self, *fingers: Point) -> None:
+        """Lay further fingers down; name those that lie there already first."""
+        self._tell("touchStart", fingers)
+
+    def move(self, *fingers: Point) -> None:
+        """Move the fingers that lie there."""
+        self._tell("touchMove", fingers)
+
+    def lift(self) -> None:
+        """Take all away."""
+        self._tell("touchEnd", ())
+
+    def _tell(self, kind: str, fingers: tuple[Point, ...]) -> None:
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
+        self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+@pytest.fixture(scope="module")
+def opened() -> Iterator["Browser"]:
+    with browser(webgl=False) as chromium:
+        yield chromium
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    folder = tmp_path_factory.mktemp("studio")
+    with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
+        yield running
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """A drawing with a circle."""
+    with open_studio(opened, server.url) as page:
+        page.new()
+        with page.repainting():
+            page.circle()
+        yield page
+
+
+def dark(studio: Studio, at: Point) -> bool:
+    """Return whether there is ink at a point of the window, or a pixel beside it."""
+    column, row = round(at[0]), round(at[1])
+    near = studio.screen()[row - 1 : row + 2, column - 1 : column + 2]
+    return bool(near.max(axis=2).min() < 128)
+
+
+def test_one_finger_draws(studio: Studio) -> None:
+    hand = Hand(studio)
+    with studio.repainting():
+        hand.put(studio.on_board(100, MIDDLE))
+        for x in range(105, 160, 5):
+            hand.move(studio.on_board(x, MIDDLE))
+        hand.lift()
+    assert studio.inked(130, MIDDLE)
+
+
+@pytest.mark.parametrize("both", [True, False], ids=["two move", "one moves, one holds"])
+def test_what_two_fingers_hold_stays_under_them(studio: Studio, *, both: bool) -> None:
+    hand = Hand(studio)
+    left, right = studio.on_board(*LEFT), studio.on_board(*RIGHT)
+    hand.put(left)
+    hand.put(left, right)
+    for step in range(1, 9):  # apart
+        held = (left[0] - 4 * step, left[1]) if both else left
+        moved = right[0] + 8 * step, right[1]
+        hand.move(held, moved)
+    hand.lift()
+    studio.page.wait_for_timeout(200)
+    assert dark(studio, held)
+    assert dark(studio, moved)
+    assert not dark(studio, right)
+    assert not dark(studio, ((held[0] + moved[0]) / 2, moved[1]))  # the first finger's stroke is dropped
+    studio.page.locator("#zoom-fit").click()
+    assert studio.inked(*LEFT)
+    assert studio.inked(*RIGHT)
+
+
+def test_two_fingers_move_the_paper_and_do_not_enlarge_it(studio: Studio) -> None:
+    hand = Hand(studio)
+    left, right = studio.on_board(*LEFT), studio.on_board(*RIGHT)
+    hand.put(left)
+    hand.put(left, right)
+    for step in range(1, 9):
+        held, moved = ((x + 5 * step, y - 3 * step) for x, y in (left, right))
+        hand.move(held, moved)
+    hand.lift()
+    studio.page.wait_for_timeout(200)
+    assert dark(studio, held)
+    assert dark(studio, moved)
+
+
+def test_once_there_is_a_pen_a_finger_only_moves_the_paper(studio: Studio) -> None:
+    studio.page.evaluate(
+        """() => {
+            const common = {bubbles: true, pointerId: 77, pointerType: "pen", clientX: 300, clientY: 300};
+            const board = document.getElementById("board");
+            board.setPointerCapture = () => {};
+            board.dispatchEvent(new PointerEvent("pointerdown", {...common, button: 0, pressure: 0.5}));
+            board.dispatchEvent(new PointerEvent("pointerup", {...common, button: 0}));
+            delete board.setPointerCapture;
+        }"""
+    )
+    studio.page.locator("#undo").click()  # the pen's dot
+    hand = Hand(studio)
+    right = studio.on_board(*RIGHT)
+    hand.put(right)
+    for step in range(1, 9):
+        hand.move((right[0] - 5 * step, right[1] + 5 * step))
+    hand.lift()
+    studio.page.wait_for_timeout(200)
+    assert dark(studio, (right[0] - 40, right[1] + 40))
+    studio.page.locator("#zoom-fit").click()
+    assert not studio.inked(MIDDLE + 60, MIDDLE + 20)  # where a stroke of the finger would be
