@@ -42,7 +42,7 @@ def test_no_hints_are_no_hints(tmp_path: Path) -> None:
         ('[{"x": -1, "y": 2, "normal": [0, 0, 1]}]', "outside its drawing"),
         (
             '[{"x": 1, "y": 2, "normal": [0, 3, 0]}]',
-            r"\[0, 3, 0\] of hint 1 of .*, at x 1, y 2, has length 3.00",
+            r"\[0, 3, 0\] of hint 1 of .*, at x 1, y 2, has length 3;",
         ),
         ("\x80", "are not a text"),
         ("[" * 100_000, "are no list of hints"),

@@ -90,7 +90,7 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
         if abs(length - 1) > 0.25:
             raise InputError(
                 f"the normal [{nx:g}, {ny:g}, {nz:g}] of hint {number} of {path}, at x {x:g}, y {y:g}, "
-                f"has length {length:.2f}; a normal has length 1."
+                f"has length {length:.3g}; a normal has length 1."
             )
         points.append((math.floor(x) + 0.5, math.floor(y) + 0.5))
         normals.append((nx, ny, nz))
