@@ -43,7 +43,8 @@ class Buffers:
         window = _object_window(whole.mask)
         if window is None:
             return None
-        maps = Maps(whole.normal[window], whole.depth[window], whole.mask[window])
+        # A copy in one piece: what follows goes over it many times.
+        maps = Maps(np.ascontiguousarray(whole.normal[window]), whole.depth[window], whole.mask[window])
         side = scale * view.size
         corner = (window[1].start, window[0].start)
         return cls(maps, sight(view.camera, maps, window, side), corner, side, scale)

@@ -118,6 +118,12 @@ def _groups(
     return kept
 
 
+def places(marked: NDArray[np.bool_]) -> tuple[Index, Index]:
+    """Return rows and columns of what is marked (H, W): `numpy.nonzero`, several times as fast for few."""
+    rows, columns = np.divmod(np.flatnonzero(marked), marked.shape[1])
+    return rows, columns
+
+
 def crossings(pairs: tuple[Crossed, Crossed], width: int) -> Crossings:
     """Return the crossings of marked pairs of pixels.
 

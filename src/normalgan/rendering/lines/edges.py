@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings
+from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings, places
 from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.maps import Floats, Maps
 
@@ -40,7 +40,7 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     """Return the gaps between each pixel and its right neighbour (axis 0) or the one below (1)."""
     one, two = PAIRS[axis]
     # Hardly any pair of pixels remains to be looked at.
-    rows, columns = np.nonzero(np.abs(depth[two] - depth[one]) > np.maximum(floor[one], floor[two]))
+    rows, columns = places(np.abs(depth[two] - depth[one]) > np.maximum(floor[one], floor[two]))
     # Pixels in a row: the pair and, some way off on both sides, two more pairs.
     ahead = (-_BAND, 1 - _BAND, 0, 1, _BAND, _BAND + 1)
     line = [_moved(rows, columns, k, axis, depth.shape) for k in ahead]

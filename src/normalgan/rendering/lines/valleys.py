@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from normalgan.rendering.lines.crossings import PAIRS, Crossings, crossings
+from normalgan.rendering.lines.crossings import PAIRS, Crossings, crossings, places
 from normalgan.rendering.lines.marks import Mark
 from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.maps import Floats
@@ -20,10 +20,12 @@ def smooth_normals(normal: Floats, known: Mark, sigma: float) -> Floats:
     side = 2 * round(3 * sigma) + 1  # by default a third more, for the last 0.3 % of the weight
     # One component after the other: each then lies in memory in one piece, here and where it is used.
     weight = known.astype(np.float32)
-    parts = [cv2.GaussianBlur(part * weight, (side, side), sigma) for part in cv2.split(normal)]
+    parts = np.empty((3, *known.shape), np.float32)
+    for part, component in zip(parts, cv2.split(normal), strict=True):
+        cv2.GaussianBlur(component * weight, (side, side), sigma, dst=part)
     length = np.sqrt(sum(part * part for part in parts))
-    scale = 1 / np.maximum(length, np.float32(1e-12))
-    smooth: Floats = np.moveaxis(np.stack([part * scale for part in parts]), 0, -1)
+    parts *= 1 / np.maximum(length, np.float32(1e-12))
+    smooth: Floats = np.moveaxis(parts, 0, -1)
     return smooth
 
 
@@ -62,7 +64,7 @@ def zero_crossings(slope: Floats, bend: Floats, valid: Mark) -> Crossings:
     size, negative = np.abs(slope), slope < -_ROUNDING
     pairs = []
     for one, two in PAIRS:
-        at = np.nonzero((negative[one] != negative[two]) & valid[one] & valid[two])
+        at = places((negative[one] != negative[two]) & valid[one] & valid[two])
         first, other = size[one][at], size[two][at]
         share = first / np.maximum(first + other, 1e-30)
         second = first > other

@@ -39,7 +39,7 @@ class PyrenderRenderer(Renderer):
         pixels = _open_context().draw(mesh, camera, size)
         mask = pixels[..., 3] > 0
         depth = np.where(mask, pixels[..., 3], np.float32(np.inf))
-        return Maps(normal=np.ascontiguousarray(pixels[..., :3]), depth=depth, mask=mask)
+        return Maps(normal=pixels[..., :3], depth=depth, mask=mask)
 
     def check(self) -> None:
         """Raise `InputError` if no OpenGL context can be made; say what to install."""
