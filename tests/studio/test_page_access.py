@@ -1,7 +1,7 @@
 """The studio's page for everybody: keys alone, WebGL or none, dark, narrow, and words for screen readers."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pytest
@@ -150,9 +150,14 @@ def test_dark_and_light_follow_the_system_until_switched(plain: "Browser", serve
             colour = header.evaluate("e => getComputedStyle(e).backgroundColor")
             return float(np.mean([int(part) for part in colour[4:-1].split(",")]))
 
-        studio.page.emulate_media(color_scheme="dark")
+        def follow(scheme: Literal["dark", "light"]) -> None:
+            studio.page.emulate_media(color_scheme=scheme)
+            # The page is told with its next picture, not at once.
+            studio.page.wait_for_function(f"() => document.documentElement.dataset.theme === '{scheme}'")
+
+        follow("dark")
         assert brightness() < 60
-        studio.page.emulate_media(color_scheme="light")
+        follow("light")
         assert brightness() > 200
         studio.page.locator("#theme").click()
         assert brightness() < 60
