@@ -3,7 +3,7 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.data.augmentation import Augmentation, change_width, drop_lines, wobble
+from normalgan.data.augmentation import Augmentation, change_width, drop_lines, turn_normals, wobble
 from normalgan.errors import InputError
 
 SIZE = 128
@@ -77,6 +77,47 @@ def test_a_turned_slope_turns_with_its_place() -> None:
         assert torch.dot(place / place.norm(), normal[:2, row, column]) > 0.99
 
 
+def test_a_stretched_sphere_is_an_ellipsoid() -> None:
+    settings = {**STILL, **CLEAN, "scale": (0.7, 1.3), "stretch": True}
+    moved = Augmentation(**settings)(sphere(8), seed=2)  # type: ignore[arg-type]
+    for normal, mask in zip(moved["normal"], moved["mask"][:, 0], strict=True):
+        rows, columns = mask.nonzero().T
+        a, b = (float(along.max() - along.min() + 1) / 2 for along in (columns, rows))
+        assert abs(a - b) > 1
+        c = (a * b) ** 0.5
+        x, y = columns - (SIZE - 1) / 2, (SIZE - 1) / 2 - rows
+        z = c * (1 - (x / a) ** 2 - (y / b) ** 2).clamp(min=0).sqrt()
+        ellipsoid = torch.nn.functional.normalize(torch.stack([x / a**2, y / b**2, z / c**2]), dim=0)
+        inner = z > 0.3 * c  # at the rim half a pixel is many degrees
+        found = normal[:, rows, columns][:, inner]
+        error = torch.rad2deg(torch.acos((found * ellipsoid[:, inner]).sum(0).clamp(-1, 1)))
+        assert error.mean() < 1
+
+
+def test_normals_stay_at_right_angles_to_the_surface_whatever_moved_it() -> None:
+    random = torch.Generator().manual_seed(0)
+    transform = torch.eye(3).repeat(16, 1, 1)
+    transform[:, :2, :2] += 0.4 * torch.randn(16, 2, 2, generator=random)
+    tangents = torch.randn(2, 16, 3, generator=random)
+    normal = torch.linalg.cross(tangents[0], tangents[1])
+    turned = turn_normals(normal[:, :, None, None], transform)[:, :, 0, 0]
+    up = torch.tensor([[1.0, -1.0], [-1.0, 1.0]])  # the transform has y down, vectors have y up
+    carry = torch.zeros(16, 3, 3)
+    carry[:, :2, :2] = transform[:, :2, :2] * up
+    carry[:, 2, 2] = torch.linalg.det(transform[:, :2, :2]).abs().sqrt()
+    for tangent in tangents:
+        across = torch.einsum("nij,nj->ni", carry, tangent)
+        assert (across * turned).sum(1).abs().max() < 1e-4
+
+
+def test_a_sheared_drawing_keeps_its_outline_on_the_rim() -> None:
+    # Where the object turns away from the viewer nothing but the shape of the picture may change.
+    moved = Augmentation(**STILL, **CLEAN, stretch=True, shear=20.0)(sphere(4), seed=0)  # type: ignore[arg-type]
+    rim = moved["sketch"][:, 0] * moved["mask"][:, 0] > 0.5
+    assert rim.sum() > 200
+    assert moved["normal"][:, 2][rim].mean() < 0.35
+
+
 def test_normals_stay_of_unit_length_and_on_the_object() -> None:
     moved = Augmentation()(sphere(), seed=0)
     length = moved["normal"].norm(dim=1, keepdim=True)
@@ -146,6 +187,7 @@ def test_dropped_share_is_bounded() -> None:
         ({"flip": 2.0}, "flip must be between 0 and 1, not 2.0"),
         ({"scale": (1.2, 0.8)}, "two positive numbers in order"),
         ({"rotation": -1.0}, "0 or more"),
+        ({"shear": 60.0}, "shear must be between 0 and 45 degrees, not 60.0"),
     ],
 )
 def test_settings_are_checked(settings: dict[str, float], message: str) -> None:

@@ -19,17 +19,20 @@ def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
     """Turn the vectors of a normal map as its pixels were moved.
 
     kornia moves pixels and leaves what they hold alone; but a picture that is turned shows an object that
-    is turned, and mirrored, an object that is mirrored.
+    is turned, mirrored, an object that is mirrored, and stretched, one that is stretched. Normals are
+    carried by the inverse transpose of what carries points; depth is taken to grow as the picture does,
+    by the root of the growth of areas. The outline of the one is then that of the other.
 
     Args:
-        normal: (N, 3, H, W) unit normals whose pixels have been moved already.
-        transform: (N, 3, 3) that moved them, (x, y) in pixels, y down: a similarity, possibly mirrored.
+        normal: (N, 3, H, W) normals whose pixels have been moved already.
+        transform: (N, 3, 3) that moved them, (x, y) in pixels, y down: affine, possibly mirrored.
 
     Returns:
-        (N, 3, H, W) with (nx, ny) turned by the rotation and mirroring in ``transform``.
+        (N, 3, H, W) in their new directions; of the same lengths if ``transform`` is a similarity.
     """
     linear = transform[:, :2, :2]
-    turn = linear / torch.linalg.det(linear).abs().sqrt()[:, None, None]
+    deeper = torch.linalg.det(linear).abs().sqrt()[:, None, None]
+    turn = deeper * torch.linalg.inv(linear).mT
     up = torch.tensor([1.0, -1.0], device=normal.device, dtype=normal.dtype)  # pixels have y down, normals up
     turn = up[:, None] * turn.to(normal.dtype) * up
     return torch.cat([torch.einsum("nij,njhw->nihw", turn, normal[:, :2]), normal[:, 2:]], dim=1)
@@ -67,12 +70,15 @@ def change_width(sketch: Tensor, strength: float) -> Tensor:
 class Augmentation:
     """Random changes of training samples, batched on their device.
 
-    The whole sample is mirrored, turned, scaled and moved; the sketch alone is roughened.
+    The whole sample is mirrored, turned, scaled, stretched and moved; the sketch alone is roughened.
 
     Args:
         flip: probability of mirroring left and right.
         rotation: largest turn in degrees, either way.
         scale: least and largest scale.
+        stretch: whether width and height are scaled each by a factor of its own, drawn from ``scale``: an
+            animal becomes a longer or a taller one, which few meshes can make many.
+        shear: largest slant in degrees, either way.
         translation: largest move along each axis, as a share of the side.
         jitter: how far lines wobble, in pixels of a sketch of 256 (standard deviation).
         dropout: largest share of the paper on which lines are left out.
@@ -88,6 +94,8 @@ class Augmentation:
         jitter: float = 0.7,
         dropout: float = 0.05,
         width: float = 0.4,
+        stretch: bool = False,
+        shear: float = 0.0,
     ) -> None:
         for name, share in {
             "flip": flip,
@@ -101,12 +109,20 @@ class Augmentation:
             raise InputError(f"the augmentation's scale must be two positive numbers in order, not {scale}.")
         if rotation < 0 or jitter < 0:
             raise InputError("the augmentation's rotation and jitter must be 0 or more.")
+        if not 0 <= shear <= 45:
+            raise InputError(f"the augmentation's shear must be between 0 and 45 degrees, not {shear}.")
         self.jitter = jitter
         self.dropout = dropout
         self.width = width
         self.geometric = K.AugmentationSequential(
             K.RandomHorizontalFlip(p=flip),
-            K.RandomAffine(rotation, (translation, translation), scale, p=1.0),
+            K.RandomAffine(
+                rotation,
+                (translation, translation),
+                (*scale, *scale) if stretch else scale,
+                shear or None,
+                p=1.0,
+            ),
             data_keys=["input", "mask"],
             extra_args={DataKey.MASK: {"resample": Resample.NEAREST, "align_corners": None}},
         )
@@ -114,8 +130,10 @@ class Augmentation:
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; the same for the same seed.
 
-        The normals of an object that is turned in the picture plane are those of the turned object. Under
-        perspective that holds but for the slight change of the direction of view at a moved pixel.
+        The normals of an object that is turned or stretched in the picture plane are those of the object so
+        turned or stretched. Under perspective that holds but for the slight change of the direction of view
+        at a moved pixel. Outlines stay outlines; folds inside a stretched object would be drawn slightly
+        otherwise.
         """
         device = batch["sketch"].device
         with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
