@@ -70,7 +70,23 @@ def test_poses_of_a_rig_stay_on_one_side_of_the_split(meshes: Path, cache: Path,
     assert len(module.sources["train"]) == 2 * sum(not isinstance(s, Varied) for s in module.sources["train"])
 
 
-@pytest.mark.parametrize("name", ["poses", "variants"])
+def test_extra_animals_join_the_meshes_to_train_on_alone(meshes: Path, cache: Path) -> None:
+    plain = data(meshes, cache).sources
+    sources = data(meshes, cache, extra_animals=2, species=["birds"], variants=1).sources
+    assert {split: names(sources[split]) for split in ("val", "test")} == {
+        split: names(plain[split]) for split in ("val", "test")
+    }
+    extra = [source for source in sources["train"] if isinstance(source, Animal)]
+    assert [animal.species for animal in extra] == list(GROUPS["birds"][:2])
+    assert len(sources["train"]) == 2 * len(plain["train"]) + 2  # made at random already: no variants of them
+
+
+def test_extra_animals_need_meshes_to_join() -> None:
+    with pytest.raises(InputError, match=r"data\.meshes names none; data\.animals says how many"):
+        MeshDataModule(extra_animals=3)
+
+
+@pytest.mark.parametrize("name", ["extra_animals", "poses", "variants"])
 def test_numbers_are_checked(meshes: Path, cache: Path, name: str) -> None:
     with pytest.raises(InputError, match=f"data.{name} must be 0 or more, not -1"):
         data(meshes, cache, **{name: -1})

@@ -9,6 +9,7 @@ from normalgan.data.local_cache import LocalCache
 from normalgan.data.sources import find_sources, join_variants, pose, split_sources
 from normalgan.errors import InputError
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
+from normalgan.rendering.animals import herd
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.media import Medium
@@ -23,6 +24,8 @@ class DataSettings(LightningDataModule):
         meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
             embedded procedural animals.
         animals: how many embedded animals there are, if no meshes are given.
+        extra_animals: embedded animals that join the training meshes that are given; those to validate and
+            test stay as they are.
         species: groups (such as quadrupeds or birds) and species that the embedded animals are of, in turn.
         poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
         variants: individuals that join each training mesh, varied at random; those to validate and test stay
@@ -64,6 +67,7 @@ class DataSettings(LightningDataModule):
         self,
         meshes: str | list[str] | None = None,
         animals: int = 24,
+        extra_animals: int = 0,
         species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
         poses: int = 0,
         variants: int = 0,
@@ -99,12 +103,18 @@ class DataSettings(LightningDataModule):
         for name, number in {"animals": animals, "batch_size": batch_size}.items():
             if number < 1:
                 raise InputError(f"data.{name} must be 1 or more, not {number}.")
-        counts = {"poses": poses, "variants": variants, "memory": memory}
+        if extra_animals and meshes is None:
+            raise InputError(
+                "data.extra_animals join meshes of yours, and data.meshes names none; data.animals says how "
+                "many animals there are without."
+            )
+        counts = {"extra_animals": extra_animals, "poses": poses, "variants": variants, "memory": memory}
         for name, number in (counts | {"render_workers": render_workers, "workers": workers}).items():
             if number < 0:
                 raise InputError(f"data.{name} must be 0 or more, not {number}.")
         self.meshes = meshes
         self.animals = animals
+        self.extra_animals = extra_animals
         self.species = species
         self.poses = poses
         self.variants = variants
@@ -141,7 +151,8 @@ class DataSettings(LightningDataModule):
         split = split_sources(found, self.split_file, self.fractions, self.split_seed)
         # After the split: poses and variants of one mesh are too much alike to be on both sides of it.
         posed = {name: pose(part, self.poses) for name, part in split.items()}
-        return posed | {"train": join_variants(posed["train"], self.variation, self.variants)}
+        extra = herd(self.extra_animals, self.seed, self.species) if self.extra_animals else []
+        return posed | {"train": [*join_variants(posed["train"], self.variation, self.variants), *extra]}
 
     @property
     def kept(self) -> dict[str, list[MeshSource]]:
