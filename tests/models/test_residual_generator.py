@@ -41,6 +41,15 @@ def test_a_picture_is_painted_alike_whatever_the_others_of_its_batch() -> None:
     torch.testing.assert_close(network(given)[1:2], network(given[1:2]), atol=1e-5, rtol=1e-5)
 
 
+def test_loaded_weights_keep_the_layout_that_convolutions_are_fastest_in() -> None:
+    network = generator()
+    saved = {name: value.contiguous() + 1 for name, value in network.state_dict().items()}
+    network.load_state_dict(saved)
+    weights = [value for value in network.parameters() if value.dim() == 4]
+    assert all(value.is_contiguous(memory_format=torch.channels_last) for value in weights)
+    assert torch.equal(network.stem.weight, saved["stem.weight"])
+
+
 def test_the_hint_pyramid_keeps_the_mean_of_the_hints_of_a_cell() -> None:
     hints = torch.zeros(1, 4, 8, 8)
     hints[0, :, 0, 0] = torch.tensor([1.0, 0.0, 0.0, 1.0])

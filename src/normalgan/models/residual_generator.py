@@ -61,7 +61,7 @@ class ResidualUNetGenerator(Generator):
             nn.Conv2d(_HEADS + 5, _DETAIL, 3, padding=1), nn.SiLU(), nn.Conv2d(_DETAIL, _HEADS, 3, padding=1)
         )
         # The layout that convolutions are fastest in; weights in another are laid out anew at every step.
-        self.to(memory_format=torch.channels_last)
+        self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]  # missing in torch's types
 
     def forward(self, condition: Tensor) -> Tensor:
         """Return (N, 4, H, W): normals as long as an object is probable, and their confidence κ above 0.
