@@ -2,15 +2,16 @@ import pytest
 import torch
 
 from normalgan.errors import InputError
+from normalgan.models.blocks import Norm
 from normalgan.models.condition import make_condition
 from normalgan.models.hint_pyramid import hint_pyramid
-from normalgan.models.residual import residual_blocks
+from normalgan.models.residual import ResidualBlock, residual_blocks
 from normalgan.models.residual_generator import ResidualUNetGenerator
 
 
-def generator(patch: int = 2) -> ResidualUNetGenerator:
+def generator(patch: int = 2, norm: Norm = "none") -> ResidualUNetGenerator:
     torch.manual_seed(0)
-    return ResidualUNetGenerator((8, 12, 16), (1, 1, 1), patch)
+    return ResidualUNetGenerator((8, 12, 16), (1, 1, 1), patch, norm)
 
 
 def condition(side: int = 32, count: int = 2) -> torch.Tensor:
@@ -26,6 +27,24 @@ def test_blocks_begin_as_the_identity() -> None:
     torch.testing.assert_close(residual_blocks(6, 3)(features), features)
 
 
+def test_norms_stand_before_every_activation_of_a_block() -> None:
+    seen: list[torch.Tensor] = []
+    block = ResidualBlock(6, "batch")
+    block.activation.register_forward_pre_hook(lambda _, given: seen.append(given[0].detach()))
+    block(100 + 50 * torch.randn(4, 6, 8, 8))
+    assert len(seen) == 2
+    for given in seen:
+        torch.testing.assert_close(given.mean((0, 2, 3)), torch.zeros(6), atol=1e-3, rtol=0)
+        torch.testing.assert_close(given.std((0, 2, 3)), torch.ones(6), atol=0.02, rtol=0)
+
+
+@pytest.mark.parametrize(("norm", "same"), [("none", True), ("batch", False)])
+def test_training_and_painting_differ_by_the_norms_alone(norm: Norm, same: bool) -> None:
+    network = generator(norm=norm)
+    trained, painted = network.train()(condition()), network.eval()(condition())
+    assert torch.allclose(trained, painted) == same
+
+
 @pytest.mark.parametrize("patch", [1, 2, 4])
 def test_it_paints_vectors_no_longer_than_1_and_a_positive_confidence(patch: int) -> None:
     painted = generator(patch)(condition()).detach()
@@ -36,8 +55,9 @@ def test_it_paints_vectors_no_longer_than_1_and_a_positive_confidence(patch: int
     assert float(painted[:, 3].min()) > 0
 
 
-def test_a_picture_is_painted_alike_whatever_the_others_of_its_batch() -> None:
-    network, given = generator(), condition(count=3)
+@pytest.mark.parametrize("norm", ["none", "batch"])
+def test_a_picture_is_painted_alike_whatever_the_others_of_its_batch(norm: Norm) -> None:
+    network, given = generator(norm=norm).eval(), condition(count=3)
     torch.testing.assert_close(network(given)[1:2], network(given[1:2]), atol=1e-5, rtol=1e-5)
 
 

@@ -8,6 +8,7 @@ from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
+from normalgan.models.blocks import Norm
 from normalgan.models.hint_pyramid import hint_pyramid
 from normalgan.models.residual import residual_blocks
 
@@ -17,7 +18,7 @@ _DETAIL = 16  # channels of the two layers at full resolution, which take up the
 
 @GENERATORS.register
 class ResidualUNetGenerator(Generator):
-    """A U-Net of residual blocks without norms, most of whose work is done at a fraction of the resolution.
+    """A U-Net of residual blocks, most of whose work is done at a fraction of the resolution.
 
     Squares of pixels are folded into channels, levels go down by halves and up again with skips, and the
     hints enter at every level, so that few of them reach the whole object. It paints four channels: a normal
@@ -27,6 +28,8 @@ class ResidualUNetGenerator(Generator):
         widths: channels of each level, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
         patch: side of the squares of pixels that are folded into channels, a power of two.
+        norm: of the residual blocks. With batch norm it learns many times as fast; without, what is painted
+            in training too does not depend on the other pictures of a batch.
 
     Raises:
         InputError: if widths and blocks are not as many, or a number cannot be used.
@@ -42,6 +45,7 @@ class ResidualUNetGenerator(Generator):
         widths: tuple[int, ...] = (32, 64, 128, 192, 256),
         blocks: tuple[int, ...] = (1, 1, 2, 2, 2),
         patch: int = 2,
+        norm: Norm = "none",
     ) -> None:
         super().__init__()
         _check(widths, blocks, patch)
@@ -49,12 +53,14 @@ class ResidualUNetGenerator(Generator):
         self.factor = patch * 2 ** (len(widths) - 1)
         pairs = list(pairwise(widths))
         self.stem = nn.Conv2d(5 * patch**2, widths[0], 3, padding=1)
-        self.encoder = nn.ModuleList([residual_blocks(*level) for level in zip(widths, blocks, strict=True)])
+        self.encoder = nn.ModuleList(
+            [residual_blocks(*level, norm) for level in zip(widths, blocks, strict=True)]
+        )
         self.downs = nn.ModuleList([nn.Conv2d(fine + 4, coarse, 2, 2) for fine, coarse in pairs])
         self.ups = nn.ModuleList([nn.ConvTranspose2d(coarse, fine, 2, 2) for fine, coarse in pairs])
         self.merges = nn.ModuleList([nn.Conv2d(2 * fine + 4, fine, 1) for fine, _ in pairs])
         self.decoder = nn.ModuleList(
-            [residual_blocks(*level) for level in zip(widths[:-1], blocks[:-1], strict=True)]
+            [residual_blocks(*level, norm) for level in zip(widths[:-1], blocks[:-1], strict=True)]
         )
         self.heads = nn.Conv2d(widths[0], _HEADS * patch**2, 3, padding=1)
         self.detail = nn.Sequential(
