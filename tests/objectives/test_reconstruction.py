@@ -69,6 +69,25 @@ def test_the_truth_told_surely_costs_least() -> None:
     assert (on < off) == (share > 0.5)
 
 
+@pytest.mark.parametrize("weight", [0.0, 3.0])
+def test_directions_learn_from_the_likelihood_or_from_the_angle_alone(weight: float) -> None:
+    given = batch()
+    normal, mask = given["normal"], given["mask"]
+    flat = torch.zeros_like(normal)
+    flat[:, 2] = 0.9
+
+    def gradients(confidence: float) -> tuple[Tensor, Tensor]:
+        preds = painted(flat, 1.0, confidence).requires_grad_()
+        terms = AngularLikelihood(0.0, weight).terms(preds, normal, mask, torch.zeros_like(mask))
+        torch.stack([term.weight * term.value for term in terms.values()]).sum().backward()
+        assert preds.grad is not None
+        return preds.grad[:, :3], preds.grad[:, 3:]
+
+    (sure, of_sure), (unsure, of_unsure) = gradients(8.0), gradients(2.0)
+    torch.testing.assert_close(sure, unsure if weight else 4 * unsure)
+    assert not torch.equal(of_sure, of_unsure)  # the confidence learns in either way
+
+
 def test_a_generator_without_confidence_is_refused() -> None:
     given = batch()
     with pytest.raises(InputError, match="such as ResidualUNetGenerator; this one paints 3 channels"):
@@ -84,3 +103,5 @@ def test_negative_weights_are_refused(settings: dict[str, float], message: str) 
         L1AndHints(**settings)
     with pytest.raises(InputError, match="presence_weight must be 0 or more, not -1"):
         AngularLikelihood(presence_weight=-1)
+    with pytest.raises(InputError, match="angle_weight must be 0 or more, not -2"):
+        AngularLikelihood(angle_weight=-2)

@@ -50,19 +50,24 @@ class AngularLikelihood(Reconstruction):
 
     Args:
         presence_weight: weight of the cross-entropy of the mask, a mean over all pixels.
+        angle_weight: weight of the mean angle in radians, from which alone directions learn, every pixel
+            alike; the likelihood then teaches the confidence alone. With 0 both learn from the likelihood, in
+            which a pixel that is unsure counts less.
 
     Raises:
-        InputError: if the weight is negative, or, when training, the generator paints no confidence.
+        InputError: if a weight is negative, or, when training, the generator paints no confidence.
     """
 
     presence_weight: float = 0.5
+    angle_weight: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.presence_weight < 0:
-            raise InputError(f"presence_weight must be 0 or more, not {self.presence_weight}.")
+        for name, weight in {"presence": self.presence_weight, "angle": self.angle_weight}.items():
+            if weight < 0:
+                raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
 
     def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
-        """Return the likelihood and the presence; see `Reconstruction.terms`."""
+        """Return likelihood, angle (if it has a weight) and presence; see `Reconstruction.terms`."""
         if painted.shape[1] != 4:
             raise InputError(
                 "AngularLikelihood needs a generator that paints a confidence as its fourth channel, such "
@@ -71,7 +76,14 @@ class AngularLikelihood(Reconstruction):
         painted = painted.float()  # under bf16 a probability near 1 would be rounded to it
         vectors, confidence = painted[:, :3], painted[:, 3:]
         length = vectors.square().sum(1, keepdim=True).clamp(min=_TINY**2).sqrt()
-        nll = angular_nll(smooth_angle(vectors / length, target), confidence)
-        likelihood = (nll * mask).sum() / mask.sum().clamp(min=1)
+        angle = smooth_angle(vectors / length, target)
+        nll = angular_nll(angle.detach() if self.angle_weight else angle, confidence)
+        terms = {"likelihood": Term(_mean_on(mask, nll), 1.0)}
+        if self.angle_weight:
+            terms["angle"] = Term(_mean_on(mask, angle), self.angle_weight)
         presence = F.binary_cross_entropy(length.clamp(max=1 - _TINY), mask)
-        return {"likelihood": Term(likelihood, 1.0), "presence": Term(presence, self.presence_weight)}
+        return {**terms, "presence": Term(presence, self.presence_weight)}
+
+
+def _mean_on(mask: Tensor, values: Tensor) -> Tensor:
+    return (values * mask).sum() / mask.sum().clamp(min=1)
