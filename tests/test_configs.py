@@ -3,6 +3,7 @@ import importlib
 import inspect
 import io
 import itertools
+import json
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache as remember
@@ -204,3 +205,10 @@ def test_files_that_configurations_name_are_there() -> None:
         for key in ("split_file", "orientation", "sketches"):
             if key in data:
                 assert (ROOT / data[key]).exists(), f"{name}: {data[key]}"
+
+
+def test_choices_are_made_without_the_meshes_of_the_test() -> None:
+    folder = ROOT / "configs" / "fourleg"
+    published, develop = (json.loads((folder / f"{name}.json").read_text()) for name in ("split", "develop"))
+    assert develop["test"] == []
+    assert sorted(develop["train"] + develop["val"]) == sorted(published["train"] + published["val"])
