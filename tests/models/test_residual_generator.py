@@ -94,6 +94,14 @@ def test_a_hint_reaches_far_pixels_from_the_start() -> None:
     assert float(given.grad[0, :3, 5, 7].abs().sum()) > 0
 
 
+def test_a_norm_of_a_single_value_is_refused_in_training_alone() -> None:
+    network, one = generator(norm="batch"), condition(side=8, count=1)
+    with pytest.raises(InputError, match=r"from one picture of 8 × 8 pixels.* use batches of 2 or more"):
+        network.train()(one)
+    network.eval()(one)
+    network.train()(condition(side=8, count=2))
+
+
 def test_sides_that_cannot_be_halved_are_refused() -> None:
     with pytest.raises(InputError, match="multiples of 8, not 36 × 36 pixels"):
         generator()(condition(36))

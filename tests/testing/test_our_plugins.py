@@ -63,7 +63,11 @@ OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
             UniformHints(none=0.5),
         ],
     ),
-    (GENERATORS, generator_checks(), [UNetGenerator(64, 4), ResidualUNetGenerator((4, 8, 8), (1, 1, 1))]),
+    (
+        GENERATORS,
+        generator_checks(),
+        [UNetGenerator(64, 4), ResidualUNetGenerator((4, 8, 8), (1, 1, 1), norm="batch")],
+    ),
     (
         DISCRIMINATORS,
         discriminator_checks(),

@@ -50,6 +50,7 @@ class ResidualUNetGenerator(Generator):
         super().__init__()
         _check(widths, blocks, patch)
         self.patch = patch
+        self.norm = norm
         self.factor = patch * 2 ** (len(widths) - 1)
         pairs = list(pairwise(widths))
         self.stem = nn.Conv2d(5 * patch**2, widths[0], 3, padding=1)
@@ -76,13 +77,19 @@ class ResidualUNetGenerator(Generator):
             condition: (N, 4, H, W) as `Generator.forward` takes it.
 
         Raises:
-            InputError: if the sides are no multiples of ``patch`` times two to the number of halvings.
+            InputError: if the sides are no multiples of ``patch`` times two to the number of halvings, or if
+                batch norm, when training, is left with a single value.
         """
         height, width = condition.shape[2:]
         if height % self.factor or width % self.factor:
             raise InputError(
                 f"this generator needs sides that are multiples of {self.factor}, "
                 f"not {height} × {width} pixels."
+            )
+        if self.training and self.norm == "batch" and len(condition) * height * width == self.factor**2:
+            raise InputError(
+                f"batch norm cannot learn from one picture of {height} × {width} pixels, of which one pixel "
+                "is left at the coarsest level; use batches of 2 or more, or norm: none."
             )
         where = condition[:, 3:]
         hints = torch.cat([condition[:, :3] * where, where], dim=1)
