@@ -1,12 +1,15 @@
+from typing import Literal
+
 import pytest
 import torch
 
 from normalgan.errors import InputError
-from normalgan.models.blocks import Norm
 from normalgan.models.condition import make_condition
 from normalgan.models.hint_pyramid import hint_pyramid
 from normalgan.models.residual import ResidualBlock, residual_blocks
 from normalgan.models.residual_generator import ResidualUNetGenerator
+
+Norm = Literal["batch", "none"]
 
 
 def generator(patch: int = 2, norm: Norm = "none") -> ResidualUNetGenerator:

@@ -1,6 +1,7 @@
 """ResidualUNetGenerator: ours; unit normals, a presence and a confidence from a residual U-Net."""
 
 from itertools import pairwise
+from typing import Literal
 
 import torch
 import torch.nn.functional as F
@@ -8,7 +9,6 @@ from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
-from normalgan.models.blocks import Norm
 from normalgan.models.hint_pyramid import hint_pyramid
 from normalgan.models.residual import residual_blocks
 
@@ -45,7 +45,7 @@ class ResidualUNetGenerator(Generator):
         widths: tuple[int, ...] = (32, 64, 128, 192, 256),
         blocks: tuple[int, ...] = (1, 1, 2, 2, 2),
         patch: int = 2,
-        norm: Norm = "none",
+        norm: Literal["batch", "none"] = "none",
     ) -> None:
         super().__init__()
         _check(widths, blocks, patch)
