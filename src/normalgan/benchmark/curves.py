@@ -34,7 +34,7 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
             groups.setdefault(row.group, []).append(row.name)
     if not groups:
         return None
-    figure = Figure(figsize=(11, 0.6 + 3.6 * len(groups)), dpi=100, layout="constrained")
+    figure = Figure(figsize=(11, 0.6 + 3.7 * len(groups)), dpi=100, layout="constrained")
     figure.suptitle(caption, fontsize=11)
     panels = figure.subplots(len(groups), 2, squeeze=False, sharey="row")
     for (group, names), (learning, hinted) in zip(groups.items(), panels, strict=True):
@@ -47,9 +47,11 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
             _draw(learning, *learning_curve(results[name]), colour, style, label)
             _draw(hinted, *hint_curve(results[name], plan.counts), colour, style, label, marker="o")
         learning.set(xlabel="images the generator has learnt from", ylabel="mean error, °")
-        learning.set_title(f"{group}: validation, each with its own hints", loc="left", fontsize=10)
+        learning.xaxis.set_major_formatter(lambda images, _: f"{images / 1000:g} k" if images else "0")
+        # In two lines, as a long one would run into the other panel's.
+        learning.set_title(f"{group}:\nvalidation, each with its own hints", loc="left", fontsize=10)
         hinted.set(xlabel="hints, uniform on the object", xticks=plan.counts)
-        hinted.set_title(f"{group}: test", loc="left", fontsize=10)
+        hinted.set_title("test", loc="left", fontsize=10)
         for panel in (learning, hinted):
             panel.grid(color="0.9")
             panel.spines[["top", "right"]].set_visible(False)

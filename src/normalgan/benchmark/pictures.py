@@ -60,7 +60,7 @@ def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
     def name(text: str, line: int) -> None:
         y = _HEAD + line * (_CELL + _GAP) + _CELL / 2
         x, y = (_LABEL - 10) / width, 1 - y / height
-        figure.text(x, y, fill(text, 28), ha="right", va="center", fontsize=9)
+        figure.text(x, y, fill(text, 24), ha="right", va="center", fontsize=9)
 
     figure.text(0.01, 1 - 8 / height, caption, fontsize=10, va="top")
     name("sketch with hints, truth", 0)
