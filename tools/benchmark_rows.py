@@ -16,7 +16,7 @@ COLUMNS = (
     *(("0", "angular_mean"), ("15", "angular_mean"), ("50", "angular_mean")),
     *(("15", "angular_median"), ("15", "below_11_25")),
 )
-"""What was given, and the figure: mean errors with no, 15 and 50 hints; median and share below 11.25° with 15."""
+"""Hints given, and the figure: means with none, 15 and 50; median and share below 11.25° with 15."""
 
 
 def rows(results: Mapping[str, Any]) -> list[str]:
