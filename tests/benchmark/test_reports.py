@@ -105,7 +105,7 @@ def test_curves_are_drawn_if_something_is_learnt() -> None:
     two = draw_curves(PLAN, {**results, "ours": [result(0, 9.0)]}, "caption")
     assert two != one
     with Image.open(BytesIO(one)) as picture:
-        assert picture.size == (1100, 420)
+        assert picture.size == (1100, 430)
 
 
 @pytest.mark.parametrize("size", [32, 128])
