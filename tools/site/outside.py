@@ -105,12 +105,13 @@ def configurations() -> str:
     """Return the page that shows every configuration."""
     parts = [
         "# Configurations",
-        "The YAML files of the package, whole. What each is for: [training](../training.md#configurations).",
+        "The configurations of the package, whole, and the splits and orientations that they name. What each "
+        "is for: [training](../training.md#configurations).",
     ]
-    for path in sorted((ROOT / "configs").rglob("*.yaml")):
+    for path in sorted(p for p in (ROOT / "configs").rglob("*") if p.suffix in {".yaml", ".json"}):
         name = path.relative_to(ROOT).as_posix()
         text = path.read_text(encoding="utf-8").rstrip()
-        parts.append(f"## {name} {{ #{slug(name)} }}\n\n```yaml\n{text}\n```")
+        parts.append(f"## {name} {{ #{slug(name)} }}\n\n```{LANGUAGES[path.suffix]}\n{text}\n```")
     return "\n\n".join(parts) + "\n"
 
 
