@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from normalgan.benchmark.table import spread_of
+from normalgan.benchmark.table import figure_cell
 
 COLUMNS = (
     *(("0", "angular_mean"), ("15", "angular_mean"), ("50", "angular_mean")),
@@ -27,20 +27,14 @@ def rows(results: Mapping[str, Any]) -> list[str]:
     """
     by_method: dict[str, list[Any]] = defaultdict(list)
     for run in results["runs"]:
-        by_method[run["label"]].append(run)
-    return [_row(label, runs) for label, runs in by_method.items()]
+        by_method[run["row"]].append(run)
+    return [_row(runs) for runs in by_method.values()]
 
 
-def _row(label: str, runs: Sequence[Any]) -> str:
+def _row(runs: Sequence[Any]) -> str:
     seeds = sum(run["seed"] is not None for run in runs)
-    cells = [_cell([run["figures"][given][name] for run in runs], name) for given, name in COLUMNS]
-    return f"| {label} | {' | '.join(cells)} | {seeds or '–'} |"
-
-
-def _cell(values: Sequence[float], name: str) -> str:
-    if name.startswith("below"):
-        return spread_of([100 * value for value in values], 1, " %")
-    return spread_of(values, 2, "°")
+    cells = [figure_cell(given, name)(runs) for given, name in COLUMNS]
+    return f"| {runs[0]['label']} | {' | '.join(cells)} | {seeds or '–'} |"
 
 
 if __name__ == "__main__":

@@ -40,8 +40,9 @@ def test_the_shipped_files_measure_the_same() -> None:
     by_weights, by_onnx = figures_of("shipped", 128), figures_of(str(SHIPPED.with_suffix(".onnx")), 128)
     assert by_weights.keys() == by_onnx.keys() == {"0", "5", "20", "own"}
     for given, figures in by_weights.items():
-        # ONNX has norms folded into halved weights; the median is that of a histogram of 0.01°.
-        assert figures == pytest.approx(by_onnx[given], abs=0.011)
+        bins = {"angular_median": 0.011}  # of 0.01°: what lies at the edge of one may fall into the next
+        for name, value in figures.items():
+            assert value == pytest.approx(by_onnx[given][name], abs=bins.get(name, 2e-3)), name
     assert by_weights["20"]["angular_mean"] != by_weights["0"]["angular_mean"]  # the hints were looked at
     assert saved_method("shipped", 128, CPU).sampler == UniformHints(1, 50, 0.3)
 

@@ -60,7 +60,8 @@ def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
     def name(text: str, line: int) -> None:
         y = _HEAD + line * (_CELL + _GAP) + _CELL / 2
         x, y = (_LABEL - 10) / width, 1 - y / height
-        figure.text(x, y, fill(text, 24), ha="right", va="center", fontsize=9)
+        wrapped = fill(text, 24)  # more letters of this size may not fit beside the pictures
+        figure.text(x, y, wrapped, ha="right", va="center", fontsize=9)
 
     figure.text(0.01, 1 - 8 / height, caption, fontsize=10, va="top")
     name("sketch with hints, truth", 0)

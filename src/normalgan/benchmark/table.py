@@ -79,18 +79,25 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
         ("Table 1, without hints", "0"),
         ("Table 2: hints of the method's own sampler", OWN),
     ):
-        cells = {heading: _figure(given, name) for name, heading in FIGURES.items()}
+        cells = {heading: figure_cell(given, name) for name, heading in FIGURES.items()}
         if given == OWN:
             cells = {"hints": lambda runs: spread_of([r["figures"][OWN]["hints"] for r in runs], 1)} | cells
         lines += ["", f"## {title}", "", *_table(plan, results, cells)]
-    by_count = {str(count): _figure(str(count), "angular_mean") for count in plan.counts}
+    by_count = {str(count): figure_cell(str(count), "angular_mean") for count in plan.counts}
     lines += ["", "## Mean angular error by the number of hints", "", *_table(plan, results, by_count)]
     lines += ["", "## What it costs", "", *_table(plan, results, _COSTS)]
     notes = "Speed in float32, in batches, on: " + "; ".join(sorted(_machines(results))) + "."
     return "\n".join([*lines, "", notes]) + "\n"
 
 
-def _figure(given: str, name: str) -> Cell:
+def figure_cell(given: str, name: str) -> Cell:
+    """Return what says a figure of the runs of a row.
+
+    Args:
+        given: the hints, ``15`` or ``own``.
+        name: of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
+    """
+
     def cell(runs: Sequence[Result]) -> str:
         values = [_number(run["figures"][given][name]) for run in runs]
         if name.startswith("below"):

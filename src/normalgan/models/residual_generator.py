@@ -28,8 +28,8 @@ class ResidualUNetGenerator(Generator):
         widths: channels of each level, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
         patch: side of the squares of pixels that are folded into channels, a power of two.
-        norm: of the residual blocks. With batch norm it learns many times as fast; without, what is painted
-            in training too does not depend on the other pictures of a batch.
+        norm: of the residual blocks. With batch norm it learns from few images; without, what is painted in
+            training too does not depend on the other pictures of a batch.
 
     Raises:
         InputError: if widths and blocks are not as many, or a number cannot be used.
