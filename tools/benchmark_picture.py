@@ -5,17 +5,14 @@ tools/benchmark_picture.py runs/benchmark/gallery.png docs/pictures/benchmark_ga
 
 import sys
 
-from PIL import Image
+from PIL import Image, ImageOps
 
 
-def main(source: str, target: str, colours: str = "256", scale: str = "1") -> None:
+def main(source: str, target: str, colours: int = 256, scale: float = 1) -> None:
     """Write the picture with a palette; without dithering, as normals and errors are read by their colour."""
-    picture = Image.open(source).convert("RGB")
-    if scale != "1":
-        width, height = (round(side * float(scale)) for side in picture.size)
-        picture = picture.resize((width, height), Image.Resampling.LANCZOS)
-    picture.quantize(int(colours), dither=Image.Dither.NONE).save(target, optimize=True)
+    picture = ImageOps.scale(Image.open(source).convert("RGB"), scale, Image.Resampling.LANCZOS)
+    picture.quantize(colours, dither=Image.Dither.NONE).save(target, optimize=True)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:5])
+    main(*sys.argv[1:3], *map(int, sys.argv[3:4]), *map(float, sys.argv[4:5]))

@@ -28,7 +28,7 @@ class ResidualUNetGenerator(Generator):
         widths: channels of each level, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
         patch: side of the squares of pixels that are folded into channels, a power of two.
-        norm: of the residual blocks. With batch norm it learns from few images; without, what is painted in
+        norm: of the residual blocks. With batch norm it learns from fewer images; without, what is painted in
             training too does not depend on the other pictures of a batch.
 
     Raises:
