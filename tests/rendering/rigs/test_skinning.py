@@ -1,5 +1,6 @@
 """Skinning: a bar on two bones bent by 90° has a known shape, however its numbers are stored."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ from mesh_shapes import MESHES, needs_meshes, trimesh
 from rig_files import RINGS, Gltf, bar, tube, write_glb, write_gltf
 
 from normalgan.rendering.rigs.animations import pose_at
+from normalgan.rendering.rigs.posing import draw_pose
 from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Doubles, Rig
 from normalgan.rendering.rigs.skinning import posed_surface, world_matrices
@@ -125,6 +127,65 @@ def test_stiff_surfaces_ride_on_bones(tmp_path: Path) -> None:
     faces = posed_surface(rig, world_matrices(rig.nodes))[1]
     first = 4 * RINGS
     assert faces[-1].tolist() == [first + 2, first + 1, first]  # a mirror turns a face over
+
+
+UNUSABLE = {"nan": np.nan, "infinity": np.inf, "nothing": 0.0}
+
+
+@pytest.mark.parametrize("value", UNUSABLE.values(), ids=UNUSABLE)
+def test_a_vertex_without_weights_moves_as_the_nearest_one_that_has_some(
+    tmp_path: Path, value: float
+) -> None:
+    gltf, primitive = bar()
+    share = np.zeros((4 * RINGS, 4), dtype=np.float32)
+    share[:, 1] = tube()[0][:, 1] > 1.01
+    share[:, 0] = 1 - share[:, 1]
+    share[[1, -1]] = value  # one on either bone
+    primitive["attributes"]["WEIGHTS_0"] = gltf.accessor(share)
+    posed = at(read_rig(write_gltf(tmp_path / "bar.gltf", gltf)), 1.0)
+    np.testing.assert_allclose(posed, bowed(90), atol=1e-6)
+
+
+def without_joints(gltf: Gltf, attributes: dict[str, Any]) -> None:
+    del attributes["JOINTS_0"]
+
+
+def all_weights(value: float) -> Callable[[Gltf, dict[str, Any]], None]:
+    def change(gltf: Gltf, attributes: dict[str, Any]) -> None:
+        attributes["WEIGHTS_0"] = gltf.accessor(np.full((4 * RINGS, 4), value, dtype=np.float32))
+
+    return change
+
+
+UNBOUND = {name: all_weights(value) for name, value in UNUSABLE.items()} | {"no joints": without_joints}
+
+
+@pytest.mark.parametrize("unbind", UNBOUND.values(), ids=UNBOUND)
+def test_a_part_without_weights_follows_its_node(
+    tmp_path: Path, unbind: Callable[[Gltf, dict[str, Any]], None]
+) -> None:
+    gltf, primitive = bar()
+    part = {**primitive, "attributes": dict(primitive["attributes"])}
+    unbind(gltf, part["attributes"])
+    gltf.tree["meshes"][0]["primitives"].append(part)
+    rig = read_rig(write_gltf(tmp_path / "bar.gltf", gltf))
+    for moment in (0.0, 1.0):
+        bound, follows = np.split(at(rig, moment), 2)
+        np.testing.assert_allclose(bound, bowed(90 * moment), atol=1e-6)
+        np.testing.assert_allclose(follows, tube()[0] + 5.0, atol=1e-6)  # where its node is
+
+
+@needs_meshes
+@pytest.mark.parametrize("name", ["easy_enemies__Wasp", "modular_women__Adventurer"])
+def test_rigs_of_which_parts_have_no_weights_are_posed_in_one_piece(name: str) -> None:
+    rig = read_rig(MESHES / "rigs" / f"{name}.glb")
+    rest, faces = posed_surface(rig, world_matrices(rig.nodes))
+    corners = [faces, np.roll(faces, 1, axis=1)]
+    size = np.ptp(rest, axis=0).max()
+    for seed in range(4):
+        posed, _ = posed_surface(rig, draw_pose(rig, np.random.default_rng(seed)))
+        before, after = (np.linalg.norm(p[corners[0]] - p[corners[1]], axis=-1) for p in (rest, posed))
+        assert (after - before).max() < 0.1 * size
 
 
 POSES = sorted((MESHES / "animals" / "poses").glob("*.ply"))[::12]

@@ -15,7 +15,7 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, finish
 from normalgan.rendering.rigs.container import bad_rig, has_skin
 
-RIG_VERSION = 1
+RIG_VERSION = 2
 """Part of every fingerprint; raise it when the same pose comes to be another."""
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from normalgan.errors import InputError, brief
 from normalgan.rendering.rigs.accessors import read_accessor
@@ -104,8 +105,7 @@ def _pieces(container: Container, nodes: Nodes, index: int) -> list[Piece]:
         if not np.isfinite(vertices).all():
             raise bad_rig(container.path, "a vertex has a coordinate that is not finite")
         faces = _faces(container, part, mode, len(vertices))
-        joints, weights = _binding(container, part["attributes"], skin, len(vertices))
-        pieces.append(Piece(vertices, faces, index, skin, joints, weights))
+        pieces.append(_bound(container, part["attributes"], skin, vertices, faces, index))
     return pieces
 
 
@@ -143,27 +143,35 @@ def _skin(container: Container, nodes: Nodes, index: Any) -> Skin:
     return Skin(joints, matrices)
 
 
-def _binding(
-    container: Container, attributes: dict[str, Any], skin: Skin | None, count: int
-) -> tuple[Indices, Doubles]:
-    """Return the (V, K) joints and weights of a piece's vertices, K a multiple of 4; 0 without a skin."""
-    if skin is None:
-        return np.zeros((count, 0), np.int64), np.zeros((count, 0))
-    sets = range(sum(name.startswith("JOINTS_") for name in attributes))
-    if not sets:
-        raise bad_rig(container.path, "a surface has a skin but no JOINTS_0")
-    joints = [read_accessor(container, attributes[f"JOINTS_{k}"], "VEC4").astype(np.int64) for k in sets]
-    shares = [read_accessor(container, attributes[f"WEIGHTS_{k}"], "VEC4").astype(np.float64) for k in sets]
-    index, weights = np.concatenate(joints, axis=1), np.concatenate(shares, axis=1)
-    if index.shape != weights.shape or len(index) != count:
-        raise bad_rig(container.path, f"{len(index)} joints and {len(weights)} weights for {count} vertices")
-    if not np.isfinite(weights).all() or weights.min() < 0:
-        raise bad_rig(container.path, "a weight is negative or not finite")
+def _bound(
+    container: Container,
+    attributes: dict[str, Any],
+    skin: Skin | None,
+    vertices: Doubles,
+    faces: Indices,
+    node: int,
+) -> Piece:
+    """Return a surface bound to the joints of a skin; stiff on its node if none of its vertices has weights.
+
+    Exporters leave vertices that no joint moves without weights, or with NaN. Among others that have some,
+    such a vertex moves as the nearest of those: stiff beside them it would pull a spike out of the surface.
+    """
+    if skin is None or not any(name.startswith("JOINTS_") for name in attributes):
+        return _stiff(vertices, faces, node)
+    joints, weights = _binding(container, attributes, len(vertices))
+    lost = ~np.isfinite(weights).all(axis=1) | ~weights.any(axis=1)
+    if lost.all():
+        return _stiff(vertices, faces, node)
+    if lost.any():
+        nearest = np.flatnonzero(~lost)[cKDTree(vertices[~lost]).query(vertices[lost])[1]]
+        joints[lost], weights[lost] = joints[nearest], weights[nearest]
+    if weights.min() < 0:
+        raise bad_rig(container.path, "a weight is negative")
     # Some exporters leave any number where the weight is 0.
-    index = np.where(weights > 0, index, 0)
-    if index.max() >= len(skin.joints):
+    joints = np.where(weights > 0, joints, 0)
+    if joints.max() >= len(skin.joints):
         raise bad_rig(
-            container.path, f"a vertex is bound to joint {index.max()} of {len(skin.joints)}, counted from 0"
+            container.path, f"a vertex is bound to joint {joints.max()} of {len(skin.joints)}, counted from 0"
         )
     total = weights.sum(axis=1, keepdims=True)
     wrong = np.abs(total - 1) > SUM_TOLERANCE
@@ -172,4 +180,20 @@ def _binding(
             container.path,
             f"the weights of {wrong.sum()} vertices do not sum to 1, the first to {total[wrong][0]:.3g}",
         )
-    return index, weights / total
+    return Piece(vertices, faces, node, skin, joints, weights / total)
+
+
+def _stiff(vertices: Doubles, faces: Indices, node: int) -> Piece:
+    count = len(vertices)
+    return Piece(vertices, faces, node, None, np.zeros((count, 0), np.int64), np.zeros((count, 0)))
+
+
+def _binding(container: Container, attributes: dict[str, Any], count: int) -> tuple[Indices, Doubles]:
+    """Return the (V, K) joints and weights of vertices as they are stored, K a multiple of 4."""
+    sets = range(sum(name.startswith("JOINTS_") for name in attributes))
+    joints = [read_accessor(container, attributes[f"JOINTS_{k}"], "VEC4").astype(np.int64) for k in sets]
+    shares = [read_accessor(container, attributes[f"WEIGHTS_{k}"], "VEC4").astype(np.float64) for k in sets]
+    index, weights = np.concatenate(joints, axis=1), np.concatenate(shares, axis=1)
+    if index.shape != weights.shape or len(index) != count:
+        raise bad_rig(container.path, f"{len(index)} joints and {len(weights)} weights for {count} vertices")
+    return index, weights
