@@ -20,10 +20,10 @@ from machine import describe
 from PIL import Image
 
 from normalgan.commands.generate import run
-from normalgan.inference.picture import read_picture
-from normalgan.inference.pipeline import stream
-from normalgan.inference.preparation import prepare
-from normalgan.inference.session import Model
+from normalgan.painting.picture import read_picture
+from normalgan.painting.pipeline import stream
+from normalgan.painting.preparation import prepare
+from normalgan.painting.session import Model
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 SIDE = 256

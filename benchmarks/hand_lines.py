@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from line_figures import Figures, measure
 
+from normalgan.animals import Animal
 from normalgan.rendering import EmbreeRenderer, Views
-from normalgan.rendering.animals import Animal
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.samples import Recipe

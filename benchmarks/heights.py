@@ -12,8 +12,8 @@ import numpy as np
 from machine import describe
 from numpy.typing import NDArray
 
-from normalgan.inference.height import integrate
 from normalgan.normals import Floats, normalize
+from normalgan.painting.height import integrate
 
 SIDES = (256, 512, 1024)
 

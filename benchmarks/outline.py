@@ -10,9 +10,9 @@ import time
 import numpy as np
 from machine import describe
 
-from normalgan.inference.outline_mask import fill_outline
+from normalgan.animals import SPECIES, Animal
+from normalgan.painting.outline_mask import fill_outline
 from normalgan.rendering import EmbreeRenderer, Views
-from normalgan.rendering.animals import SPECIES, Animal
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.samples import Recipe

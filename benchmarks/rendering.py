@@ -27,9 +27,9 @@ os.environ.update(ONE_THREAD)  # before numpy and its friends are imported, here
 import numpy as np
 from sampler import Row, endure, serve, spin, write
 
+from normalgan.animals.kinds import SPECIES
+from normalgan.animals.meshing import to_mesh
 from normalgan.rendering import RENDERERS
-from normalgan.rendering.animals.kinds import SPECIES
-from normalgan.rendering.animals.meshing import to_mesh
 from normalgan.rendering.lines import LINE_DRAWINGS
 
 ANIMALS = {"horse": 2, "lion": 3, "cow": 2}

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.animals import herd
 from normalgan.rendering import Camera, PyrenderRenderer, Views
-from normalgan.rendering.animals import herd
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.maps import Floats
 from normalgan.rendering.mesh import Mesh

@@ -1,4 +1,4 @@
-"""Drawings of known shape for the tests of inference."""
+"""Drawings of known shape for the tests of painting."""
 
 import cv2
 import numpy as np

@@ -12,8 +12,8 @@ from PIL import Image
 
 from normalgan.__main__ import main as normalgan
 from normalgan.drawings import find_drawings
-from normalgan.inference.lighting import lamp_direction, shade, to_srgb
 from normalgan.normals import read_png
+from normalgan.painting.lighting import lamp_direction, shade, to_srgb
 
 SIDE = 200
 COLUMNS = 6

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from pictures import Picture, colours, panels
 
+from normalgan.animals import Animal
 from normalgan.normals import write_bytes
 from normalgan.rendering import EmbreeRenderer
-from normalgan.rendering.animals import Animal
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.maps import Maps

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from normalgan.animals import GROUPS, Animal, herd
 from normalgan.normals import encode, paint_flat
 from normalgan.rendering import EmbreeRenderer
-from normalgan.rendering.animals import GROUPS, Animal, herd
 from normalgan.rendering.views import framed, look_at_origin
 
 SIDE, COLUMNS, COUNT = 88, 8, 64

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from normalgan.animals import GROUPS, Animal
 from normalgan.hints import CurvatureHints
 from normalgan.normals import encode, flip_green, paint_flat, write_bytes
 from normalgan.rendering import EmbreeRenderer, Maps
-from normalgan.rendering.animals import GROUPS, Animal
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.view import View

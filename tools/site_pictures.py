@@ -14,12 +14,12 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 from pictures import Picture, colours, draw, panels, png, render, sphere
 from PIL import Image
 
+from normalgan.animals import Animal
 from normalgan.hints import CurvatureHints
-from normalgan.inference.height import integrate
-from normalgan.inference.preview import lit
 from normalgan.normals import decode, encode, flip_green, paint_flat, write_bytes
+from normalgan.painting.height import integrate
+from normalgan.painting.preview import lit
 from normalgan.rendering import EmbreeRenderer, Maps, MeshFile
-from normalgan.rendering.animals import Animal
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.views import framed, look_at_origin
 

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from normalgan.animals import Animal
 from normalgan.normals import write_bytes
 from normalgan.rendering import EmbreeRenderer
-from normalgan.rendering.animals import Animal
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.view import View

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from normalgan.animals import Animal
 from normalgan.normals import encode, paint_flat
 from normalgan.rendering import EmbreeRenderer, Mesh, MeshSource, find_meshes
-from normalgan.rendering.animals import Animal
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 from normalgan.rendering.views import framed, look_at_origin

@@ -25,11 +25,11 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
 from normalgan.loading import ModelLoader
-from normalgan.mistakes import check_config, refusal
-from normalgan.occupied import one_run_in
 from normalgan.parser import Parser, given_configs
+from normalgan.parser_errors import check_config, refusal
 from normalgan.plugins import REGISTRIES
-from normalgan.quiet import be_quiet
+from normalgan.run_lock import one_run_in
+from normalgan.warning_filters import filter_warnings
 
 SECTIONS = ("trainer", "model", "data", "checkpoint", "pictures", "report", "output")
 """The groups of settings."""
@@ -141,7 +141,7 @@ def run(arguments: list[str]) -> int:
     only = {command: skip for command, skip in NormalGANCLI.subcommands().items() if command == arguments[0]}
     with warnings.catch_warnings(), ExitStack() as held:
         cli = type("Command", (NormalGANCLI,), {"subcommands": staticmethod(lambda: only), "held": held})
-        be_quiet()
+        filter_warnings()
         for registry in REGISTRIES.values():
             registry.load_entry_points()
         try:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
-from normalgan.bounds import read_bounded
 from normalgan.errors import InputError, brief
+from normalgan.limits import read_bounded
 from normalgan.normals import normalize
 
 Floats = NDArray[np.float32]

@@ -7,7 +7,7 @@ from typing import NoReturn
 from lightning.pytorch.cli import LightningArgumentParser
 
 from normalgan.errors import InputError
-from normalgan.mistakes import did_you_mean, explain
+from normalgan.parser_errors import did_you_mean, explain
 from normalgan.plugins import SETTINGS, described, namable
 
 

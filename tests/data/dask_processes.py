@@ -36,7 +36,7 @@ class MoodyRenderer(BallRenderer):
 
 
 @dataclass
-class Cast:
+class DaskCluster:
     """A scheduler and its workers."""
 
     folder: Path
@@ -70,10 +70,10 @@ class Cast:
 
 
 @contextmanager
-def cast(folder: Path) -> Iterator[Cast]:
+def start_cluster(folder: Path) -> Iterator[DaskCluster]:
     """A scheduler without workers; all that was started is ended."""
     folder.mkdir(parents=True, exist_ok=True)
-    made = Cast(folder)
+    made = DaskCluster(folder)
     try:
         made.start_scheduler()
         yield made

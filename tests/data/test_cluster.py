@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from dask_processes import SOURCES, VIEWS, Cast, cast, finished, render, wait_for
+from dask_processes import SOURCES, VIEWS, DaskCluster, finished, render, start_cluster, wait_for
 from distributed import Client
 from toys import Octahedron, contents, recipe
 
@@ -22,15 +22,15 @@ from normalgan.errors import InputError, RunError
 
 
 @pytest.fixture(scope="module", name="pair")
-def make_pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cast]:
+def make_pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCluster]:
     """A scheduler and two workers that live as long as the tests of this file."""
-    with cast(tmp_path_factory.mktemp("pair")) as made:
+    with start_cluster(tmp_path_factory.mktemp("pair")) as made:
         made.start_worker()
         made.start_worker()
         yield made
 
 
-def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: Cast) -> None:
+def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: DaskCluster) -> None:
     alone = render(tmp_path / "0")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -41,7 +41,7 @@ def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: C
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_damage_is_found_side_by_side_and_mended(tmp_path: Path, pair: Cast) -> None:
+def test_damage_is_found_side_by_side_and_mended(tmp_path: Path, pair: DaskCluster) -> None:
     folder = render(tmp_path)
     whole = contents(folder)
     path = folder / "samples.zarr" / "train" / "sketch" / "c" / "1" / "0" / "0"
@@ -54,7 +54,7 @@ def test_damage_is_found_side_by_side_and_mended(tmp_path: Path, pair: Cast) -> 
 
 
 def test_relative_paths_refer_to_where_the_command_was_given(
-    tmp_path: Path, pair: Cast, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, pair: DaskCluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert finished(render(Path("cache"), pair.address).parent) == 4
@@ -64,19 +64,19 @@ def test_relative_paths_refer_to_where_the_command_was_given(
 @pytest.mark.slow  # starts processes of its own
 def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: Path) -> None:
     slow: dict[str, Any] = {"seconds": 0.04}
-    with cast(tmp_path / "dask") as troupe:
-        doomed = troupe.start_worker()
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        doomed = dask_cluster.start_worker()
         died_at = []
 
         def meddle() -> None:
             wait_for(lambda: finished(tmp_path / "cache") > 0)
-            troupe.start_worker()
+            dask_cluster.start_worker()
             os.kill(doomed.pid, signal.SIGKILL)
             died_at.append(finished(tmp_path / "cache"))
 
         thread = threading.Thread(target=meddle)
         thread.start()
-        folder = render(tmp_path / "cache", troupe.address, **slow)
+        folder = render(tmp_path / "cache", dask_cluster.address, **slow)
         thread.join()
     assert doomed.wait() == -signal.SIGKILL
     assert 0 < died_at[0] < 4
@@ -87,27 +87,27 @@ def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: P
 def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
     preload = tmp_path / "other.py"
     preload.write_text("import normalgan.rendering.samples as s\ns.RENDERING_VERSION = -7\n")
-    with cast(tmp_path / "dask") as troupe:
-        other = troupe.start_worker("--preload", str(preload))
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        other = dask_cluster.start_worker("--preload", str(preload))
         with pytest.raises(
             InputError,
             match=r"^the worker tcp://\S+ of .* is not fit for this: it has the rendering -7, not \d+\.$",
         ):
-            render(tmp_path / "cache", troupe.address)
+            render(tmp_path / "cache", dask_cluster.address)
         assert not (tmp_path / "cache").exists()
         other.kill()
-        troupe.start_worker()
+        dask_cluster.start_worker()
 
         def meddle() -> None:
             wait_for(lambda: finished(tmp_path / "cache") > 0)
-            troupe.start_worker("--preload", str(preload))
+            dask_cluster.start_worker("--preload", str(preload))
 
         thread = threading.Thread(target=meddle)
         thread.start()
         with pytest.warns(
             UserWarning, match=r"tcp://\S+ has joined but is not fit: it has the rendering -7, not "
         ):
-            folder = render(tmp_path / "cache", troupe.address, seconds=0.12)
+            folder = render(tmp_path / "cache", dask_cluster.address, seconds=0.12)
         thread.join()
     assert contents(folder) == contents(render(tmp_path / "alone", seconds=0.12))
 
@@ -116,29 +116,29 @@ def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
 def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path) -> None:
     blocker = tmp_path / "block.py"
     blocker.write_text("import sys\nsys.modules['normalgan.data.versions'] = None\n")
-    with cast(tmp_path / "dask") as troupe:
-        bare = troupe.start_worker("--preload", str(blocker))
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        bare = dask_cluster.start_worker("--preload", str(blocker))
         with pytest.raises(InputError, match="is not fit for this: it has no normalgan, or an older one"):
-            render(tmp_path / "cache", troupe.address)
+            render(tmp_path / "cache", dask_cluster.address)
         bare.kill()
-        troupe.start_worker(threads=2)
+        dask_cluster.start_worker(threads=2)
         with pytest.raises(InputError, match="it has 2 threads, not 1: a renderer belongs to one"):
-            render(tmp_path / "cache", troupe.address)
+            render(tmp_path / "cache", dask_cluster.address)
 
 
 @pytest.mark.slow  # starts processes of its own
 def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: Path) -> None:
-    with cast(tmp_path / "dask") as troupe:
-        troupe.start_worker()
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        dask_cluster.start_worker()
 
         def meddle() -> None:
             wait_for(lambda: finished(tmp_path / "cache") > 0)
-            troupe.processes[0].kill()
+            dask_cluster.processes[0].kill()
 
         thread = threading.Thread(target=meddle)
         thread.start()
         with pytest.raises(RunError, match=r"^the scheduler at .* is gone; what is finished is kept"):
-            render(tmp_path / "cache", troupe.address, seconds=0.2)
+            render(tmp_path / "cache", dask_cluster.address, seconds=0.2)
         thread.join()
     assert 0 < finished(tmp_path / "cache") < 4
 
@@ -156,7 +156,9 @@ class Local(Octahedron):
         return f"{super().fingerprint()} {os.getpid()}"
 
 
-def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(tmp_path: Path, pair: Cast) -> None:
+def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(
+    tmp_path: Path, pair: DaskCluster
+) -> None:
     sources = {"train": [Local("a")]}
     with pytest.raises(
         InputError, match=r"^the mesh a is another one on \S+, or .* machine \(worker tcp://\S+\)\.$"
@@ -178,13 +180,13 @@ def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
     assert render_shard(task) == {}
 
 
-def test_workers_and_clusters_are_asked_alike(pair: Cast) -> None:
+def test_workers_and_clusters_are_asked_alike(pair: DaskCluster) -> None:
     with Workers(0) as alone, Cluster(pair.address) as many:
         for pool in (alone, many):
             assert sorted(pool.run(abs, [-1, 2, -3])) == [(-3, 3), (-1, 1), (2, 2)]
 
 
-def test_no_two_tasks_share_a_key(pair: Cast, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_two_tasks_share_a_key(pair: DaskCluster, monkeypatch: pytest.MonkeyPatch) -> None:
     # The scheduler answers for a key it knows with what came of it before, were it the death of a worker.
     keys = []
     submit = Client.submit

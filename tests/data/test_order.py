@@ -15,16 +15,16 @@ def batches(order: Iterable[Ticket], size: int) -> Iterator[list[Ticket]]:
 
 def loads(order: Iterable[Ticket], size: int, workers: int, room: int) -> int:
     """Return how often meshes are loaded by workers that take turns and keep the meshes used last."""
-    shelves: list[OrderedDict[int, None]] = [OrderedDict() for _ in range(workers)]
+    caches: list[OrderedDict[int, None]] = [OrderedDict() for _ in range(workers)]
     count = 0
     for number, batch in enumerate(batches(order, size)):
-        shelf = shelves[number % workers]
+        cached = caches[number % workers]
         for ticket in batch:
-            count += ticket.mesh not in shelf
-            shelf[ticket.mesh] = None
-            shelf.move_to_end(ticket.mesh)
-            if len(shelf) > room:
-                shelf.popitem(last=False)
+            count += ticket.mesh not in cached
+            cached[ticket.mesh] = None
+            cached.move_to_end(ticket.mesh)
+            if len(cached) > room:
+                cached.popitem(last=False)
     return count
 
 
@@ -58,7 +58,7 @@ def test_a_batch_shows_as_many_meshes_as_samples_and_the_next_one_others() -> No
 @pytest.mark.parametrize("workers", [1, 2, 3, 4, 6, 8, 12])
 @pytest.mark.parametrize("batch", [8, 5])
 def test_a_mesh_is_loaded_once_for_a_group_of_views(workers: int, batch: int) -> None:
-    meshes, views, row = 1000, 40, LANES * batch  # three groups of a mesh; shelves hold a row
+    meshes, views, row = 1000, 40, LANES * batch  # three groups of a mesh; caches hold a row
     count = loads(order_of_epoch(meshes, views, 0, 0, batch), batch, workers, room=row)
     # The last groups of an epoch need not fill a row; their batches then come to all workers.
     assert count <= meshes * 3 + row * (workers - 1)

@@ -7,10 +7,10 @@ import pytest
 import yaml
 
 from normalgan.__main__ import main
+from normalgan.animals import GROUPS, Animal
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.rendering import MeshFile, MeshSource
-from normalgan.rendering.animals import GROUPS, Animal
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.media import Medium
 from normalgan.rendering.rigs import RiggedFile

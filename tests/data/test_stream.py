@@ -127,7 +127,7 @@ def test_memory_stays_flat() -> None:
         for ticket in sampler:
             rendered[ticket]
         taken.append(psutil.Process().memory_info().rss)
-    assert len(rendered.shelf) == 4
+    assert len(rendered.mesh_cache) == 4
     assert taken[1] - taken[0] < 4 * 2**20  # 300 samples would take 24
 
 

@@ -1,7 +1,7 @@
 from pathlib import Path
 
 import pytest
-from test_shelf import Counted
+from test_mesh_cache import Counted
 from toys import Octahedron
 
 from normalgan.data.usable import find_unusable, leave_out

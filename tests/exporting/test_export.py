@@ -17,9 +17,9 @@ from normalgan.__main__ import main
 from normalgan.exporting import comparison
 from normalgan.exporting.comparison import examples
 from normalgan.exporting.formats import FORMATS
-from normalgan.inference.session import Model
 from normalgan.models import Generator, UNetGenerator
 from normalgan.models.condition import make_condition
+from normalgan.painting.session import Model
 
 KINDS = ("UNetGenerator", "ResidualUNetGenerator")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "onnx_python" / "paint.py"

@@ -8,7 +8,7 @@ from starlette.testclient import TestClient
 from studio_client import PORT, asking, document, serving
 
 from normalgan.studio.app import PAGE
-from normalgan.studio.bucket import Bucket
+from normalgan.studio.rate_limit import TokenBucket
 from onnx_models import write_model
 
 NO_NAMES = (
@@ -104,15 +104,15 @@ def test_files_of_the_page_are_served_and_no_others(client: TestClient) -> None:
     assert client.get("/page/").status_code == 404
 
 
-@pytest.mark.parametrize("shelf", ["projects", "autosave"])
+@pytest.mark.parametrize("store", ["projects", "autosave"])
 @pytest.mark.parametrize("name", NO_NAMES)
 def test_no_path_is_a_name(
-    client: TestClient, tmp_path_factory: pytest.TempPathFactory, shelf: str, name: str
+    client: TestClient, tmp_path_factory: pytest.TempPathFactory, store: str, name: str
 ) -> None:
     base = tmp_path_factory.getbasetemp()
     before = sorted(base.rglob("*"))
     for written in {quote(name, safe=""), quote(name, safe="").replace(".", "%2E")}:
-        path = f"/api/{shelf}/{written}"
+        path = f"/api/{store}/{written}"
         for answer in (
             client.get(path),
             client.put(path, json=document(), headers={"If-None-Match": "*"}),
@@ -135,7 +135,7 @@ def test_too_much_is_not_read(client: TestClient) -> None:
 
 def test_too_many_requests_are_refused_until_some_time_has_passed(model: Path, tmp_path: Path) -> None:
     now = [0.0]
-    with serving(model, tmp_path, Bucket(2, 5, lambda: now[0])) as client:
+    with serving(model, tmp_path, TokenBucket(2, 5, lambda: now[0])) as client:
         assert [client.get("/api/about").status_code for _ in range(7)] == [200] * 5 + [429] * 2
         answer = client.get("/api/projects")
         assert answer.json() == {"error": "too many requests at once; wait a moment."}

@@ -11,8 +11,8 @@ from starlette.testclient import TestClient
 from studio_client import HEIGHT, RADIUS, WIDTH, Pixels, asking, away, b64, circle, png, serving
 
 from normalgan.__main__ import main
-from normalgan.inference.height import integrate
 from normalgan.normals import decode
+from normalgan.painting.height import integrate
 from onnx_models import write_model
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'

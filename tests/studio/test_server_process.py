@@ -15,7 +15,7 @@ from studio_client import asking, circle, document, png
 from studio_process import Studio, running, send, slow, until
 
 from normalgan.__main__ import main
-from normalgan.studio.shelf import Shelf
+from normalgan.studio.document_store import DocumentStore
 from onnx_models import write_model
 
 
@@ -57,7 +57,7 @@ def test_a_server_killed_while_it_saves_leaves_a_whole_project(model: Path, tmp_
             studio.process.kill()
             saving.join()
         assert json.loads((tmp_path / "fox.normalgan").read_bytes()) in known
-    assert [entry["name"] for entry in Shelf(tmp_path).entries()] == ["fox"]
+    assert [entry["name"] for entry in DocumentStore(tmp_path).entries()] == ["fox"]
     assert not list(tmp_path.glob(".*.tmp"))
 
 

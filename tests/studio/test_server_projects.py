@@ -10,8 +10,8 @@ from starlette.testclient import TestClient
 from studio_client import circle, document, png, serving
 
 from normalgan.errors import InputError
+from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import find_opened
-from normalgan.studio.shelf import Shelf
 
 NEW = {"If-None-Match": "*"}
 
@@ -135,7 +135,7 @@ def test_what_a_killed_server_left_is_cleared_away(tmp_path: Path) -> None:
     (tmp_path / ".fox.normalgan.77.tmp").write_text("half")
     (tmp_path / "fox.normalgan").write_text("whole")
     (tmp_path / "notes.txt").write_text("mine")
-    assert [entry["name"] for entry in Shelf(tmp_path).entries()] == ["fox"]
+    assert [entry["name"] for entry in DocumentStore(tmp_path).entries()] == ["fox"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["fox.normalgan", "notes.txt"]
 
 
@@ -144,20 +144,20 @@ def test_a_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"projects cannot be kept in .*file/sub: .*; give another --projects"
     ):
-        Shelf(tmp_path / "file" / "sub")
+        DocumentStore(tmp_path / "file" / "sub")
 
 
 def test_a_project_a_file_or_a_drawing_is_opened(tmp_path: Path) -> None:
-    shelf = Shelf(tmp_path / "projects")
-    shelf.write("fox", json.dumps(document()).encode(), None)
+    store = DocumentStore(tmp_path / "projects")
+    store.write("fox", json.dumps(document()).encode(), None)
     (tmp_path / "my (fox).normalgan").write_text(json.dumps(document(hints=[1])))
     (tmp_path / "cat.png").write_bytes(png(circle()))
     (tmp_path / "bad.normalgan").write_text("{}")
     (tmp_path / "bad.png").write_text("text")
-    assert find_opened("fox", shelf) == {"kind": "project", "name": "fox"}
-    opened = find_opened(str(tmp_path / "my (fox).normalgan"), shelf)
+    assert find_opened("fox", store) == {"kind": "project", "name": "fox"}
+    opened = find_opened(str(tmp_path / "my (fox).normalgan"), store)
     assert opened == {"kind": "document", "name": "my fox", "document": document(hints=[1])}
-    drawing = find_opened(str(tmp_path / "cat.png"), shelf)
+    drawing = find_opened(str(tmp_path / "cat.png"), store)
     assert (drawing["kind"], drawing["name"], drawing["width"], drawing["height"]) == (
         "drawing",
         "cat",
@@ -174,4 +174,4 @@ def test_a_project_a_file_or_a_drawing_is_opened(tmp_path: Path) -> None:
         (str(tmp_path / "bad.png"), "bad.png is not an image that can be read"),
     ):
         with pytest.raises(InputError, match=sentence):
-            find_opened(given, shelf)
+            find_opened(given, store)

@@ -22,7 +22,7 @@ def mesh(path: Path) -> None:
 
 def configuration(path: Path) -> None:
     """Look at a configuration as every training command does first."""
-    from normalgan.mistakes import check_config
+    from normalgan.parser_errors import check_config
 
     check_config(path, ("trainer", "data", "model"))
 
@@ -36,7 +36,7 @@ def drawing(path: Path) -> None:
 
 def hints(path: Path) -> None:
     """Read hints for a drawing of 32 × 32 pixels."""
-    from normalgan.inference.hint_files import load_hints
+    from normalgan.painting.hint_files import load_hints
 
     load_hints(path, (32, 32))
 

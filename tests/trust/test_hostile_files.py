@@ -5,8 +5,8 @@ import pytest
 from hostile import CLUSTERS, CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, gltf, pickles, write
 from limited import SECONDS, read_limited
 
-from normalgan.bounds import MOST_BYTES, MOST_NODES, yaml_excess
 from normalgan.errors import InputError
+from normalgan.limits import MOST_BYTES, MOST_NODES, yaml_excess
 from normalgan.rendering.mesh_files import MeshFile
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")

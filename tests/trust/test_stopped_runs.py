@@ -15,7 +15,7 @@ from fixtures_of_commands import make_bench  # noqa: F401 -- a fixture
 
 from normalgan.errors import InputError
 from normalgan.objectives.finite import loss_error, not_finite
-from normalgan.occupied import one_run_in
+from normalgan.run_lock import one_run_in
 
 MORE = ("--config", CONF / "resume.yaml", "--trainer.max_epochs", 2)
 
@@ -69,7 +69,7 @@ def test_only_what_is_not_finite_is_named() -> None:
     assert "another process" in str(loss_error([], ["a/0"], 0, 0))
 
 
-HOLD = "import sys\nfrom pathlib import Path\nfrom normalgan.occupied import one_run_in\n" + (
+HOLD = "import sys\nfrom pathlib import Path\nfrom normalgan.run_lock import one_run_in\n" + (
     "with one_run_in(Path(sys.argv[1])):\n    print('held', flush=True)\n    sys.stdin.read()\n"
 )
 

@@ -10,7 +10,7 @@ from normalgan.benchmark.plan import Plan, Row, is_plan, read_plan
 from normalgan.benchmark.scale import Scale, read_budget, read_scale
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError
-from normalgan.quiet import be_quiet
+from normalgan.warning_filters import filter_warnings
 
 
 def run(arguments: list[str]) -> int:
@@ -23,7 +23,7 @@ def run(arguments: list[str]) -> int:
     options = build_parser().parse_args(arguments)
     plan, scale = _read(options)
     with warnings.catch_warnings():
-        be_quiet()
+        filter_warnings()
         if options.evaluate is not None:
             return evaluate(plan, scale, options.evaluate)
         chosen = options.rows.split(",") if options.rows else [row.name for row in plan.rows]

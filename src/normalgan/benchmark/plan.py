@@ -11,7 +11,7 @@ import yaml
 
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError
-from normalgan.mistakes import check_config, did_you_mean, refusal
+from normalgan.parser_errors import check_config, did_you_mean, refusal
 
 Settings = dict[str, Any]
 Part = TypeVar("Part", "Plan", "Row")

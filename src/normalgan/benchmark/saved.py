@@ -11,8 +11,8 @@ from normalgan.checkpoints import check_size, check_sizes, read_settings
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import HINT_SAMPLERS
-from normalgan.inference.session import Model, find_model
 from normalgan.objectives import Wasserstein
+from normalgan.painting.session import Model, find_model
 from normalgan.weights.file import SUFFIX, find_weights, read_weights
 from normalgan.weights.part import Part
 

@@ -11,15 +11,15 @@ from jsonargparse import Namespace
 from normalgan.commands.light_parser import LightParser
 from normalgan.drawings import MOST_BYTES
 from normalgan.errors import InputError, unwritable
-from normalgan.inference.hint_files import load_hints
-from normalgan.inference.jobs import MODEL, OUTLINE, STDIN, Job, plan
-from normalgan.inference.masks import load_mask
-from normalgan.inference.outputs import Outputs
-from normalgan.inference.painting import paint
-from normalgan.inference.picture import read_picture
-from normalgan.inference.pipeline import stream
-from normalgan.inference.preparation import prepare
-from normalgan.inference.session import Model, find_model
+from normalgan.painting.hint_files import load_hints
+from normalgan.painting.jobs import MODEL, OUTLINE, STDIN, Job, plan
+from normalgan.painting.masks import load_mask
+from normalgan.painting.outputs import Outputs
+from normalgan.painting.painting import paint
+from normalgan.painting.picture import read_picture
+from normalgan.painting.pipeline import stream
+from normalgan.painting.preparation import prepare
+from normalgan.painting.session import Model, find_model
 
 
 def run(arguments: list[str]) -> int:

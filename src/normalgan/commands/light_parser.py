@@ -6,7 +6,7 @@ from typing import Any, NoReturn
 from jsonargparse import ArgumentParser
 
 from normalgan.errors import InputError
-from normalgan.mistakes import explain
+from normalgan.parser_errors import explain
 from normalgan.registry import Registry
 
 

@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 from jsonargparse import Namespace
 
+from normalgan.animals import SPECIES, Animal
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, unwritable
-from normalgan.mistakes import did_you_mean, refusal
 from normalgan.normals import paint_flat, write_bytes, write_png
+from normalgan.parser_errors import did_you_mean, refusal
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
-from normalgan.rendering.animals import SPECIES, Animal
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, SuggestiveContours
 from normalgan.rendering.loading import SUFFIXES

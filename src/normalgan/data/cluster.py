@@ -12,7 +12,7 @@ from uuid import uuid4
 
 from normalgan.data.cluster_address import connect
 from normalgan.data.cluster_worker import Unfit, flaws, order
-from normalgan.data.pool import Killed, no_kin
+from normalgan.data.pool import Killed, unrelated
 from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
@@ -70,7 +70,7 @@ class Cluster:
         self,
         function: Callable[[T], R],
         tasks: Iterable[T],
-        kin: Callable[[T], Collection[str]] = no_kin,
+        related: Callable[[T], Collection[str]] = unrelated,
     ) -> Iterator[tuple[T, R | Killed]]:
         """Yield every task with its result as it is finished; see `Pool`.
 
@@ -86,7 +86,7 @@ class Cluster:
             while todo or under_way:
                 while todo and len(under_way) < _AHEAD * len(self._workers):
                     task = todo.popleft()
-                    if not suspicious.isdisjoint(kin(task)):
+                    if not suspicious.isdisjoint(related(task)):
                         yield task, Killed()
                         continue
                     # Never used before: of a known key the scheduler gives the old result, or the old death.
@@ -104,7 +104,7 @@ class Cluster:
                     todo.appendleft(task)
                     continue
                 if isinstance(outcome, Killed):
-                    suspicious.update(kin(task))
+                    suspicious.update(related(task))
                 yield task, outcome
         finally:
             if self._client.status == "running":

@@ -10,10 +10,10 @@ from typing import Any
 
 import yaml
 
-from normalgan.bounds import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.data.remote import reason
 from normalgan.data.workers import one_thread_each
 from normalgan.errors import InputError
+from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 
 TIMEOUT = 10.0
 """Seconds in which a scheduler must answer."""

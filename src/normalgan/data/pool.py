@@ -17,14 +17,14 @@ class Pool(Protocol):
     """Does tasks side by side."""
 
     def run(
-        self, function: Callable[[T], R], tasks: Iterable[T], kin: Callable[[T], Collection[str]] = ...
+        self, function: Callable[[T], R], tasks: Iterable[T], related: Callable[[T], Collection[str]] = ...
     ) -> Iterator[tuple[T, R | Killed]]:
         """Yield every task with its result as it is finished, in no particular order.
 
         Args:
             function: of a module, so that a worker can import it.
             tasks: what it is called with.
-            kin: names that a task shares with others of its kind. Once one was killed, those that share a
+            related: names that a task shares with others of its kind. Once one was killed, those that share a
                 name with it are not begun any more, and yielded as killed.
 
         Raises:
@@ -32,7 +32,7 @@ class Pool(Protocol):
         """
 
 
-def no_kin(_: object) -> tuple[str, ...]:
+def unrelated(_: object) -> tuple[str, ...]:
     """Return no names: every task stands for itself."""
     return ()
 

@@ -10,8 +10,8 @@ from normalgan.data.cluster import Cluster
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.manifest import Manifest
 from normalgan.data.pool import Pool
-from normalgan.data.quarantine import render_shards
 from normalgan.data.request import Sources, lay_out, locate
+from normalgan.data.retry import render_shards
 from normalgan.data.shards import ShardedSamples
 from normalgan.data.survey import outstanding
 from normalgan.data.tasks import ShardTask

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from normalgan.data.layout import Layout
 from normalgan.data.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.pool import Killed, Pool
-from normalgan.data.quarantine import find_troubles
+from normalgan.data.retry import find_troubles
 from normalgan.data.storage import Storage
 from normalgan.data.tasks import MeshTask, check_renderer
 from normalgan.errors import InputError, RunError

@@ -4,12 +4,12 @@ from functools import cached_property
 
 from lightning.pytorch import LightningDataModule
 
+from normalgan.animals import herd
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.sources import find_sources, join_variants, pose, split_sources
 from normalgan.errors import InputError
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
-from normalgan.rendering.animals import herd
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.media import Medium

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from normalgan.animals import herd
 from normalgan.data.splits import SPLITS, split_by_file, split_by_fractions
 from normalgan.rendering import MeshFile, MeshSource, find_meshes
-from normalgan.rendering.animals import herd
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 

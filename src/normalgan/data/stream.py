@@ -8,8 +8,8 @@ import torch
 from torch.utils.data import Dataset, DistributedSampler
 
 from normalgan.data.items import Item, to_item
+from normalgan.data.mesh_cache import MeshCache
 from normalgan.data.order import Ticket, order_of_epoch
-from normalgan.data.shelf import MeshShelf
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh import MeshSource
 from normalgan.rendering.samples import Recipe
@@ -30,11 +30,11 @@ class StreamDataset(Dataset[Item]):
     def __init__(self, sources: Sequence[MeshSource], views: int, recipe: Recipe, memory: int) -> None:
         self.views = views
         self.recipe = recipe
-        self.shelf = MeshShelf(sources, memory)
+        self.mesh_cache = MeshCache(sources, memory)
 
     def __len__(self) -> int:
         """Return the number of samples of an epoch."""
-        return len(self.shelf.sources) * self.views
+        return len(self.mesh_cache.sources) * self.views
 
     def __getitem__(self, index: int | Ticket) -> Item:
         """Return the sample of a ticket, or by a number one of the first epoch, in the order of the shards.
@@ -44,9 +44,9 @@ class StreamDataset(Dataset[Item]):
         """
         if not isinstance(index, Ticket):
             index = Ticket(*divmod(range(len(self))[index], self.views))
-        name = self.shelf.sources[index.mesh].name
+        name = self.mesh_cache.sources[index.mesh].name
         try:
-            sample = self.recipe.render(self.shelf.take(index.mesh), index.view)
+            sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
         except Exception as error:  # whatever a mesh brings about in a renderer or style
             why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
             raise RenderingError(f"view {index.view} of {name} cannot be rendered: {why}") from error
@@ -93,7 +93,7 @@ class FreshViews(DistributedSampler[Ticket]):
 
     def __iter__(self) -> Iterator[Ticket]:
         size, replicas, views = self.batch_size, self.num_replicas, self.samples.views
-        meshes = len(self.samples.shelf.sources)
+        meshes = len(self.samples.mesh_cache.sources)
         order = order_of_epoch(meshes, views, self.epoch, self.seed, size, replicas)
         if len(self.samples) < size * replicas:
             few = list(order)

@@ -106,7 +106,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
             try:
                 sample = task.recipe.render(_load(task.sources[name]), view)
             except Exception as error:  # whatever a mesh brings about in a renderer or style
-                failed[name] = told(error)
+                failed[name] = error_text(error)
         samples.append(sample)
     return samples, failed
 
@@ -149,10 +149,10 @@ def fingerprint(source: MeshSource) -> str:
         return f"none: {error}"
 
 
-def told(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return an error in one sentence, with its kind unless it is meant for the user.
 
-    >>> told(InputError("horse has no legs.")), told(KeyError("legs"))
+    >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
     """
     return str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."

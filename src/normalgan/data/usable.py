@@ -5,7 +5,7 @@ import json
 from collections.abc import Mapping, Sequence
 
 from normalgan.data.manifest import fingerprints
-from normalgan.data.quarantine import find_troubles
+from normalgan.data.retry import find_troubles
 from normalgan.data.storage import Storage
 from normalgan.data.tasks import MeshTask
 from normalgan.data.workers import Workers

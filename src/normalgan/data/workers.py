@@ -12,7 +12,7 @@ from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Self, TypeVar
 
-from normalgan.data.pool import no_kin
+from normalgan.data.pool import unrelated
 from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
@@ -63,14 +63,14 @@ class Workers:
         self,
         function: Callable[[T], R],
         tasks: Iterable[T],
-        kin: Callable[[T], Collection[str]] = no_kin,
+        related: Callable[[T], Collection[str]] = unrelated,
     ) -> Iterator[tuple[T, R]]:
         """Yield every task with its result as it is finished, in no particular order.
 
         Args:
             function: of a module, so that a worker can import it.
             tasks: what it is called with.
-            kin: of no use here; see `Pool`. No task outlives the death of a worker.
+            related: of no use here; see `Pool`. No task outlives the death of a worker.
 
         Raises:
             RunError: if a worker dies; what is finished by then has been yielded or written.

@@ -9,7 +9,7 @@ from jsonargparse import Namespace
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, RunError, unwritable
 from normalgan.normals import write_bytes
-from normalgan.quiet import be_quiet
+from normalgan.warning_filters import filter_warnings
 
 SUFFIXES = {"onnx": ".onnx", "safetensors": ".safetensors", "torchscript": ".pt", "pt2": ".pt2"}
 HALVED = ("onnx", "safetensors")
@@ -26,7 +26,7 @@ def run(arguments: list[str]) -> int:
     options = build_parser().parse_args(arguments)
     target = _check(options)
     with warnings.catch_warnings():
-        be_quiet()
+        filter_warnings()
         print(export(Path(options.checkpoint), target, options))
     return 0
 

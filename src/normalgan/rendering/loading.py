@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError, brief
-from normalgan.rendering.claims import check_claims
+from normalgan.rendering.mesh_limits import check_limits
 
 if TYPE_CHECKING:
     from trimesh import Scene, Trimesh
@@ -52,7 +52,7 @@ def _parts(path: Path) -> list[Triangles]:
 
     try:
         with _silence():
-            check_claims(path)
+            check_limits(path)
             # Materials of a glTF are pictures: nothing that is rendered, and files of anyone's choice.
             more: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() in GLTF else {}
             scene = trimesh.load_scene(path, process=False, **more)

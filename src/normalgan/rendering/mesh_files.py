@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.bounds import read_bounded
 from normalgan.errors import InputError
-from normalgan.rendering.claims import gltf_tree, name_in_folder
+from normalgan.limits import read_bounded
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh_limits import gltf_tree, name_in_folder
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 

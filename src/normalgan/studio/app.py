@@ -16,17 +16,17 @@ from starlette.staticfiles import StaticFiles
 
 from normalgan import __version__
 from normalgan.errors import InputError
-from normalgan.studio.answers import Envelope, failed, refused
 from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
-from normalgan.studio.bucket import Bucket
+from normalgan.studio.document_routes import DocumentRoutes
+from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.drawing import MOST_HINTS, MOST_SIDE
 from normalgan.studio.guard import Guard
 from normalgan.studio.opening import Opened
 from normalgan.studio.painter import Painter
 from normalgan.studio.painting_routes import PaintingRoutes
 from normalgan.studio.pictures import import_picture
-from normalgan.studio.shelf import Shelf
-from normalgan.studio.shelf_routes import ShelfRoutes
+from normalgan.studio.rate_limit import TokenBucket
+from normalgan.studio.responses import ResponseMiddleware, failed, refused
 
 PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
@@ -34,7 +34,11 @@ _SENTENCES = {404: "there is nothing at this address.", 405: "this address does 
 
 
 def build_app(
-    painter: Painter, projects: Shelf, port: int, opened: Opened | None = None, bucket: Bucket | None = None
+    painter: Painter,
+    projects: DocumentStore,
+    port: int,
+    opened: Opened | None = None,
+    bucket: TokenBucket | None = None,
 ) -> Starlette:
     """Return the application.
 
@@ -47,6 +51,7 @@ def build_app(
     """
     mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
     painting = PaintingRoutes(painter)
+    autosaved = DocumentStore(projects.folder / "autosave")
 
     async def about(_: Request) -> Response:
         return JSONResponse(
@@ -80,13 +85,13 @@ def build_app(
             Route("/api/open", first),
             Route("/api/import", import_, methods=["POST"]),
             *painting.routes(),
-            *ShelfRoutes("/api/projects", projects, guarded=True).routes(),
-            *ShelfRoutes("/api/autosave", Shelf(projects.folder / "autosave"), False, _AUTOSAVES).routes(),
+            *DocumentRoutes("/api/projects", projects, guarded=True).routes(),
+            *DocumentRoutes("/api/autosave", autosaved, False, _AUTOSAVES).routes(),
             Mount("/page", StaticFiles(directory=PAGE)),
         ],
         middleware=[
-            Middleware(Envelope),
-            Middleware(Guard, port=port, bucket=bucket or Bucket(rate=50, burst=100)),
+            Middleware(ResponseMiddleware),
+            Middleware(Guard, port=port, bucket=bucket or TokenBucket(rate=50, burst=100)),
         ],
         exception_handlers={InputError: _told, HTTPException: _known, ClientDisconnect: _left},
         lifespan=lifespan,

@@ -8,12 +8,12 @@ from jsonargparse import Namespace
 from platformdirs import user_data_path
 
 from normalgan.commands.light_parser import LightParser
-from normalgan.inference.session import find_model
+from normalgan.painting.session import find_model
 from normalgan.studio.app import build_app
+from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import find_opened
 from normalgan.studio.painter import Painter
 from normalgan.studio.serving import listen, serve
-from normalgan.studio.shelf import Shelf
 
 
 def run(arguments: list[str]) -> int:
@@ -56,11 +56,13 @@ def studio(settings: Namespace) -> int:
     Raises:
         InputError: if something cannot be used.
     """
-    shelf = Shelf(Path(settings.projects) if settings.projects else user_data_path("normalgan", False))
-    opened = None if settings.opened is None else find_opened(settings.opened, shelf)
+    store = DocumentStore(
+        Path(settings.projects) if settings.projects else user_data_path("normalgan", False)
+    )
+    opened = None if settings.opened is None else find_opened(settings.opened, store)
     with listen(settings.port) as listening:
         port = listening.getsockname()[1]
-        app = build_app(Painter(find_model(settings.model)), shelf, port, opened)
+        app = build_app(Painter(find_model(settings.model)), store, port, opened)
         address = f"http://127.0.0.1:{port}/"
         print(f"The studio is at {address} (Ctrl-C ends it).", flush=True)
         if not settings.no_browser:

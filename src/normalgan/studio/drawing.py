@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.inference.hint_files import Hints, parse_hints
-from normalgan.inference.jobs import MODEL, OUTLINE
-from normalgan.inference.picture import Picture, read_picture
+from normalgan.painting.hint_files import Hints, parse_hints
+from normalgan.painting.jobs import MODEL, OUTLINE
+from normalgan.painting.picture import Picture, read_picture
 from normalgan.studio.fields import Fields, take_bytes, take_choice
 
 LEAST_SIDE, MOST_SIDE = 16, 2048
@@ -30,7 +30,7 @@ class Drawing:
         picture: PNG.
         hints: list of x, y and normal.
         mask: PNG, white on the object; None if there is none.
-        source: where the mask comes from if there is none, as for `normalgan.inference.preparation.prepare`.
+        source: where the mask comes from if there is none, as for `normalgan.painting.preparation.prepare`.
     """
 
     picture: bytes

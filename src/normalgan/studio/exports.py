@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from normalgan.inference.jobs import Job
-from normalgan.inference.outputs import Outputs
-from normalgan.inference.painting import Painted
+from normalgan.painting.jobs import Job
+from normalgan.painting.outputs import Outputs
+from normalgan.painting.painting import Painted
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.fields import Fields, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name

@@ -3,9 +3,9 @@
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from normalgan.studio.answers import refused
-from normalgan.studio.bucket import Bucket
+from normalgan.studio.rate_limit import TokenBucket
 from normalgan.studio.refusals import ForeignError, RefusedError, TooManyError
+from normalgan.studio.responses import refused
 
 _MOST_AT_ONCE = 64
 
@@ -22,7 +22,7 @@ class Guard:
         bucket: for the requests below ``/api/``.
     """
 
-    def __init__(self, app: ASGIApp, port: int, bucket: Bucket) -> None:
+    def __init__(self, app: ASGIApp, port: int, bucket: TokenBucket) -> None:
         self._app, self._bucket = app, bucket
         self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         if port == 80:

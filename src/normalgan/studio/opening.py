@@ -3,24 +3,24 @@
 from pathlib import Path
 from typing import Any
 
-from normalgan.bounds import read_bounded
 from normalgan.errors import InputError
+from normalgan.limits import read_bounded
 from normalgan.studio.bodies import MOST_BYTES
+from normalgan.studio.document_store import SUFFIX, DocumentStore
 from normalgan.studio.documents import check_document
 from normalgan.studio.names import check_name, to_name
 from normalgan.studio.pictures import import_picture
 from normalgan.studio.refusals import MissingError
-from normalgan.studio.shelf import SUFFIX, Shelf
 
 Opened = dict[str, Any]
 
 
-def find_opened(given: str, shelf: Shelf) -> Opened:
+def find_opened(given: str, store: DocumentStore) -> Opened:
     """Return what the page is to open: ``kind`` (project, document or drawing), ``name``, and the rest of it.
 
     Args:
         given: name of a project, a ``.normalgan`` file, or a drawing's file.
-        shelf: the projects.
+        store: the projects.
 
     Raises:
         InputError: if it is none of these.
@@ -29,7 +29,7 @@ def find_opened(given: str, shelf: Shelf) -> Opened:
     if path.is_file():
         return _of_file(path)
     try:
-        shelf.read(given)
+        store.read(given)
     except MissingError:
         pass
     except InputError:  # no name of a project

@@ -6,9 +6,9 @@ from threading import Lock
 
 import numpy as np
 
-from normalgan.inference.painting import Painted, paint
-from normalgan.inference.preparation import prepare
-from normalgan.inference.session import Model
+from normalgan.painting.painting import Painted, paint
+from normalgan.painting.preparation import prepare
+from normalgan.painting.session import Model
 from normalgan.studio.drawing import Drawing
 
 _REMEMBERED = 2

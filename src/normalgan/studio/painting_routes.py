@@ -11,14 +11,14 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from normalgan.inference.painting import Painted
 from normalgan.normals import encode
+from normalgan.painting.painting import Painted
 from normalgan.studio.bodies import gone, read_fields
-from normalgan.studio.desk import Desk
 from normalgan.studio.drawing import Drawing, take_drawing
 from normalgan.studio.exports import take_wish
 from normalgan.studio.fields import Fields, take_integer, take_text
 from normalgan.studio.painter import Painter
+from normalgan.studio.request_queue import RequestQueue
 from normalgan.studio.suggestion import suggest
 
 T = TypeVar("T")
@@ -27,7 +27,7 @@ _LARGEST = 2**53
 
 
 class PaintingRoutes:
-    """Answers to drawings.
+    """Responses to drawings.
 
     Args:
         painter: paints them.
@@ -36,7 +36,7 @@ class PaintingRoutes:
     def __init__(self, painter: Painter) -> None:
         self._painter = painter
         # Heights and exports take seconds; no stroke waits for them.
-        self._quick, self._slow = Desk(), Desk()
+        self._quick, self._slow = RequestQueue(), RequestQueue()
         self._exports = 0
 
     def routes(self) -> list[Route]:
@@ -88,11 +88,11 @@ class PaintingRoutes:
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
     async def _ordered(
-        self, desk: Desk, request: Request, fields: Fields, work: Callable[[], T], apart: str = ""
+        self, queue: RequestQueue, request: Request, fields: Fields, work: Callable[[], T], apart: str = ""
     ) -> T | None:
         """Return what the work gives, in its turn; None if it is not wanted any more."""
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
-        return await desk.do(tab, take_integer(fields, "number", 0, _LARGEST), work, partial(gone, request))
+        return await queue.do(tab, take_integer(fields, "number", 0, _LARGEST), work, partial(gone, request))
 
     def _map(self, drawing: Drawing) -> tuple[bytes, Painted]:
         painted = self._painter.paint(drawing)
@@ -108,7 +108,7 @@ class PaintingRoutes:
         ]
 
     def _heights(self, drawing: Drawing) -> tuple[bytes, Painted]:
-        from normalgan.inference.height import integrate  # here: its solver takes a while to import
+        from normalgan.painting.height import integrate  # here: its solver takes a while to import
 
         painted = self._painter.paint(drawing)
         height = np.where(painted.mask, integrate(painted.normals, painted.mask), np.nan)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from normalgan.inference.picture import fitted, read_picture
+from normalgan.painting.picture import fitted, read_picture
 from normalgan.studio.drawing import MOST_SIDE, check_sides
 
 Imported = dict[str, str | int]
@@ -17,7 +17,7 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
     """Return an image as base64 of a PNG with alpha, and its width and height.
 
     Args:
-        content: a file as `normalgan.inference.picture.read_picture` reads it.
+        content: a file as `normalgan.painting.picture.read_picture` reads it.
         name: what to call it in an error.
 
     Raises:

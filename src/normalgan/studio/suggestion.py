@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.inference.picture import fitted, resize
 from normalgan.normals import Floats, normalize
+from normalgan.painting.picture import fitted, resize
 
 _SIDE = 256
 """Longest side at which points are looked for."""

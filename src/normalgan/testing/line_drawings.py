@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from normalgan.rendering.animals import Animal
+from normalgan.animals import Animal
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer

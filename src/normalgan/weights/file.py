@@ -10,8 +10,8 @@ import torch
 from safetensors.torch import load, save
 from torch import Tensor
 
-from normalgan.bounds import read_bounded
 from normalgan.errors import InputError
+from normalgan.limits import read_bounded
 from normalgan.models import Generator
 from normalgan.weights.network import build_generator, check_fit
 from normalgan.weights.notes import Notes

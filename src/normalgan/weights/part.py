@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 from jsonargparse import ArgumentParser
 
-from normalgan.bounds import MOST_DEPTH
 from normalgan.errors import InputError, brief
+from normalgan.limits import MOST_DEPTH
 from normalgan.registry import Registry
 
 T = TypeVar("T")

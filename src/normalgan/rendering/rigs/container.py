@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from normalgan.bounds import read_bounded
 from normalgan.errors import InputError, brief
-from normalgan.rendering.claims import name_in_folder
+from normalgan.limits import read_bounded
+from normalgan.rendering.mesh_limits import name_in_folder
 
 RIG_SUFFIXES = (".glb", ".gltf")
 """The file formats that can hold a skin."""

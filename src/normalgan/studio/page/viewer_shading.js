@@ -6,7 +6,7 @@
 /** @typedef {(x: number, y: number, z: number, out: Uint8ClampedArray, at: number) => void} Shader
  * writes the three sRGB levels of a unit normal into out, from index at on */
 
-/** The clay of normalgan.inference.lighting, so that the page and `generate --preview` look alike. */
+/** The clay of normalgan.painting.lighting, so that the page and `generate --preview` look alike. */
 export const CLAY = {
   colour: [0.5, 0.465, 0.42],
   lamp: [1.1, 1.05, 0.97],

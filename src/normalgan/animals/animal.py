@@ -1,0 +1,107 @@
+"""Animals by species and number, and herds of them: the data the package brings along."""
+
+import difflib
+import hashlib
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.animals.kinds import GROUPS, SPECIES
+from normalgan.animals.meshing import to_mesh
+from normalgan.errors import InputError
+from normalgan.rendering.mesh import Mesh
+
+VERSION = 2  # to be raised whenever the same species and seed give another shape
+
+
+@dataclass(frozen=True)
+class Animal:
+    """A procedural animal; no two seeds give the same one.
+
+    Args:
+        species: such as horse, owl, shark; see `SPECIES`.
+        seed: draws proportions, age and carriage, and the pose if none is given; not negative.
+        pose: one that the species knows, such as stand, walk, sit; drawn if None.
+
+    Raises:
+        InputError: if species, seed or pose is not such.
+
+    Example:
+        >>> Animal("horse", 7).name
+        'horse-0007'
+    """
+
+    species: str
+    seed: int
+    pose: str | None = None
+
+    def __post_init__(self) -> None:
+        """Check what the user wrote, at once and not in a worker process."""
+        _known("species", self.species, list(SPECIES))
+        if self.pose is not None:
+            _known(f"pose of {self.species}", self.pose, list(SPECIES[self.species].poses))
+        if self.seed < 0:
+            raise InputError(f"an animal's seed is a whole number from 0 on, not {self.seed}.")
+
+    @property
+    def name(self) -> str:
+        """Species and seed, and the pose if it was asked for."""
+        return f"{self.species}-{self.seed:04d}" + (f"-{self.pose}" if self.pose else "")
+
+    def fingerprint(self) -> str:
+        """Return a hash of the parameters and the version of the generator."""
+        text = f"animal {VERSION} {self.species} {self.seed} {self.pose}"
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def load(self) -> Mesh:
+        """Return the mesh, always the same for the same animal; takes about a second."""
+        rng = np.random.default_rng([zlib.crc32(self.species.encode()), self.seed])
+        return to_mesh(self.name, SPECIES[self.species].grow(self.pose, rng))
+
+
+def herd(count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",)) -> list[Animal]:
+    """Return ``count`` animals, the species in rotation; the same for the same seed and species.
+
+    Animals of different herd seeds differ, and a longer herd begins with the shorter one.
+
+    Args:
+        count: how many.
+        seed: of the herd.
+        species: names of species, and of groups, which stand for all their species.
+
+    Raises:
+        InputError: if there is no animal, no species, or a name is not known.
+
+    Example:
+        >>> [animal.species for animal in herd(3, seed=0)]
+        ['bear', 'camel', 'cat']
+        >>> [animal.species for animal in herd(3, species=["horse", "cat"])]
+        ['horse', 'cat', 'horse']
+    """
+    if count < 1:
+        raise InputError(f"a herd has at least one animal, not {count}.")
+    names = members(species)
+    return [Animal(names[i % len(names)], seed * 10_000 + i // len(names)) for i in range(count)]
+
+
+def members(names: Sequence[str]) -> list[str]:
+    """Return the species that names of species and groups stand for, each once, in order.
+
+    Raises:
+        InputError: if there is none, or a name is not known.
+    """
+    if not names:
+        raise InputError(f"a herd has at least one species; known groups: {', '.join(GROUPS)}.")
+    for name in names:
+        _known("species or group", name, [*GROUPS, *SPECIES])
+    # What is named twice would otherwise come with the same seed twice.
+    return list(dict.fromkeys(one for name in names for one in GROUPS.get(name, (name,))))
+
+
+def _known(what: str, name: str, names: list[str]) -> None:
+    if name not in names:
+        near = difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.5)
+        hint = f" Did you mean {near[0]}?" if near else ""
+        raise InputError(f"no {what} named {name!r}.{hint} Known: {', '.join(names)}.")

@@ -1,0 +1,157 @@
+"""Flesh on a biped's skeleton: trunk, legs, arms, hands and feet."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.animals.bipeds import Limb, Measures, Skeleton
+from normalgan.animals.chain import Frame
+from normalgan.animals.field import Part
+from normalgan.animals.forms import Shape, ball, carried, fuse, mirrored, moved, tube
+from normalgan.animals.plan import Rng
+from normalgan.animals.sweep import Sweep
+
+HeadMaker = Callable[[Rng], list[Part]]
+FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
+
+
+@dataclass(frozen=True)
+class Flesh:
+    """Makes an animal of a skeleton.
+
+    Args:
+        head: makes the head in units of its height, its base at the origin.
+        hand: mitt, fingers or paw.
+        foot: shoe or paw.
+        neck: radius of the neck.
+        skirt: share of individuals in a skirt.
+        tail: length of the tail; 0 for none.
+        coat: height and wavelength of fur, or None.
+    """
+
+    head: HeadMaker
+    hand: str = "mitt"
+    foot: str = "shoe"
+    neck: float = 0.036
+    skirt: float = 0.0
+    tail: float = 0.0
+    coat: tuple[float, float] | None = None
+
+    def __call__(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
+        """Return the parts in the order in which they blend."""
+        coat = self.coat
+        parts = [fuse(trunk(measures, bones), ripple=coat)]
+        if measures.belly:
+            parts.append(fuse(_belly(measures, bones), blend=0.05, ripple=coat))
+        dressed = bool(rng.uniform() < self.skirt)
+        legs = [_side(_leg(measures, limb), i) for i, limb in enumerate(bones.legs)]
+        parts.append(fuse(*legs, blend=0.03, ripple=coat))
+        feet = [
+            _side(one, i) for i, limb in enumerate(bones.legs) for one in _foot(self.foot, measures, limb)
+        ]
+        parts.append(fuse(*feet, blend=0.012))
+        if dressed and bones.legs[0].points[1, 0] - bones.legs[0].points[0, 0] < 0.3 * measures.leg:
+            parts.append(fuse(_skirt(measures, bones), blend=0.006))
+        arms = [(_arm(measures, limb), i) for i, limb in enumerate(bones.arms)]
+        parts.append(fuse(*(moved(_side(arm, i), bones.chest) for arm, i in arms), blend=0.022, ripple=coat))
+        hands = [_side(s, i) for i, limb in enumerate(bones.arms) for s in _hand(self.hand, measures, limb)]
+        parts.append(fuse(*(moved(shape, bones.chest) for shape in hands), blend=0.010))
+        throat = bones.skull.place(np.array([0.08, 0.3, 0.0]) * measures.head)
+        neck = tube([bones.chest.origin, bones.skull.origin, throat], self.neck)
+        parts.append(fuse(neck, blend=0.045, ripple=coat))
+        parts += carried(self.head(rng), bones.skull, measures.head)
+        if self.tail:
+            parts.append(fuse(_tail(self.tail, bones, rng), blend=0.03))
+        return parts
+
+
+def trunk(measures: Measures, bones: Skeleton) -> Sweep:
+    """Return the trunk, from the crotch to the base of the neck."""
+    pelvis, waist, chest = (np.array(pair) for pair in (measures.pelvis, measures.waist, measures.chest))
+    rows = np.array([0.6 * pelvis, pelvis, waist, chest, 0.8 * chest, 0.45 * chest])
+    points = bones.spine.copy()
+    points[-1] = (points[-1] + points[-2]) / 2
+    return tube(points, rows[:, 0].tolist(), rows[:, 1].tolist(), side=bones.turns[:, :, 2])
+
+
+def _belly(measures: Measures, bones: Skeleton) -> Shape:
+    at, turn = (bones.spine[1] + 1.4 * bones.spine[2]) / 2.4, bones.turns[2]
+    size = np.array([measures.waist[0], 0.40 * measures.torso, 1.02 * measures.waist[1]])
+    return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size.tolist(), turn)
+
+
+def _side(shape: Shape, index: int) -> Shape:
+    return shape if index == 0 else mirrored(shape)
+
+
+def _leg(measures: Measures, limb: Limb) -> Shape:
+    hip, knee, ankle = limb.points
+    thigh, calf = measures.thigh, measures.calf
+    shin = limb.end.origin - knee
+    behind = np.cross([0.0, 0.0, 1.0], shin / np.linalg.norm(shin)) * -0.3 * calf
+    rows = [hip, hip * 0.6 + knee * 0.4, knee, knee * 0.68 + ankle * 0.32 + behind, ankle]
+    return tube(rows, [1.12 * thigh, thigh, 0.5 * (thigh + calf) * 0.9, calf, 0.62 * calf])
+
+
+def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
+    size = measures.foot
+    low = 0.20 * size
+    if kind == "paw":
+        rows = [[-0.18, -0.12, 0], [0.25, -0.12, 0], [0.62, -0.16, 0]]
+        thick, wide = [0.26, 0.25, 0.17], [0.24, 0.30, 0.28]
+    else:
+        rows = [[-0.20, -0.16, 0], [0.10, -0.14, 0], [0.42, -0.20, 0.01], [0.66, -0.23, 0.02]]
+        thick, wide = [0.17, 0.19, 0.145, 0.11], [0.17, 0.18, 0.20, 0.16]
+    sole = tube(np.array(rows) * size, np.array(thick) * size, np.array(wide) * size)
+    shank = tube([[0.0, low, 0.0], [0.0, -0.3 * low, 0.0]], 0.62 * measures.calf)
+    return [moved(sole, limb.end), moved(shank, limb.end)]
+
+
+def _arm(measures: Measures, limb: Limb) -> Shape:
+    shoulder, elbow, wrist = limb.points
+    upper, fore = measures.upper_arm, measures.forearm
+    inner = shoulder + np.array([0.0, -0.1 * upper, -0.6 * upper])
+    rows = [inner, shoulder, shoulder * 0.55 + elbow * 0.45, elbow, elbow * 0.7 + wrist * 0.3, wrist]
+    radii = [1.15 * upper, 1.2 * upper, upper, 0.55 * (upper + fore) * 0.82, fore, 0.68 * fore]
+    return tube(rows, radii)
+
+
+def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
+    """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
+    size, flat = measures.hand, FLAT_HAND
+    if kind == "paw":
+        return [moved(ball([0.05 * size, -0.32 * size, 0.0], np.array([0.4, 0.5, 0.34]) * size), limb.end)]
+    palm = ball([0.02, -0.38, 0.0], [0.26, 0.44, flat])
+    thumb = tube([[0.16, -0.22, 0.0], [0.33, -0.42, -0.05], [0.36, -0.58, -0.08]], [0.1, 0.095, 0.075])
+    shapes: list[Shape] = [palm, thumb]
+    if kind == "mitt":
+        shapes.append(
+            tube([[0.02, -0.45, 0], [0.03, -0.78, -0.05]], [flat, 0.8 * flat], [0.24, 0.17], (1, 0, 0))
+        )
+    else:
+        for at, far in ((-0.2, 0.86), (-0.07, 1.0), (0.06, 1.03), (0.19, 0.95)):
+            knuckle, tip = [at * 0.85, -0.6, 0.0], [at * 1.35, -far, -0.12]
+            middle = [at * 1.1, -0.5 * (0.6 + far), -0.02]
+            shapes.append(tube([knuckle, middle, tip], [0.085, 0.08, 0.065]))
+    return [moved(shape, limb.end, size) for shape in shapes]
+
+
+def _skirt(measures: Measures, bones: Skeleton) -> Shape:
+    """Return a cone about the hips and thighs."""
+    waist, hips = bones.spine[2], bones.spine[1]
+    hem = hips + np.array([0.0, -0.42 * measures.leg, 0.0])
+    hem[0] = np.mean([limb.points[1, 0] for limb in bones.legs])
+    depth, width = measures.pelvis
+    far = max(abs(limb.points[1, 0] - hem[0]) for limb in bones.legs) + measures.thigh
+    rows = [waist, hips, hem]
+    radii = [measures.waist[0] * 1.05, depth * 1.2, max(far, depth) * 1.15]
+    return tube(rows, radii, [measures.waist[1] * 1.05, width * 1.2, width * 1.75], flat=True)
+
+
+def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
+    lift, aside = float(rng.uniform(0.1, 0.7)), float(rng.normal(0, 0.25))
+    rows = np.array([[0, 0, 0], [-0.25, -0.08, 0.1], [-0.55, 0.0, 0.4], [-0.72, 0.5, 0.7], [-0.6, 0.95, 1.0]])
+    rows = rows * [1.0, lift, aside] * length
+    start = Frame(bones.spine[1] + np.array([-0.04, 0.0, 0.0]), np.eye(3))
+    return moved(tube(rows, [0.026, 0.022, 0.019, 0.017, 0.016]), start)

@@ -1,0 +1,116 @@
+"""Compound blobs for what has no name: solids grown out of one another, lopsided or mirrored."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.animals.chain import pitch, yaw
+from normalgan.animals.field import Part
+from normalgan.animals.forms import Shape, ball, block, both, fuse, ring, roll, tube
+from normalgan.animals.plan import Rng
+from normalgan.animals.sweep import Floats
+
+KINDS = ("ball", "ball", "rod", "rod", "cone", "block", "ring", "worm")
+INNER = 0.5  # share of its radii within which others may grow out of a piece; dents do not reach so deep
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A solid, and points (n, 3) inside it that others can be rooted in."""
+
+    shape: Shape
+    roots: Floats
+
+
+def blob(pose: str, rng: Rng) -> list[Part]:
+    """Return a lopsided compound."""
+    return _grown(rng, both_sides=False)
+
+
+def creature(pose: str, rng: Rng) -> list[Part]:
+    """Return a compound that is the same on its right and left."""
+    return _grown(rng, both_sides=True)
+
+
+def _grown(rng: Rng, both_sides: bool) -> list[Part]:
+    core = _core(rng, both_sides)
+    soft = float(rng.uniform(0.0, 0.22))
+    ripple = (
+        (float(rng.uniform(0.006, 0.02)), float(rng.uniform(0.12, 0.3))) if rng.uniform() < 0.15 else None
+    )
+    parts = [fuse(core.shape, ripple=ripple)]
+    if rng.uniform() < 0.4:
+        parts.append(_dents(core, both_sides, rng))
+    pieces = [core]
+    for _ in range(int(rng.integers(2, 6) if both_sides else rng.integers(3, 8))):
+        parent = pieces[int(rng.integers(len(pieces)))]
+        root = parent.roots[int(rng.integers(len(parent.roots)))]
+        size = float(rng.uniform(0.5, 1.0)) * 0.85 ** (len(pieces) // 3)
+        # Only of the core is a root that is brought to the middle still inside.
+        middle = both_sides and parent is core and bool(rng.uniform() < 0.45)
+        piece = _piece(str(rng.choice(KINDS)), root * [1, 1, 0] if middle else root, size, middle, rng)
+        shapes = both(piece.shape) if both_sides else (piece.shape,)
+        parts.append(fuse(*shapes, blend=soft * size * float(rng.uniform(0.4, 1.2))))
+        pieces.append(piece)
+    return parts
+
+
+def _core(rng: Rng, both_sides: bool) -> Piece:
+    radii = rng.uniform(0.24, 0.5, 3)
+    turn = pitch(float(rng.uniform(-90, 90)))
+    if not both_sides:
+        turn = yaw(float(rng.uniform(0, 360))) @ turn
+    boxy = rng.uniform() < 0.25
+    shape = (
+        block([0, 0, 0], radii, float(rng.uniform(0.05, 0.25)), turn)
+        if boxy
+        else ball([0, 0, 0], radii, turn)
+    )
+    within = rng.normal(size=(12, 3))
+    within *= INNER / np.linalg.norm(within, axis=1, keepdims=True)
+    return Piece(shape, (within * radii) @ turn.T)
+
+
+def _dents(core: Piece, both_sides: bool, rng: Rng) -> Part:
+    """Return hollows about points of the core's surface, too shallow to reach its roots."""
+    dents = []
+    for root in core.roots[: int(rng.integers(1, 4))]:
+        size = float(rng.uniform(0.06, 0.11))
+        dents.append(ball(root / INNER, [size, size * float(rng.uniform(0.8, 1.6)), size]))
+    return fuse(*(both(*dents) if both_sides else dents), blend=0.06, carve=True)
+
+
+def _piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) -> Piece:
+    """Return a piece that holds its root and grows out of it in some direction."""
+    way = rng.normal(size=3)
+    if middle:
+        way[2] = 0.0  # along the mirror
+    way /= np.linalg.norm(way)
+    turn = yaw(float(rng.uniform(0, 360))) @ roll(float(rng.uniform(0, 360)))
+    if kind == "ball":
+        radii = size * rng.uniform(0.3, 0.75, 3)
+        centre = root + 0.7 * float(radii.min()) * way
+        return Piece(ball(centre, radii, turn), np.array([centre, centre + 0.5 * (centre - root)]))
+    if kind == "block":
+        half = size * rng.uniform(0.25, 0.6, 3)
+        centre = root + 0.7 * float(half.min()) * way
+        return Piece(block(centre, half, size * float(rng.uniform(0.04, 0.15)), turn), np.array([centre]))
+    if kind == "ring":
+        major = size * float(rng.uniform(0.4, 0.65))
+        side = np.cross(way, rng.normal(size=3))
+        side /= np.linalg.norm(side)
+        axes = np.column_stack([way, side, np.cross(way, side)])
+        hoop = ring(root + major * way, major, major * float(rng.uniform(0.22, 0.4)), axes)
+        return Piece(hoop, np.array([root + 2 * major * way]))
+    tip = root + size * float(rng.uniform(0.9, 1.4)) * way
+    thick = size * float(rng.uniform(0.14, 0.3))
+    if kind == "cone":
+        return Piece(tube([root, tip], [1.6 * thick, 0.15 * thick]), np.array([root]))
+    if kind == "rod":
+        knob = thick * float(rng.uniform(0.8, 1.5))
+        return Piece(
+            tube([root, (root + tip) / 2, tip], [thick, thick, knob]), np.array([tip, (root + tip) / 2])
+        )
+    bow = np.cross(way, rng.normal(size=3)) * 0.4 * size
+    curve = np.array([root, root * 0.7 + tip * 0.3 + bow, root * 0.3 + tip * 0.7 + bow, tip - 0.6 * bow])
+    return Piece(tube(curve, thick * np.array([1.1, 1.0, 0.8, 0.55])), curve[1:3])

@@ -1,0 +1,134 @@
+"""Shorthand for those that model: balls, blocks, tubes, both sides of a body, parts carried by a frame."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from normalgan.animals.chain import Frame
+from normalgan.animals.field import Part
+from normalgan.animals.solid import Solid
+from normalgan.animals.solids import MIRROR, Box, Ellipsoid, Ring
+from normalgan.animals.sweep import Floats, Sweep
+
+Shape = Sweep | Solid
+SIDE = (0.0, 0.0, 1.0)
+
+
+def roll(degrees: float) -> Floats:
+    """Return the (3, 3) rotation about x that lifts what hangs down towards +z, the animal's right.
+
+    >>> bool(np.allclose(roll(90) @ [0, -1, 0], [0, 0, 1]))
+    True
+    """
+    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
+
+def by(start: Floats, x: float, y: float, z: float) -> Floats:
+    """Return the point so far from another.
+
+    >>> by(np.array([1.0, 2.0, 3.0]), 0.5, 0, 0).tolist()
+    [1.5, 2.0, 3.0]
+    """
+    moved_on: Floats = start + np.array([x, y, z])
+    return moved_on
+
+
+def ball(at: ArrayLike, radii: ArrayLike, turn: Floats | None = None) -> Ellipsoid:
+    """Return a sphere, or an ellipsoid if three radii are given."""
+    return Ellipsoid(np.array(at, float), np.broadcast_to(np.array(radii, float), 3).copy(), _turn(turn))
+
+
+def block(at: ArrayLike, half: ArrayLike, rounding: float, turn: Floats | None = None) -> Box:
+    """Return a box with rounded edges; ``half`` its lengths halved."""
+    sides = np.array(half, float)
+    return Box(np.array(at, float), sides, min(rounding, float(sides.min())), _turn(turn))
+
+
+def ring(at: ArrayLike, major: float, minor: float, turn: Floats | None = None) -> Ring:
+    """Return a torus, flat on the ground unless turned."""
+    return Ring(np.array(at, float), major, minor, _turn(turn))
+
+
+def tube(
+    points: ArrayLike | Sequence[ArrayLike],
+    radii: ArrayLike,
+    widths: ArrayLike | None = None,
+    side: ArrayLike = SIDE,
+    flat: bool = False,
+) -> Sweep:
+    """Return a sweep through (n, 3) points.
+
+    Args:
+        points: the curve.
+        radii: of the section across ``side``, one or n.
+        widths: along ``side``; None for round ones.
+        side: (3,) or (n, 3) direction of the widths.
+        flat: whether the end is cut off at its last point.
+    """
+    curve = np.array(points, float)
+    count = len(curve)
+    thick = np.broadcast_to(np.array(radii, float), count)
+    wide = thick if widths is None else np.broadcast_to(np.array(widths, float), count)
+    sides = np.broadcast_to(np.array(side, float), (count, 3))
+    if flat and count == 2:  # only the last third of a sweep is cut: two points have none
+        ends = np.column_stack([curve, thick, wide, sides])
+        rows = np.linspace(ends[0], ends[1], 4)
+        curve, thick, wide, sides = rows[:, :3], rows[:, 3], rows[:, 4], rows[:, 5:]
+    last = curve[-1] - curve[-2]
+    cut = (curve[-1], last / np.linalg.norm(last)) if flat else None
+    return Sweep(curve, thick, wide, sides, cut)
+
+
+def fuse(
+    *shapes: Shape, blend: float = 0.0, carve: bool = False, ripple: tuple[float, float] | None = None
+) -> Part:
+    """Return the part made of these shapes."""
+    sweeps = tuple(shape for shape in shapes if isinstance(shape, Sweep))
+    solids = tuple(shape for shape in shapes if not isinstance(shape, Sweep))
+    return Part(sweeps, blend, carve, ripple, solids)
+
+
+def mirrored(shape: Shape) -> Shape:
+    """Return its image on the animal's other side."""
+    if not isinstance(shape, Sweep):
+        return shape.mirrored()
+    cut = None if shape.cut is None else (shape.cut[0] * MIRROR, shape.cut[1] * MIRROR)
+    return Sweep(shape.points * MIRROR, shape.radii, shape.widths, shape.sides * MIRROR, cut)
+
+
+def both(*shapes: Shape) -> tuple[Shape, ...]:
+    """Return the shapes and their images."""
+    return (*shapes, *(mirrored(shape) for shape in shapes))
+
+
+def moved(shape: Shape, frame: Frame, size: float = 1.0) -> Shape:
+    """Return a shape scaled by ``size`` and carried along with a frame."""
+    return _moved_sweep(shape, frame, size) if isinstance(shape, Sweep) else shape.placed(frame, size)
+
+
+def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part]:
+    """Return parts scaled by ``size``, their blends too, and carried along with a frame."""
+    return [
+        Part(
+            tuple(_moved_sweep(sweep, frame, size) for sweep in part.sweeps),
+            part.blend * size,
+            part.carve,
+            None if part.ripple is None else (part.ripple[0] * size, part.ripple[1] * size),
+            tuple(solid.placed(frame, size) for solid in part.solids),
+        )
+        for part in parts
+    ]
+
+
+def _moved_sweep(sweep: Sweep, frame: Frame, size: float) -> Sweep:
+    cut = None
+    if sweep.cut is not None:
+        cut = (frame.place(sweep.cut[0] * size), frame.rotation @ sweep.cut[1])
+    sides = sweep.sides @ frame.rotation.T
+    return Sweep(frame.place(sweep.points * size), sweep.radii * size, sweep.widths * size, sides, cut)
+
+
+def _turn(turn: Floats | None) -> Floats:
+    return np.eye(3) if turn is None else turn

@@ -1,0 +1,95 @@
+"""Limits: how much is read of what comes from outside, so that no file takes all memory or all time."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from normalgan.errors import InputError
+
+MOST_BYTES = 2**30
+"""Larger files are refused; the largest scans in use have a tenth of it."""
+MOST_SETTINGS = 2**18
+"""Larger configurations are refused, in bytes: PyYAML takes seconds for each megabyte."""
+MOST_DEPTH = 50
+"""More lists and mappings in one another than any settings need."""
+MOST_NODES = 100_000
+"""More values than any settings need, those counted again that an alias repeats."""
+
+
+def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
+    """Return the bytes of a file, if they are not too many; a device without an end is not read to it.
+
+    Raises:
+        InputError: if there are more than ``most``.
+        OSError: if it cannot be read.
+    """
+    with path.open("rb") as file:
+        # A sparse file of terabytes costs nothing to make: its size first, then its bytes.
+        data = b"" if path.stat().st_size > most else file.read(most + 1)
+    if path.stat().st_size > most or len(data) > most:
+        raise InputError(f"{path} has more than {most} bytes; no file of its kind is that large.")
+    return data
+
+
+def yaml_excess(text: str) -> str | None:
+    r"""Return what is too much in a YAML text, as the end of a sentence; None if it may be loaded.
+
+    Its aliases are counted as if they were written out: ten lines can stand for billions of values.
+
+    Raises:
+        yaml.YAMLError: if it is not YAML.
+
+    >>> yaml_excess("a: &a [1, 2]\nb: [*a, *a]")
+    >>> yaml_excess("a: &a [*a]")
+    'contains itself, at *a'
+    """
+    sizes: dict[str, int] = {}  # of what each anchor names
+    open_anchors: list[str | None] = [None]
+    counts = [0]
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            open_anchors.append(event.anchor)
+            counts.append(1)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, count = open_anchors.pop(), counts.pop()
+            counts[-1] += count
+            if anchor is not None:
+                sizes[anchor] = count
+        elif isinstance(event, yaml.AliasEvent):
+            if event.anchor in open_anchors:
+                return f"contains itself, at *{event.anchor}"
+            counts[-1] += sizes.get(str(event.anchor), 1)
+        elif isinstance(event, yaml.ScalarEvent):
+            counts[-1] += 1
+        if len(counts) > MOST_DEPTH:
+            return f"is nested more than {MOST_DEPTH} deep"
+        if sum(counts) > MOST_NODES:
+            return f"stands for more than {MOST_NODES} values"
+    return None
+
+
+def load_yaml(text: str) -> Any:
+    """Return what a YAML text says, loaded safely; ask `yaml_excess` first.
+
+    Raises:
+        yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, of
+            which PyYAML raises a bare ValueError or worse.
+
+    >>> load_yaml("a: 2026-02-30")
+    Traceback (most recent call last):
+    yaml.constructor.ConstructorError: 2026-02-30 looks like a number or a date, but is none; put it in quotes
+      in "<unicode string>", line 1, column 4:
+        a: 2026-02-30
+           ^
+    """
+    return yaml.load(text, _Loader)
+
+
+class _Loader(yaml.SafeLoader):
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (ValueError, AttributeError) as error:
+            problem = f"{node.value:.40} looks like a number or a date, but is none; put it in quotes"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from error

@@ -1,0 +1,70 @@
+"""Cleaning: from a drawing as it was made to its ink, and to the object where its opacity tells it."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError
+from normalgan.normals import Floats
+from normalgan.painting.paper import ink_on_paper
+from normalgan.painting.picture import Picture
+from normalgan.painting.polarity import is_light_on_dark
+from normalgan.painting.silhouette import contour, is_silhouette, over_own_colour
+
+_GREY = np.array([0.299, 0.587, 0.114], np.float32)
+
+
+@dataclass(frozen=True)
+class Cleaned:
+    """A drawing's ink.
+
+    Args:
+        ink: (H, W) in [0, 1], lines about 1 and paper 0.
+        silhouette: (H, W), the object, if the drawing's opacity tells it.
+    """
+
+    ink: Floats
+    silhouette: NDArray[np.bool_] | None
+
+
+def clean(picture: Picture) -> Cleaned:
+    """Return the ink of a drawing: a photo, a scan, pencil, chalk, coloured, painted or transparent.
+
+    Raises:
+        InputError: if it holds no line.
+    """
+    colour, silhouette = picture.colour, None
+    if picture.alpha is not None and is_silhouette(picture.alpha):
+        silhouette = picture.alpha > 0.5
+        colour = over_own_colour(colour, picture.alpha)
+    elif picture.alpha is not None:
+        seen = float((colour @ _GREY * picture.alpha).sum() / max(float(picture.alpha.sum()), 1e-6))
+        paper = 1.0 if seen < 0.6 else 0.0  # light lines on nothing were drawn for a dark ground
+        colour = colour * picture.alpha[..., None] + paper * (1 - picture.alpha[..., None])
+    if is_light_on_dark(np.asarray(cv2.transform(colour, _GREY[None]), np.float32)):
+        colour = 1 - colour
+    ink = without_specks(ink_on_paper(colour))
+    if silhouette is not None:
+        ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
+    if float(ink.max()) < 0.3:
+        raise InputError("no line is seen in it; a sketch needs lines that differ from their paper.")
+    return Cleaned(ink.astype(np.float32), silhouette)
+
+
+def without_specks(ink: Floats) -> Floats:
+    """Return ink (H, W) without dust: patches that span less than a 150th of all that is inked.
+
+    A patch is a connected area of more than a tenth; what it spans is the longer side of its box.
+    """
+    count, labels, stats, _ = cv2.connectedComponentsWithStats((ink > 0.1).astype(np.uint8), connectivity=8)
+    if count < 2:
+        return ink
+    spans = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
+    # Paler than half all over is no dot of a pen either.
+    dark = np.zeros(count, np.bool_)
+    dark[labels[ink > 0.5]] = True
+    kept = (spans >= max(ink.shape) / 150) & dark
+    kept[0] = True
+    return ink if kept.all() else np.where(kept[labels], ink, 0)

@@ -1,0 +1,124 @@
+"""Outputs: what is written for a drawing: its normal map; on request pictures, a height map, a relief."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.normals import (
+    Bits,
+    Floats,
+    encode_exr,
+    encode_grey,
+    encode_png,
+    encode_tiff,
+    flip_green,
+    paint_flat,
+    write_bytes,
+)
+from normalgan.painting.jobs import Job
+from normalgan.painting.painting import Painted
+
+Format = Literal["png", "exr", "tiff"]
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What is to be written for each drawing.
+
+    Args:
+        suffix: of the map's name, after the drawing's.
+        format: of the map; exr and tiff hold floats.
+        bits: of each channel of a PNG.
+        y: up is green as in OpenGL, down as in DirectX.
+        alpha: write the object's mask as alpha channel.
+        show_input: write what the model saw.
+        preview: write the map under a lamp that goes around it.
+        height: write a height map: png is 16 bits from the lowest to the highest, tiff floats in pixels.
+        relief: write a relief mesh.
+
+    Raises:
+        InputError: if they do not go together.
+    """
+
+    suffix: str = "_normal"
+    format: Format = "png"
+    bits: Bits = 8
+    y: Literal["up", "down"] = "up"
+    alpha: bool = False
+    show_input: bool = False
+    preview: Literal["png", "gif"] | None = None
+    height: Literal["png", "tiff"] | None = None
+    relief: Literal["glb", "obj"] | None = None
+
+    def __post_init__(self) -> None:
+        if self.bits == 16 and self.format != "png":
+            raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
+        if self.suffix and Path(self.suffix).name != self.suffix:
+            raise InputError(f"the suffix {self.suffix!r} is no part of a file's name; it is like _normal.")
+
+    @property
+    def ending(self) -> str:
+        """What a map's name ends in, such as ``_normal.png``."""
+        return f"{self.suffix}.{self.format}"
+
+    def others(self) -> Iterator[str]:
+        """Yield what the names of everything else end in."""
+        if self.show_input:
+            yield "_input.png"
+        for name in ("preview", "height", "relief"):
+            if kind := getattr(self, name):
+                yield f"_{name}.{kind}"
+
+    def write(self, job: Job, painted: Painted) -> None:
+        """Write what belongs to a drawing, each file whole or not at all.
+
+        Raises:
+            OSError: if a file cannot be written.
+        """
+        if self.show_input:
+            write_bytes(job.beside("_input.png"), encode_grey(1 - painted.seen))
+        if self.preview is not None:
+            from normalgan.painting.preview import preview_gif, preview_png
+
+            lit = preview_png if self.preview == "png" else preview_gif
+            write_bytes(job.beside(f"_preview.{self.preview}"), lit(painted.normals, painted.mask))
+        if self.height is not None or self.relief is not None:
+            self._write_relief(job, painted)
+        # Last, so that where there is a map, there is the rest too.
+        write_bytes(job.target, self.encode(painted))
+
+    def encode(self, painted: Painted) -> bytes:
+        """Return the file of the map: flat off the object, or what is transparent there."""
+        normals = paint_flat(painted.normals, painted.alpha > 0 if self.alpha else painted.mask)
+        if self.y == "down":
+            normals = flip_green(normals)
+        alpha = painted.alpha if self.alpha else None
+        match self.format:
+            case "png":
+                return encode_png(normals, self.bits, alpha)
+            case "exr":
+                return encode_exr(normals, alpha)
+            case "tiff":
+                return encode_tiff(normals, alpha)
+
+    def _write_relief(self, job: Job, painted: Painted) -> None:
+        from normalgan.painting.height import integrate
+        from normalgan.painting.relief import relief_mesh, write_relief
+
+        height = integrate(painted.normals, painted.mask)
+        if self.height is not None:
+            write_bytes(job.beside(f"_height.{self.height}"), _encode_height(height, painted, self.height))
+        if self.relief is not None:
+            write_relief(job.beside(f"_relief.{self.relief}"), relief_mesh(height, painted.mask))
+
+
+def _encode_height(height: Floats, painted: Painted, kind: Literal["png", "tiff"]) -> bytes:
+    inside = height[painted.mask]
+    if kind == "tiff":
+        return encode_grey(np.where(painted.mask, height, inside.min()), ".tiff")
+    spread = max(float(np.ptp(inside)), 1e-6)
+    return encode_grey(np.where(painted.mask, (height - inside.min()) / spread, 0), ".png", 16)

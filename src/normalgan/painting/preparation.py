@@ -1,0 +1,85 @@
+"""Preparation: a drawing as far as it gets without the model: cleaned, framed, its mask found."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.framing import Frame
+from normalgan.normals import Floats
+from normalgan.painting.cleaning import Cleaned, clean
+from normalgan.painting.hint_files import Hints
+from normalgan.painting.jobs import MODEL
+from normalgan.painting.line_width import show
+from normalgan.painting.outline_mask import fill_outline
+from normalgan.painting.picture import MOST_WORKED, Picture, fitted, resize
+
+Mark = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A drawing as far as it gets without the model.
+
+    Args:
+        shape: (H, W) of the map to be.
+        ink: (h, w), the drawing's lines, at the size it is worked on.
+        mask: (h, w), the object as its opacity, a mask or the outline tells; None leaves it to the model.
+        alpha: the drawing's opacity (any H, W), if it tells the mask.
+        frame: the square the model is shown.
+        seen: (S, S), what it is shown.
+        hints: (4, S, S), or None.
+        closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
+        guessed: whether that closed a gap so wide that it may have been meant.
+    """
+
+    shape: tuple[int, int]
+    ink: Floats
+    mask: Mark | None
+    alpha: Floats | None
+    frame: Frame
+    seen: Floats
+    hints: Floats | None
+    closed: float
+    guessed: bool
+
+
+def prepare(
+    picture: Picture,
+    size: int,
+    mask: Mark | None = None,
+    hints: Hints | None = None,
+    longest: int | None = None,
+    source: str | None = None,
+) -> Prepared:
+    """Clean and frame a picture.
+
+    Args:
+        picture: the drawing.
+        size: side of the model's pictures.
+        mask: (H, W) of the drawing, the object; None takes the drawing's opacity or fills its outline.
+        hints: in pixels of the drawing.
+        longest: longer side of the map in pixels; None keeps the drawing's own size.
+        source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, or None for the drawing's
+            opacity if that tells, else its outline.
+
+    Raises:
+        InputError: if there is no line in it.
+    """
+    shape = picture.shape if longest is None else fitted(picture.shape, longest)
+    worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
+    cleaned: Cleaned = clean(picture.resized(worked))
+    frame = Frame.around(cleaned.ink, size)
+    given = None
+    if hints is not None:
+        given = frame.cut_points(hints.points * (worked[1] / picture.shape[1]), hints.normals)
+    alpha, closed, guessed = None, 1.0, False
+    if mask is not None:
+        mask = resize(mask.astype(np.float32), worked) > 0.5
+    elif source is None and cleaned.silhouette is not None:
+        mask, alpha = cleaned.silhouette, picture.alpha
+    elif source != MODEL:
+        outline = fill_outline(cleaned.ink)
+        mask, closed, guessed = outline.mask, outline.closed, outline.guessed
+    seen = show(cleaned.ink, frame)
+    return Prepared(shape, cleaned.ink, mask, alpha, frame, seen, given, closed, guessed)

@@ -1,0 +1,118 @@
+"""RequestQueue: a thread that works through requests; of each tab only the newest one waits."""
+
+import asyncio
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from normalgan.studio.refusals import TooManyError
+
+T = TypeVar("T")
+
+_TABS = 256
+"""Tabs whose newest number is remembered."""
+
+
+@dataclass(eq=False)
+class _Entry(Generic[T]):
+    work: Callable[[], T]
+    done: "asyncio.Future[T | None]"
+
+
+class RequestQueue:
+    """Does one thing at a time, in the order in which tabs have come.
+
+    A tab that asks again before its turn keeps its place, and what it asked for before is never begun.
+
+    Args:
+        most: tabs that may wait.
+    """
+
+    def __init__(self, most: int = 16) -> None:
+        self._most = most
+        self._thread = ThreadPoolExecutor(1, "queue")
+        self._newest: OrderedDict[str, int] = OrderedDict()
+        self._waiting: OrderedDict[str, _Entry[object]] = OrderedDict()
+        self._busy = False
+
+    async def do(
+        self, tab: str, number: int, work: Callable[[], T], gone: Callable[[], Awaitable[None]]
+    ) -> T | None:
+        """Return what the work gives, or None if the tab has asked for something newer or has gone.
+
+        Args:
+            tab: who asks.
+            number: of the request; a tab's larger number is newer.
+            work: what is done in the thread.
+            gone: returns when nobody waits for the answer any more.
+
+        Raises:
+            TooManyError: if too many tabs wait.
+            Exception: what the work raises.
+        """
+        if number < self._newest.get(tab, number):
+            return None
+        if tab not in self._waiting and len(self._waiting) >= self._most:
+            raise TooManyError("too many drawings wait to be painted; try again in a moment.")
+        self._remember(tab, number)
+        entry: _Entry[T] = _Entry(work, asyncio.get_running_loop().create_future())
+        older, self._waiting[tab] = self._waiting.get(tab), entry  # type: ignore[assignment]
+        if older is not None:
+            _settle(older, None)
+        self._next()
+        leaving = asyncio.ensure_future(gone())
+        try:
+            watched: list[asyncio.Future[Any]] = [entry.done, leaving]
+            await asyncio.wait(watched, return_when=asyncio.FIRST_COMPLETED)
+            if not entry.done.done():
+                return None
+            failure = entry.done.exception()
+            if number < self._newest.get(tab, number):
+                return None
+            if failure is not None:
+                raise failure
+            return entry.done.result()
+        finally:
+            leaving.cancel()
+            entry.done.cancel()
+            if self._waiting.get(tab) is entry:
+                del self._waiting[tab]
+
+    def close(self) -> None:
+        """Begin nothing more; what is being done is finished."""
+        for entry in self._waiting.values():
+            _settle(entry, None)
+        self._waiting.clear()
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    def _remember(self, tab: str, number: int) -> None:
+        self._newest[tab] = number
+        self._newest.move_to_end(tab)
+        while len(self._newest) > _TABS:
+            self._newest.popitem(last=False)
+
+    def _next(self) -> None:
+        if self._busy or not self._waiting:
+            return
+        _, entry = self._waiting.popitem(last=False)
+        self._busy = True
+        running = asyncio.get_running_loop().run_in_executor(self._thread, entry.work)
+        running.add_done_callback(lambda ended: self._end(entry, ended))
+
+    def _end(self, entry: _Entry[object], ended: "asyncio.Future[object]") -> None:
+        self._busy = False
+        _settle(entry, ended)
+        self._next()
+
+
+def _settle(entry: _Entry[object], ended: "asyncio.Future[object] | None") -> None:
+    """Give the one who waits, if there still is one, what came of it."""
+    failure = None if ended is None else ended.exception()
+    if entry.done.done():
+        return
+    if failure is not None:
+        entry.done.set_exception(failure)
+    else:
+        entry.done.set_result(None if ended is None else ended.result())

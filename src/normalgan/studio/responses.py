@@ -1,0 +1,84 @@
+"""Responses: how a refusal is told to the page, and the headers of every response."""
+
+import os
+import sys
+import traceback
+
+from starlette.datastructures import MutableHeaders
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from normalgan.errors import InputError, RunError, brief
+from normalgan.studio.refusals import RefusedError
+
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' data: blob:; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'; object-src 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+def failed(sentence: str, status: int, headers: dict[str, str] | None = None) -> JSONResponse:
+    """Return an error as the page reads it."""
+    return JSONResponse({"error": " ".join(sentence.split())}, status, headers)
+
+
+def refused(error: InputError) -> JSONResponse:
+    """Return what an `InputError` is for the page."""
+    status = error.status if isinstance(error, RefusedError) else 500 if isinstance(error, RunError) else 400
+    return failed(str(error), status, {"Retry-After": "1"} if status == 429 else None)
+
+
+class ResponseMiddleware:
+    """Gives every answer its headers, and makes an answer of whatever else goes wrong.
+
+    Args:
+        app: what answers.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        begun = False
+
+        async def sealed(message: Message) -> None:
+            nonlocal begun
+            if message["type"] == "http.response.start":
+                begun = True
+                headers = MutableHeaders(scope=message)
+                headers.update(_HEADERS)
+                # A newer version of the package has other pages at the same address.
+                headers["Cache-Control"] = "no-store" if scope["path"].startswith("/api/") else "no-cache"
+            await send(message)
+
+        try:
+            await self._app(scope, receive, sealed)
+        except Exception as error:
+            _report(error)
+            if begun:  # the client sees a body that breaks off
+                raise
+            await failed(_sentence(error), 500)(scope, receive, sealed)
+
+
+def _sentence(error: Exception) -> str:
+    """Return what to say of a failure, without any name of this machine's files."""
+    if isinstance(error, OSError):
+        return f"the server could not read or write a file: {error.strerror or type(error).__name__}."
+    if isinstance(error, MemoryError):
+        return "out of memory; make the drawing smaller."
+    return f"the server failed: {type(error).__name__}; the terminal says more."
+
+
+def _report(error: Exception) -> None:
+    """Say on the terminal what went wrong, and where if that is wanted."""
+    if os.environ.get("NORMALGAN_TRACEBACK"):
+        traceback.print_exception(error)
+    print(f"normalgan: studio: {type(error).__name__}: {brief(error)}", file=sys.stderr, flush=True)

@@ -1,0 +1,33 @@
+"""Warning filters: what the user can do nothing about is not said, and the rest in a line each."""
+
+import logging
+import sys
+import warnings
+from typing import Any
+
+NOT_SAID = (
+    r".*does not have many workers.*",  # a small data set lies in memory, where workers only cost
+    r".*is smaller than the logging interval.*",
+    r".*The dirpath has changed.*",  # a checkpoint is used from another folder; its own keeps the best
+    r".*Checkpoint directory .* exists and is not empty.*",  # a run that is resumed
+    # It counts the steps of both optimisers, and our order of samples depends on seed and epoch alone.
+    r".*resuming from a checkpoint that ended before the epoch ended.*",
+    r".*LeafSpec.*is deprecated.*",  # between torch and lightning
+    r"LightningCLI.s args parameter is intended.*",  # we do run in-process, with the arguments we mean
+)
+"""Warnings of Lightning about what we do on purpose."""
+
+
+def filter_warnings() -> None:
+    """Filter and shorten warnings until the surrounding `warnings.catch_warnings` ends."""
+    # What hardware there is not, the seed, advertisements.
+    for name in ("lightning.pytorch", "lightning.fabric"):
+        logging.getLogger(name).setLevel(logging.WARNING)
+    warnings.filterwarnings("ignore", category=DeprecationWarning)  # between lightning and jsonargparse
+    for expected in NOT_SAID:
+        warnings.filterwarnings("ignore", message=expected)
+    warnings.showwarning = _show
+
+
+def _show(message: Warning | str, *_: Any, **__: Any) -> None:
+    print(f"normalgan: warning: {' '.join(str(message).split())}", file=sys.stderr)

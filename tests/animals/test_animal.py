@@ -1,0 +1,140 @@
+import numpy as np
+import pytest
+import trimesh
+
+from normalgan.animals import GROUPS, SPECIES, Animal, herd
+from normalgan.errors import InputError
+from normalgan.rendering.mesh import Mesh
+
+
+def solid(mesh: Mesh) -> trimesh.Trimesh:
+    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+
+
+def area_normals(mesh: Mesh) -> np.ndarray:
+    """Vertex normals from the faces alone, as an independent reference."""
+    corners = mesh.vertices.astype(float)[mesh.faces]
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    total = np.zeros(mesh.vertices.shape)
+    for corner in range(3):
+        np.add.at(total, mesh.faces[:, corner], faces)
+    unit: np.ndarray = total / np.linalg.norm(total, axis=1, keepdims=True)
+    return unit
+
+
+@pytest.mark.parametrize("species", GROUPS["quadrupeds"])
+def test_every_species_is_one_closed_body_of_unit_radius(species: str) -> None:
+    mesh = Animal(species, 1).load()
+    body = solid(mesh)
+    assert body.is_watertight
+    assert body.body_count == 1
+    assert body.volume > 0  # so the faces are counter-clockwise seen from outside
+    assert 10_000 <= len(mesh.faces) <= 40_000
+    assert np.linalg.norm(mesh.vertices, axis=1).max() == pytest.approx(1, abs=1e-5)
+    assert mesh.vertices.dtype == np.float32
+    assert mesh.faces.dtype == np.int32
+    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-5)
+    agreement = np.einsum("ij,ij->i", mesh.normals, area_normals(mesh))
+    assert np.mean(agreement) > 0.99
+    assert np.mean(agreement > 0.8) > 0.999
+
+
+@pytest.mark.parametrize(("species", "pose"), [("horse", "gallop"), ("dog", "gallop"), ("cat", "sit")])
+def test_folded_legs_stay_on(species: str, pose: str) -> None:
+    body = solid(Animal(species, 3, pose).load())
+    assert body.is_watertight
+    assert body.body_count == 1
+
+
+@pytest.mark.slow
+def test_a_whole_herd_is_sound() -> None:
+    for animal in herd(75, seed=1):
+        body = solid(animal.load())
+        assert body.is_watertight, animal.name
+        assert body.body_count == 1, animal.name
+        assert 10_000 <= len(body.faces) <= 40_000, animal.name
+
+
+def test_the_head_is_at_plus_x_and_the_feet_are_down() -> None:
+    giraffe = Animal("giraffe", 0, "stand").load()
+    assert giraffe.vertices[np.argmax(giraffe.vertices[:, 1]), 0] > 0.1
+    low = giraffe.vertices[giraffe.vertices[:, 1] < giraffe.vertices[:, 1].min() + 0.02]
+    # Four feet: before and behind, on either side.
+    for sign_z in (-1, 1):
+        side = low[low[:, 2] * sign_z > 0]
+        assert np.ptp(side[:, 0]) > 0.3
+
+
+def test_standing_feet_share_the_ground() -> None:
+    mesh = Animal("horse", 4, "walk").load()
+    low = mesh.vertices[mesh.vertices[:, 1] < mesh.vertices[:, 1].min() + 0.01]
+    hoofs = len(np.unique(np.round(low[:, [0, 2]] / 0.15), axis=0))
+    assert hoofs >= 2
+
+
+def test_a_grazing_horse_is_lower_than_a_standing_one() -> None:
+    def tallness(pose: str) -> float:
+        extent = np.ptp(Animal("horse", 4, pose).load().vertices, axis=0)
+        return float(extent[1] / extent[0])
+
+    assert tallness("graze") < 0.9 * tallness("stand")
+
+
+def test_the_same_animal_is_the_same_to_the_byte() -> None:
+    first, second = Animal("stag", 11).load(), Animal("stag", 11).load()
+    assert first.vertices.tobytes() == second.vertices.tobytes()
+    assert first.faces.tobytes() == second.faces.tobytes()
+    assert first.normals.tobytes() == second.normals.tobytes()
+
+
+def test_two_seeds_differ_in_shape_not_only_in_pose() -> None:
+    one, other = (solid(Animal("pig", seed, "stand").load()) for seed in (1, 2))
+    assert abs(one.volume - other.volume) > 0.002 * one.volume
+
+
+def test_fingerprint_and_name_follow_species_seed_and_pose() -> None:
+    animals = [Animal("horse", 7), Animal("horse", 8), Animal("cow", 7), Animal("horse", 7, "walk")]
+    assert len({animal.fingerprint() for animal in animals}) == 4
+    assert [animal.name for animal in animals] == ["horse-0007", "horse-0008", "cow-0007", "horse-0007-walk"]
+    assert Animal("horse", 7).fingerprint() == animals[0].fingerprint()
+
+
+def test_a_herd_rotates_through_the_species_and_never_repeats() -> None:
+    animals = herd(40, seed=3)
+    assert animals == herd(40, seed=3)
+    assert animals[:17] == herd(17, seed=3)
+    assert len(set(animals)) == 40
+    assert [animal.species for animal in animals[:15]] == list(GROUPS["quadrupeds"])
+    assert not set(animals) & set(herd(40, seed=4))
+
+
+def test_a_herd_takes_species_and_groups_in_rotation_and_each_once() -> None:
+    animals = herd(5, seed=2, species=["stag", "cat"])
+    assert [animal.species for animal in animals] == ["stag", "cat", "stag", "cat", "stag"]
+    assert [animal.seed for animal in animals] == [20_000, 20_000, 20_001, 20_001, 20_002]
+    mixed = herd(15, species=["horse", "quadrupeds"])
+    assert mixed[0].species == "horse"
+    assert len({animal.species for animal in mixed}) == 15
+    assert herd(15) == herd(15, species=["quadrupeds"])
+
+
+def test_names_of_groups_and_species_are_told_apart() -> None:
+    assert sum(len(members) for members in GROUPS.values()) == len(SPECIES)
+    assert not set(GROUPS) & set(SPECIES)
+
+
+def test_what_is_not_known_is_said_with_the_nearest_that_is() -> None:
+    with pytest.raises(InputError, match=r"no species named 'girafe'\. Did you mean giraffe\? Known: bear, "):
+        Animal("girafe", 0)
+    with pytest.raises(InputError, match=r"no pose of horse named 'walking'\. Did you mean walk\?"):
+        Animal("horse", 0, "walking")
+    with pytest.raises(InputError, match="from 0 on, not -1"):
+        Animal("horse", -1)
+    with pytest.raises(InputError, match="at least one animal, not 0"):
+        herd(0)
+    with pytest.raises(
+        InputError, match=r"no species or group named 'quadruped'\. Did you mean quadrupeds\?"
+    ):
+        herd(1, species=["quadruped"])
+    with pytest.raises(InputError, match="at least one species; known groups: quadrupeds"):
+        herd(1, species=[])

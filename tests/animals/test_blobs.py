@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
+
+from normalgan.animals import Animal
+from normalgan.animals.blobs_vessels import turned
+from normalgan.animals.field import Part
+from normalgan.animals.forms import ball
+from normalgan.animals.kinds.blobs import BLOBS
+from normalgan.animals.meshing import to_mesh
+
+
+@pytest.mark.parametrize("species", BLOBS)
+def test_every_blob_is_one_closed_body_of_its_seed(species: str) -> None:
+    check_individuals(species)
+
+
+def test_a_creature_is_the_same_on_both_sides_and_a_blob_is_not() -> None:
+    odds = []
+    for species in ("creature", "blob"):
+        mesh = coarse(species, 1)
+        vertices = mesh.vertices.astype(float)
+        middle = (vertices[:, 2].min() + vertices[:, 2].max()) / 2
+        flipped = vertices * [1, 1, -1] + [0, 0, 2 * middle]
+        odds.append(float(np.max(cKDTree(vertices).query(flipped)[0])))
+    assert odds[0] < 0.05
+    assert odds[1] > 0.1
+
+
+def test_a_turned_vessel_is_open_and_as_thick_as_its_wall() -> None:
+    mesh = to_mesh("pot", turned([0.0, 0.05, 0.5, 1.0], [0.3, 0.3, 0.3, 0.3], 0.06), 20_000)
+    body = check_closed(mesh)
+    # A tube of constant width with a floor: its volume follows from the wall.
+    height = np.ptp(mesh.vertices[:, 1])
+    scale = height / 1.0
+    outer = np.pi * 0.3**2 * 1.0
+    inner = np.pi * 0.24**2 * 1.0
+    assert outer - inner < body.volume / scale**3 < 0.55 * outer
+    # Straight down into it, the first thing met is deep below the rim.
+    top = mesh.vertices[:, 1].max()
+    axis = np.hypot(mesh.vertices[:, 0], mesh.vertices[:, 2]) < 0.05
+    floor = mesh.vertices[axis, 1].max()
+    assert top - floor > 0.7 * height
+
+
+def test_hollow_and_nested_bodies_get_the_faces_asked_for() -> None:
+    nested = [Part((), 0.0, solids=tuple(ball([0.1 * i, 0, 0], 1.0) for i in range(6)))]
+    for parts in (turned([0.0, 0.05, 0.5, 1.0], [0.3, 0.3, 0.3, 0.3], 0.06), nested):
+        assert 14_000 <= len(to_mesh("body", parts, 20_000).faces) <= 26_000
+
+
+def test_blobs_without_a_name_have_from_round_to_long_outlines() -> None:
+    longest = []
+    for seed in range(8):
+        extents = np.ptp(coarse("blob", seed).vertices, axis=0)
+        longest.append(extents.max() / extents.min())
+    assert min(longest) < 1.6
+    assert max(longest) > 1.8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("species", BLOBS)
+def test_all_blobs_are_sound_at_full_size(species: str) -> None:
+    for seed in FULL_SIZE:
+        check_full_size(Animal(species, seed))

@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
+
+from normalgan.animals import Animal
+from normalgan.animals.insects import legs, wing
+from normalgan.animals.kinds.insects import INSECTS
+from normalgan.animals.plate import Plate
+
+
+@pytest.mark.parametrize("species", INSECTS)
+def test_every_insect_is_one_closed_body_of_its_seed(species: str) -> None:
+    check_individuals(species)
+
+
+@pytest.mark.parametrize(
+    ("species", "pose"),
+    [("butterfly", "stand"), ("grasshopper", "leap"), ("mantis", "strike"), ("fly", "walk")],
+)
+def test_other_poses_keep_legs_and_wings_on(species: str, pose: str) -> None:
+    check_closed(coarse(species, 4, pose))
+
+
+@pytest.mark.parametrize(("species", "count"), [("ant", 6), ("spider", 8)])
+def test_a_standing_body_is_on_as_many_feet_as_it_should(species: str, count: int) -> None:
+    vertices = coarse(species, 2, "stand").vertices
+    low = vertices[vertices[:, 1] < vertices[:, 1].min() + 0.06]
+    # Feet are farther from one another than their own size: count heaps of vertices.
+    heaps = 0
+    while len(low):
+        low = low[np.linalg.norm(low - low[0], axis=1) > 0.2]
+        heaps += 1
+    assert heaps == count
+
+
+def test_legs_reach_their_ground_and_lift_in_a_walk() -> None:
+    rows = ((0.2, 0.1, 45.0, 0.4), (0.0, 0.1, 90.0, 0.4), (-0.2, 0.1, 135.0, 0.4))
+    for pose, lifted in (("stand", 0), ("walk", 3)):
+        part = legs(rows, pose, np.random.default_rng(0), 0.3, 0.03)
+        toes = np.array([sweep.points[-1, 1] for sweep in part.sweeps])
+        assert len(toes) == 6
+        assert np.sum(toes > -0.3 + 1e-9) == lifted
+        np.testing.assert_allclose(toes.min(), -0.3)
+
+
+def test_wings_are_mirrored_and_raised() -> None:
+    round_ones = np.deg2rad(np.arange(0, 360, 30))
+    outline = [(0.5 + 0.5 * np.cos(t), 0.5 * np.sin(t)) for t in round_ones]
+    right, left = wing([0, 0, 0], outline, raised=60, back=0, thick=0.01)
+    assert isinstance(right, Plate)
+    assert isinstance(left, Plate)
+    low, high = right.reach()
+    assert high[1] == pytest.approx(np.sin(np.deg2rad(60)), rel=0.05)
+    assert high[2] == pytest.approx(np.cos(np.deg2rad(60)), rel=0.05)
+    np.testing.assert_allclose(left.reach()[0][2], -high[2])
+    np.testing.assert_allclose(left.reach()[1][2], -low[2])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("species", INSECTS)
+def test_all_insects_are_sound_at_full_size(species: str) -> None:
+    for seed in FULL_SIZE:
+        check_full_size(Animal(species, seed))

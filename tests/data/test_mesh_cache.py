@@ -1,0 +1,55 @@
+import pickle
+from dataclasses import dataclass, field
+
+import pytest
+from toys import Octahedron
+
+from normalgan.data.mesh_cache import MeshCache
+from normalgan.rendering.mesh import Mesh
+
+BYTES = 6 * 12 + 8 * 12 + 6 * 12
+"""An octahedron's: vertices, faces, normals."""
+
+
+@dataclass
+class Counted:
+    """An octahedron that notes how often it is loaded."""
+
+    name: str
+    loads: list[str] = field(default_factory=list)
+
+    def fingerprint(self) -> str:
+        return self.name
+
+    def load(self) -> Mesh:
+        self.loads.append(self.name)
+        return Octahedron(self.name).load()
+
+
+def cached(count: int, limit: int) -> tuple[MeshCache, list[str]]:
+    loads: list[str] = []
+    return MeshCache([Counted(str(i), loads) for i in range(count)], limit), loads
+
+
+def test_what_was_used_last_stays() -> None:
+    meshes, loads = cached(4, limit=2 * BYTES)
+    for number in (0, 1, 0, 2, 0, 1):
+        assert meshes.take(number).name == str(number)
+    assert loads == ["0", "1", "2", "1"]
+
+
+@pytest.mark.parametrize(("limit", "kept"), [(0, 1), (BYTES - 1, 1), (3 * BYTES + 1, 3), (100 * BYTES, 7)])
+def test_the_bound_is_kept(limit: int, kept: int) -> None:
+    meshes, _ = cached(7, limit)
+    for number in range(7):
+        meshes.take(number)
+        assert meshes.bytes == BYTES * len(meshes) <= max(limit, BYTES)
+    assert len(meshes) == kept
+
+
+def test_a_worker_starts_with_an_empty_cache() -> None:
+    meshes = MeshCache([Octahedron("a")], limit=10 * BYTES)
+    meshes.take(0)
+    handed = pickle.loads(pickle.dumps(meshes))
+    assert (len(handed), handed.bytes, len(meshes)) == (0, 0, 1)
+    assert handed.take(0).name == "a"

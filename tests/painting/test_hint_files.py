@@ -1,0 +1,75 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from normalgan.errors import InputError
+from normalgan.painting.hint_files import find_hints, load_hints
+
+
+def test_painted_and_listed_hints_are_the_same(tmp_path: Path) -> None:
+    image = Image.new("RGBA", (40, 30), (0, 0, 0, 0))
+    image.putpixel((7, 20), (255, 128, 128, 255))
+    image.save(tmp_path / "a.png")
+    (tmp_path / "a.json").write_text(json.dumps([{"x": 7, "y": 20, "normal": [1, 0, 0]}]))
+    painted, listed = (load_hints(tmp_path / name, (30, 40)) for name in ("a.png", "a.json"))
+    assert painted.points.tolist() == listed.points.tolist() == [[7.5, 20.5]]
+    assert np.allclose(painted.normals, listed.normals, atol=0.01)
+
+
+def test_no_hints_are_no_hints(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text("[]")
+    hints = load_hints(tmp_path / "a.json", (30, 40))
+    assert hints.points.shape == (0, 2)
+    assert hints.normals.shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{}", "are no list; they are like"),
+        ("[1", "are not JSON: line 1"),
+        ('[{"x": 1, "y": 2}]', r'hint 1 of .* is {"x": 1, "y": 2}; a hint has x, y and a normal'),
+        ('[{"x": 1, "y": 2, "normal": [0, 1]}]', "and a normal of three numbers"),
+        ('[{"x": 1, "y": true, "normal": [0, 0, 1]}]', "and a normal of three numbers"),
+        ('[{"x": 1, "y": NaN, "normal": [0, 0, 1]}]', "and a normal of three numbers"),
+        (
+            '[{"x": 40, "y": 2, "normal": [0, 0, 1]}]',
+            "hint 1 of .* lies at x 40, y 2, outside its drawing of 40 × 30",
+        ),
+        ('[{"x": -1, "y": 2, "normal": [0, 0, 1]}]', "outside its drawing"),
+        (
+            '[{"x": 1, "y": 2, "normal": [0, 3, 0]}]',
+            r"\[0, 3, 0\] of hint 1 of .*, at x 1, y 2, has length 3;",
+        ),
+        ("\x80", "are not a text"),
+        ("[" * 100_000, "are no list of hints"),
+        ("[" + "9" * 5000 + "]", "are no list of hints"),
+        ('[{"x": 1' + "0" * 400 + ', "y": 2, "normal": [0, 0, 1]}]', "and a normal of three numbers"),
+    ],
+    ids=lambda each: str(each)[:40],
+)
+def test_bad_hints_are_named(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "a.json").write_bytes(text.encode("latin-1"))
+    with pytest.raises(InputError, match=message):
+        load_hints(tmp_path / "a.json", (30, 40))
+
+
+def test_hints_are_found_by_name_and_a_drawing_is_not_its_own(tmp_path: Path) -> None:
+    drawing = tmp_path / "fox.png"
+    drawing.touch()
+    assert find_hints(drawing, tmp_path) is None
+    (tmp_path / "fox.json").touch()
+    assert find_hints(drawing, tmp_path) == tmp_path / "fox.json"
+    (tmp_path / "fox_hints.png").touch()
+    assert find_hints(drawing, tmp_path) == tmp_path / "fox_hints.png"
+    assert find_hints(Path("other.png"), tmp_path / "fox.json") == tmp_path / "fox.json"
+
+
+def test_a_list_of_no_hints_size_is_not_read(tmp_path: Path) -> None:
+    with (tmp_path / "a.json").open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(InputError, match=r"a\.json has more than 16777216 bytes; no file of its kind"):
+        load_hints(tmp_path / "a.json", (30, 40))

@@ -1,0 +1,240 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from normalgan.errors import InputError
+from normalgan.normals import normalize
+from normalgan.painting.extension import extend
+from normalgan.painting.hint_files import Hints
+from normalgan.painting.jobs import MODEL
+from normalgan.painting.painting import Painted, paint
+from normalgan.painting.picture import Picture
+from normalgan.painting.preparation import prepare
+from normalgan.painting.session import Model
+from normalgan.painting.upsampling import sharpen
+from onnx_models import ramp, write_model
+from pens import Floats, blob, outline, overlap
+
+
+def drawn(scale: int = 1, width: float = 3.0) -> tuple[Picture, Floats]:
+    filled = blob((200 * scale, 300 * scale), (170 * scale, 90 * scale), 60 * scale)
+    ink = outline(filled, width * scale)
+    return Picture(np.repeat(1 - ink[..., None], 3, -1), None), filled
+
+
+def degrees(one: Floats, other: Floats) -> Floats:
+    cross = np.linalg.norm(np.cross(one, other), axis=-1)
+    return np.asarray(np.rad2deg(np.arctan2(cross, (one * other).sum(-1))), np.float32)
+
+
+def expected(shape: tuple[int, int], filled: Floats) -> Floats:
+    """Return the model's ramp as it lies on the square around a drawing, with 6 % of it left free."""
+    rows, columns = np.nonzero(outline(filled, 3) > 0.1)
+    top, bottom, left, right = rows.min(), rows.max() + 1, columns.min(), columns.max() + 1
+    side = max(bottom - top, right - left) / 0.88
+    y, x = np.mgrid[: shape[0], : shape[1]] + 0.5
+    x = ((x - (left + right - side) / 2) / side) * 1.2 - 0.6
+    y = -(((y - (top + bottom - side) / 2) / side) * 1.2 - 0.6)
+    return np.stack([x, y, np.sqrt(np.clip(1 - x**2 - y**2, 0, 1))], -1).astype(np.float32)
+
+
+def assert_in_place(painted: Painted, filled: Floats) -> None:
+    assert painted.normals.shape == (*filled.shape, 3)
+    assert np.abs(np.linalg.norm(painted.normals, axis=-1) - 1).max() < 1e-5
+    assert overlap(painted.mask, np.maximum(filled, outline(filled))) > 0.94
+    # A pixel of the drawing is some 0.4 degrees on the ramp.
+    assert degrees(painted.normals, expected(filled.shape, filled))[filled > 0.5].mean() < 1.5
+
+
+@pytest.mark.parametrize("scale", [1, 3])
+def test_what_is_painted_lies_where_it_was_drawn(model: Path, scale: int) -> None:
+    picture, filled = drawn(scale)
+    painted = paint(Model(model), prepare(picture, 64))
+    assert_in_place(painted, filled)
+    assert painted.warning == ""
+    assert painted.seen.shape == (64, 64)
+
+
+def test_the_map_may_be_larger_or_smaller_than_the_drawing(model: Path) -> None:
+    picture, _ = drawn(2)
+    for longest, scale in ((300, 1), (900, 3)):
+        painted = paint(Model(model), prepare(picture, 64, longest=longest))
+        assert_in_place(painted, drawn(scale)[1])
+
+
+def test_a_drawing_too_large_to_work_on_keeps_its_size(model: Path) -> None:
+    picture, filled = drawn(8)
+    painted = paint(Model(model), prepare(picture, 64))
+    assert painted.mask.shape == filled.shape == (1600, 2400)
+    assert overlap(painted.mask, filled) > 0.94
+
+
+@pytest.mark.parametrize("width", [1.0, 3.0, 9.0])
+def test_the_model_sees_lines_of_the_width_it_knows(width: float) -> None:
+    picture, _ = drawn(2, width)
+    seen = prepare(picture, 128).seen
+    length = 0.88 * 128 * 3.2  # of an outline as wide as high
+    assert seen.sum() / length == pytest.approx(1.25, rel=0.35)
+    assert seen.max() > 0.9
+
+
+def test_hints_reach_the_pixel_they_are_for(model: Path) -> None:
+    picture, _ = drawn()
+    hint = normalize(np.array([[-0.8, 0.1, 0.6]]))
+    for longest in (None, 900):
+        prepared = prepare(
+            picture, 64, hints=Hints(np.array([[200.5, 110.5]], np.float32), hint), longest=longest
+        )
+        assert prepared.hints is not None
+        assert prepared.hints[3].sum() == 1
+        painted = paint(Model(model), prepared)
+        scale = painted.mask.shape[1] / 300
+        rows, columns = np.nonzero(
+            degrees(painted.normals, np.broadcast_to(hint[0], painted.normals.shape)) < 15
+        )
+        assert len(rows)
+        assert abs(rows.mean() / scale - 110.5) < 2
+        assert abs(columns.mean() / scale - 200.5) < 2
+
+
+def test_a_mask_given_wins_and_is_filled_whatever_the_model_thinks(tmp_path: Path) -> None:
+    import onnx
+    from onnx import numpy_helper
+
+    path = write_model(tmp_path / "holed.onnx")
+    holed = ramp(64)
+    holed[:, 20:44, 20:44] *= 0.01
+    graph = onnx.load(path)
+    graph.graph.initializer[1].CopyFrom(numpy_helper.from_array(holed[None], "ramp"))
+    onnx.save(graph, path)
+    picture, filled = drawn()
+    painted = paint(Model(path), prepare(picture, 64, mask=filled > 0.5))
+    assert (painted.mask == (filled > 0.5)).all()
+    # The ramp is nearly harmonic, so that the hole does not show.
+    assert degrees(painted.normals, expected(filled.shape, filled))[filled > 0.5].max() < 6
+
+
+def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:
+    picture, _ = drawn()
+    whole = paint(Model(write_model(tmp_path / "all.onnx")), prepare(picture, 64, source=MODEL))
+    frame = prepare(picture, 64).frame
+    assert whole.mask.sum() == pytest.approx(
+        frame.side * 200, rel=0.2
+    )  # the square, cut at the picture's edge
+    with pytest.raises(InputError, match="the model sees no object in it"):
+        paint(Model(write_model(tmp_path / "none.onnx", length=0.01)), prepare(picture, 64))
+    with pytest.raises(InputError, match="the model sees no object in it"):
+        paint(Model(write_model(tmp_path / "few.onnx", length=0.3)), prepare(picture, 64, source=MODEL))
+
+
+def test_an_open_outline_is_told(model: Path) -> None:
+    half, line = outline(blob()), np.zeros((200, 300), np.float32)
+    half[:, 170:] = 0
+    line[100, 40:260] = 1
+    for ink, sentence in ((half, "a wide gap, which was closed"), (line, "its outline is not closed")):
+        painted = paint(Model(model), prepare(Picture(np.repeat(1 - ink[..., None], 3, -1), None), 64))
+        assert sentence in painted.warning
+
+
+def test_a_model_that_sees_little_is_told(tmp_path: Path) -> None:
+    import onnx
+    from onnx import numpy_helper
+
+    path = write_model(tmp_path / "half.onnx")
+    graph = onnx.load(path)
+    half = ramp(64)
+    half[:, :, 20:] = 0
+    graph.graph.initializer[1].CopyFrom(numpy_helper.from_array(half[None], "ramp"))
+    onnx.save(graph, path)
+    assert "for an object and is unsure of the rest" in paint(Model(path), prepare(drawn()[0], 64)).warning
+
+
+def test_the_drawings_own_opacity_is_kept(model: Path) -> None:
+    filled = blob()
+    soft = np.clip(filled * 0.5 + 0.5 * np.roll(filled, 1, 0), 0, 1)
+    painted = paint(Model(model), prepare(Picture(np.full((*filled.shape, 3), 0.4, np.float32), soft), 64))
+    assert np.abs(painted.alpha - soft).max() < 1e-6
+
+
+def test_confidence_comes_to_the_drawings_place(tmp_path: Path) -> None:
+    picture, filled = drawn()
+    painted = paint(Model(write_model(tmp_path / "sure.onnx")), prepare(picture, 64))
+    assert painted.confidence is not None
+    on_lines = painted.confidence[outline(filled) > 0.9].mean()
+    assert on_lines > 1.4
+    assert painted.confidence[80:100, 160:180].mean() < 1.2
+    without = Model(write_model(tmp_path / "unsure.onnx", confidence=False))
+    assert paint(without, prepare(picture, 64)).confidence is None
+
+
+def test_an_extension_is_harmonic() -> None:
+    # Of boundary values cos(2 angle), the harmonic extension into the disc is x² - y².
+    y, x = np.mgrid[-1:1:65j, -1:1:65j]
+    truth = np.stack([0.3 * (x**2 - y**2), 0.3 * x * y, np.ones_like(x)], -1).astype(np.float32)
+    known = np.hypot(x, y) > 0.5
+    filled = extend(normalize(truth), known, ~known)
+    assert (filled[known] == normalize(truth)[known]).all()
+    assert degrees(filled, normalize(truth)).max() < 1.5
+
+
+def test_enlarging_keeps_an_edge_on_its_line() -> None:
+    import cv2
+
+    small = np.zeros((32, 32, 3), np.float32)
+    small[:, :16], small[:, 16], small[:, 17:] = (0.8, 0, 0.6), (0, 0, 1), (-0.8, 0, 0.6)
+    ink = np.zeros((256, 256), np.float32)
+    ink[:, 130:135] = 1
+    blurred = np.asarray(cv2.resize(small, (256, 256), interpolation=cv2.INTER_LINEAR), np.float32)
+    weight = np.asarray(1 - cv2.dilate(ink, np.ones((1, 25))), np.float32)
+    sharp = normalize(sharpen(blurred, weight, ink, np.ones((256, 256), bool), 8.0))
+    truth = np.where((np.arange(256) < 132.5)[None, :, None], small[:1, :1], small[:1, -1:])
+    away = np.abs(np.arange(256) - 132) > 3
+    assert degrees(normalize(blurred), np.broadcast_to(truth, blurred.shape))[:, away].max() > 20
+    assert degrees(sharp, np.broadcast_to(truth, sharp.shape))[:, away].max() < 6
+
+
+def test_the_same_picture_gives_the_same_map(model: Path) -> None:
+    picture, _ = drawn()
+    session = Model(model)
+    first, second = (paint(session, prepare(picture, 64)) for _ in range(2))
+    assert (first.normals == second.normals).all()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [(b"no model", "is no model that ONNX Runtime can run"), (b"", "is no model that ONNX")],
+)
+def test_what_is_no_model_is_told(tmp_path: Path, content: bytes, message: str) -> None:
+    (tmp_path / "bad.onnx").write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        Model(tmp_path / "bad.onnx")
+
+
+def test_a_model_of_others_is_told(tmp_path: Path) -> None:
+    from onnx import TensorProto, helper, save
+
+    value = helper.make_tensor_value_info("image", TensorProto.FLOAT, [1, 3, 8, 8])
+    out = helper.make_tensor_value_info("out", TensorProto.FLOAT, [1, 3, 8, 8])
+    graph = helper.make_graph([helper.make_node("Identity", ["image"], ["out"])], "other", [value], [out])
+    opset = [helper.make_opsetid("", 17)]
+    save(helper.make_model(graph, opset_imports=opset, ir_version=8), tmp_path / "other.onnx")
+    with pytest.raises(InputError, match="takes image and gives out, which is not what"):
+        Model(tmp_path / "other.onnx")
+
+
+def test_doubt_of_the_object_is_no_doubt_of_the_direction(tmp_path: Path) -> None:
+    picture, filled = drawn()
+    painted = paint(Model(write_model(tmp_path / "shy.onnx", length=0.3)), prepare(picture, 64))
+    assert degrees(painted.normals, expected(filled.shape, filled))[filled > 0.5].mean() < 1.5
+    assert "takes only 0% of its mask for an object" in painted.warning
+
+
+def test_the_same_picture_gives_the_same_map_wherever_it_lies_in_memory(model: Path) -> None:
+    # Some functions of OpenCV treat what lies beside a multiple of 64 bytes in another way.
+    session, picture = Model(model), drawn()[0]
+    first = paint(session, prepare(picture, 64)).normals
+    ballast = []
+    for i in range(12):
+        ballast.append(np.empty(16 + 1016 * i + 4 * i, np.uint8))
+        assert (paint(session, prepare(picture, 64)).normals == first).all()
