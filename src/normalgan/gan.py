@@ -102,12 +102,14 @@ class NormalGAN(NormalPainter):
         condition = make_condition(batch["sketch"], hints)
         generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
         with torch.set_grad_enabled(generates):
-            painted: Tensor = self.generator(condition)
-        fake = paste_hints(painted[:, :3], hints)
+            preds = self.generator.predict(condition)
+        fake = paste_hints(preds.normal, hints).to(condition.dtype)
         if self.discriminator is not None:
             self._step_discriminator(self.discriminator, condition, batch, fake.detach())
         if generates:
-            terms = self.reconstruction.terms(painted, batch["normal"], batch["mask"], hints[:, 3:])
+            terms = self.reconstruction.terms(
+                preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
+            )
             self._step_generator(condition, terms, fake, batch)
 
     def _step_discriminator(

@@ -5,20 +5,22 @@ import torch
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.objectives import AngularLikelihood, L1AndHints
+from normalgan.objectives import AngularLikelihood, L1AndHints, Predictions
 from normalgan.objectives.angular_likelihood import angular_nll, smooth_angle
 from spheres import batch
 
 
-def painted(direction: Tensor, length: float, confidence: float) -> Tensor:
-    return torch.cat([length * direction, torch.full_like(direction[:, :1], confidence)], dim=1)
+def predicted(direction: Tensor, probability: float, confidence: float) -> Predictions:
+    one = torch.ones_like(direction[:, :1])
+    return Predictions(direction, torch.logit(probability * one), confidence * one)
 
 
 def test_l1_and_hints_are_weighted_apart() -> None:
     given = batch()
     where = torch.zeros_like(given["mask"])
     where[:, :, 16, 16] = 1
-    terms = L1AndHints(7, 3).terms(torch.zeros_like(given["normal"]), given["normal"], given["mask"], where)
+    preds = Predictions(torch.zeros_like(given["normal"]))
+    terms = L1AndHints(7, 3).terms(preds, given["normal"], given["mask"], where)
     assert {name: term.weight for name, term in terms.items()} == {"l1": 7, "hint": 3}
     torch.testing.assert_close(terms["l1"].value, given["normal"].abs().mean())
     torch.testing.assert_close(terms["hint"].value, given["normal"][:, :, 16, 16].abs().sum(1).mean())
@@ -54,17 +56,17 @@ def test_the_truth_told_surely_costs_least() -> None:
     normal, mask = given["normal"], given["mask"]
     where = torch.zeros_like(mask)
 
-    def loss(preds: Tensor) -> float:
+    def loss(preds: Predictions) -> float:
         terms = AngularLikelihood().terms(preds, normal, mask, where)
         return float(sum(term.weight * term.value for term in terms.values()))
 
     flat = torch.zeros_like(normal)
     flat[:, 2] = 1
-    sure = loss(painted(normal, 0.99, 50) + painted(flat, 0.01, 0) * (1 - mask))
-    assert (
-        sure < loss(painted(normal, 0.99, 5)) < loss(painted(flat, 0.99, 5)) < loss(painted(-flat, 0.99, 5))
-    )
-    on, off = (loss(painted(normal * mask + flat * (1 - mask), length, 5)) for length in (0.9, 0.1))
+    everywhere = predicted(normal * mask + flat * (1 - mask), 0.99, 50)
+    sure = loss(everywhere._replace(presence=torch.logit(0.98 * mask + 0.01)))
+    others = [loss(predicted(direction, 0.99, 5)) for direction in (everywhere.direction, flat, -flat)]
+    assert [sure, *others] == sorted([sure, *others])
+    on, off = (loss(predicted(everywhere.direction, probability, 5)) for probability in (0.9, 0.1))
     share = float(mask.mean())
     assert (on < off) == (share > 0.5)
 
@@ -77,11 +79,14 @@ def test_directions_learn_from_the_likelihood_or_from_the_angle_alone(weight: fl
     flat[:, 2] = 0.9
 
     def gradients(confidence: float) -> tuple[Tensor, Tensor]:
-        preds = painted(flat, 1.0, confidence).requires_grad_()
+        preds = predicted(flat.clone().requires_grad_(), 0.9, confidence)
+        assert preds.confidence is not None
+        kappa = preds.confidence.requires_grad_()
         terms = AngularLikelihood(0.0, weight).terms(preds, normal, mask, torch.zeros_like(mask))
         torch.stack([term.weight * term.value for term in terms.values()]).sum().backward()
-        assert preds.grad is not None
-        return preds.grad[:, :3], preds.grad[:, 3:]
+        assert preds.direction.grad is not None
+        assert kappa.grad is not None
+        return preds.direction.grad, kappa.grad
 
     (sure, of_sure), (unsure, of_unsure) = gradients(8.0), gradients(2.0)
     torch.testing.assert_close(sure, unsure if weight else 4 * unsure)
@@ -90,8 +95,11 @@ def test_directions_learn_from_the_likelihood_or_from_the_angle_alone(weight: fl
 
 def test_a_generator_without_confidence_is_refused() -> None:
     given = batch()
-    with pytest.raises(InputError, match="such as ResidualUNetGenerator; this one paints 3 channels"):
-        AngularLikelihood().terms(given["normal"], given["normal"], given["mask"], given["mask"])
+    preds = Predictions(given["normal"])
+    with pytest.raises(
+        InputError, match="ResidualUNetGenerator; this one gives no presence and no confidence"
+    ):
+        AngularLikelihood().terms(preds, given["normal"], given["mask"], given["mask"])
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 import torch
 from torch import Tensor, nn
 
-from normalgan.objectives import AdversarialObjective, Critic, Reconstruction, Scores, Term
+from normalgan.objectives import AdversarialObjective, Critic, Predictions, Reconstruction, Scores, Term
 from normalgan.testing import ConformanceError, check_objective, check_reconstruction
 
 
@@ -139,72 +139,72 @@ def test_a_fault_of_an_objective_is_told(cls: type[AdversarialObjective], senten
 class Squares(Reconstruction):
     """Squared differences on the object."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        square = ((painted[:, :3] - target).square() * mask).sum() / mask.sum().clamp(min=1)
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        square = ((preds.normal - target).square() * mask).sum() / mask.sum().clamp(min=1)
         return {"square": Term(square, 1.0)}
 
 
 class Sum(Squares):
     """Returns the loss itself."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return super().terms(painted, target, mask, where)["square"].value
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return super().terms(preds, target, mask, where)["square"].value
 
 
 class Unweighted(Squares):
     """Returns values without weights."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return {"square": super().terms(painted, target, mask, where)["square"].value}
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return {"square": super().terms(preds, target, mask, where)["square"].value}
 
 
 class Map(Squares):
     """Forgets the mean."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return {"square": Term((painted[:, :3] - target).square().mean(1), 1.0)}
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return {"square": Term((preds.normal - target).square().mean(1), 1.0)}
 
 
 class Taken(Squares):
     """Takes a name that training logs."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return {"adversarial": super().terms(painted, target, mask, where)["square"]}
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return {"adversarial": super().terms(preds, target, mask, where)["square"]}
 
 
 class Negative(Squares):
     """Weighs less than nothing."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return {"square": Term(super().terms(painted, target, mask, where)["square"].value, -1.0)}
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return {"square": Term(super().terms(preds, target, mask, where)["square"].value, -1.0)}
 
 
 class Cosine(Squares):
     """Wants normals that point away."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return {"cosine": Term((painted[:, :3] * target).sum(1).mean() + 1, 1.0)}
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return {"cosine": Term((preds.normal * target).sum(1).mean() + 1, 1.0)}
 
 
 class Steep(Squares):
     """Has a root whose slope is infinite at 0."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return {"length": Term((painted[:, :3] - target).square().sum(1).sqrt().mean(), 1.0)}
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return {"length": Term((preds.normal - target).square().sum(1).sqrt().mean(), 1.0)}
 
 
 class MeanOfNothing(Squares):
     """Divides by the number of pixels of the object."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        return {"square": Term(((painted[:, :3] - target).square() * mask).sum() / mask.sum(), 1.0)}
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        return {"square": Term(((preds.normal - target).square() * mask).sum() / mask.sum(), 1.0)}
 
 
 class Overwrites(Squares):
     """Writes into the truth."""
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-        terms = super().terms(painted, target, mask, where)
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
+        terms = super().terms(preds, target, mask, where)
         target.mul_(0.5)
         return terms
 

@@ -4,7 +4,7 @@ import pytest
 import torch
 from torch import Tensor, nn
 
-from normalgan.models import Discriminator, Generator
+from normalgan.models import Discriminator, Generator, Predictions
 from normalgan.testing import ConformanceError, check_discriminator, check_generator
 
 torch.set_num_threads(1)
@@ -120,6 +120,34 @@ class Forgets(Painter):
         return torch.tanh(self.conv(condition) * self.gain)
 
 
+class TrainsAnother(Painter):
+    """Gives the losses something else than it paints."""
+
+    def predict(self, condition: Tensor) -> Any:
+        return Predictions(-self(condition).float())
+
+
+class PlainTuple(Painter):
+    """Predicts a bare tensor."""
+
+    def predict(self, condition: Tensor) -> Any:
+        return self(condition)
+
+
+class Rounds(Painter):
+    """Hands bfloat16 to the losses."""
+
+    def predict(self, condition: Tensor) -> Any:
+        return Predictions(self(condition))
+
+
+class Saturates(Painter):
+    """Is so sure that bfloat16 rounds it to 1, where tanh has no slope."""
+
+    def forward(self, condition: Tensor) -> Any:
+        return torch.tanh(self.conv(condition) + 5)
+
+
 GENERATOR_FAULTS = [
     (TwoChannels, r"TwoChannels returned \(2, 2, 64, 64\) for a condition of .*; it must return normals"),
     (Doubles, "Doubles returned torch.float64 for a condition of torch.float32; it must keep the type"),
@@ -127,6 +155,10 @@ GENERATOR_FAULTS = [
     (Unsure, "Unsure painted a confidence of 0 or less; the fourth channel must be above 0"),
     (Explodes, "Explodes painted what is no number; its answer must be finite"),
     (Lonely, "Lonely raised RuntimeError .* when asked for batches of any number; forward must take"),
+    (TrainsAnother, "TrainsAnother predicts otherwise than forward returns; what is trained"),
+    (PlainTuple, "PlainTuple returned Tensor from predict; it must return Predictions"),
+    (Rounds, "Rounds predicts direction in torch.bfloat16 under mixed precision; what losses take"),
+    (Saturates, "Saturates has no finite gradient under mixed precision; it must be trainable in bfloat16"),
     (Spare, "Spare gives no gradient to spare.weight, spare.bias; every parameter must take part"),
     (Cut, "Cut has gradients of zero alone; a loss of its answer must reach its parameters"),
     (Blind, "Blind does not look at the condition; its answer must depend on all it is given"),

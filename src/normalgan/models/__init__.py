@@ -6,6 +6,7 @@ from normalgan.models.patch_discriminator import PatchDiscriminator
 from normalgan.models.residual_generator import ResidualUNetGenerator
 from normalgan.models.unet_discriminator import UNetDiscriminator
 from normalgan.models.unet_generator import UNetGenerator
+from normalgan.predictions import Predictions
 
 __all__ = [
     "DISCRIMINATORS",
@@ -15,6 +16,7 @@ __all__ = [
     "Generator",
     "GlobalDiscriminator",
     "PatchDiscriminator",
+    "Predictions",
     "ResidualUNetGenerator",
     "UNetDiscriminator",
     "UNetGenerator",

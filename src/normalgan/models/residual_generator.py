@@ -10,7 +10,9 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
 from normalgan.models.hint_pyramid import hint_pyramid
+from normalgan.models.precision import float32_output
 from normalgan.models.residual import residual_blocks
+from normalgan.predictions import Predictions
 
 _HEADS = 5  # a direction, the presence of an object, the confidence
 _DETAIL = 16  # channels of the two layers at full resolution, which take up the lines' exact place
@@ -73,6 +75,13 @@ class ResidualUNetGenerator(Generator):
     def forward(self, condition: Tensor) -> Tensor:
         """Return (N, 4, H, W): normals as long as an object is probable, and their confidence κ above 0.
 
+        Args and Raises as `predict`.
+        """
+        return self.predict(condition).channels()
+
+    def predict(self, condition: Tensor) -> Predictions:
+        """Return directions, the logit of there being an object, and the confidence; all in float32.
+
         Args:
             condition: (N, 4, H, W) as `Generator.forward` takes it.
 
@@ -96,14 +105,14 @@ class ResidualUNetGenerator(Generator):
         # Ink 1 on paper 0, as the padding is; at a hint the sketch is painted over and taken for paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - where)
         given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
-        coarse = F.pixel_shuffle(self._body(given, hints), self.patch)
-        heads = coarse + self.detail(torch.cat([coarse, given], dim=1))
+        features = F.silu(self._body(given, hints))
+        coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch)
+        heads = coarse + float32_output(self.detail, torch.cat([coarse, given], dim=1))
         direction = F.normalize(heads[:, :3], dim=1, eps=1e-6)
-        presence, confidence = torch.sigmoid(heads[:, 3:4]), 1.01 + F.elu(heads[:, 4:])
-        return torch.cat([direction * presence, confidence], dim=1)
+        return Predictions(direction, heads[:, 3:4], 1.01 + F.elu(heads[:, 4:]))
 
     def _body(self, given: Tensor, hints: Tensor) -> Tensor:
-        """Return the heads with squares of pixels still folded, (N, heads × patch², H / patch, W / patch)."""
+        """Return features (N, widths[0], H / patch, W / patch), squares of pixels still folded."""
         folds = self.patch.bit_length() - 1
         pyramid = [hints, *hint_pyramid(hints, folds + len(self.downs))][folds:]
         features = self.stem(F.pixel_unshuffle(given, self.patch))
@@ -116,8 +125,7 @@ class ResidualUNetGenerator(Generator):
         for i in reversed(range(len(self.ups))):
             features = self.merges[i](torch.cat([self.ups[i](features), skips[i], pyramid[i]], dim=1))
             features = self.decoder[i](features)
-        painted: Tensor = self.heads(F.silu(features))
-        return painted
+        return features
 
 
 def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int) -> None:

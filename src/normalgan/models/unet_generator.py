@@ -53,5 +53,5 @@ class UNetGenerator(Generator):
 
     def forward(self, condition: Tensor) -> Tensor:
         """Return normals (N, 3, H, W) in [-1, 1] for a condition (N, 4, H, W)."""
-        painted, _ = self.unet(condition)
-        return torch.tanh(painted)
+        output, _ = self.unet(condition)
+        return torch.tanh(output if output.dtype == condition.dtype else output.float())  # bfloat16 saturates

@@ -8,6 +8,7 @@ from normalgan.objectives.l1_and_hints import L1AndHints
 from normalgan.objectives.pixel_losses import hint_loss, l1_loss
 from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.objectives.wasserstein import Wasserstein
+from normalgan.predictions import Predictions
 
 __all__ = [
     "ADVERSARIAL_OBJECTIVES",
@@ -17,6 +18,7 @@ __all__ = [
     "Critic",
     "CrossEntropy",
     "L1AndHints",
+    "Predictions",
     "Reconstruction",
     "Scores",
     "Term",

@@ -9,6 +9,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
+from normalgan.predictions import Predictions
 
 _TINY = 1e-6  # of a length or its square: at a right or an opposite direction the angle has no gradient
 
@@ -45,8 +46,8 @@ def smooth_angle(one: Tensor, other: Tensor) -> Tensor:
 class AngularLikelihood(Reconstruction):
     """Likelihood of the true directions on the object, and cross-entropy of where the object is.
 
-    Needs a generator that paints four channels: a vector whose length is the probability of an object, and
-    the confidence κ in its direction.
+    Needs a generator whose `Generator.predict` says the presence of an object and the confidence κ in its
+    direction.
 
     Args:
         presence_weight: weight of the cross-entropy of the mask, a mean over all pixels.
@@ -55,7 +56,7 @@ class AngularLikelihood(Reconstruction):
             which a pixel that is unsure counts less.
 
     Raises:
-        InputError: if a weight is negative, or, when training, the generator paints no confidence.
+        InputError: if a weight is negative, or, when training, the generator says no presence or confidence.
     """
 
     presence_weight: float = 0.5
@@ -66,22 +67,20 @@ class AngularLikelihood(Reconstruction):
             if weight < 0:
                 raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return likelihood, angle (if it has a weight) and presence; see `Reconstruction.terms`."""
-        if painted.shape[1] != 4:
+        if preds.presence is None or preds.confidence is None:
+            lacks = [name for name in ("presence", "confidence") if getattr(preds, name) is None]
             raise InputError(
-                "AngularLikelihood needs a generator that paints a confidence as its fourth channel, such "
-                f"as ResidualUNetGenerator; this one paints {painted.shape[1]} channels."
+                "AngularLikelihood needs a generator whose predict() gives the presence of an object and a "
+                f"confidence, such as ResidualUNetGenerator; this one gives no {' and no '.join(lacks)}."
             )
-        painted = painted.float()  # under bf16 a probability near 1 would be rounded to it
-        vectors, confidence = painted[:, :3], painted[:, 3:]
-        length = vectors.square().sum(1, keepdim=True).clamp(min=_TINY**2).sqrt()
-        angle = smooth_angle(vectors / length, target)
-        nll = angular_nll(angle.detach() if self.angle_weight else angle, confidence)
+        angle = smooth_angle(preds.direction, target)
+        nll = angular_nll(angle.detach() if self.angle_weight else angle, preds.confidence)
         terms = {"likelihood": Term(_mean_on(mask, nll), 1.0)}
         if self.angle_weight:
             terms["angle"] = Term(_mean_on(mask, angle), self.angle_weight)
-        presence = F.binary_cross_entropy(length.clamp(max=1 - _TINY), mask)
+        presence = F.binary_cross_entropy_with_logits(preds.presence, mask)
         return {**terms, "presence": Term(presence, self.presence_weight)}
 
 

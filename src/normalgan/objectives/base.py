@@ -45,7 +45,7 @@ class AdversarialObjective(ABC):
 
 def mean_over_heads(scores: Scores) -> Tensor:
     """Return the mean score, a scalar; heads count equally, whatever their number of elements."""
-    return torch.stack([score.mean() for score in scores]).mean()
+    return torch.stack([score.float().mean() for score in scores]).mean()  # bfloat16 would round a mean
 
 
 ADVERSARIAL_OBJECTIVES: Registry[AdversarialObjective] = Registry(

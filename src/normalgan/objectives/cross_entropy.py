@@ -10,7 +10,8 @@ from normalgan.objectives.base import ADVERSARIAL_OBJECTIVES, AdversarialObjecti
 
 
 def _cross_entropy(scores: Scores, target: float) -> Tensor:
-    losses = [F.binary_cross_entropy_with_logits(s, torch.full_like(s, target)) for s in scores]
+    full = [score.float() for score in scores]  # under autocast they may be bfloat16
+    losses = [F.binary_cross_entropy_with_logits(s, torch.full_like(s, target)) for s in full]
     return torch.stack(losses).mean()
 
 

@@ -54,7 +54,7 @@ class WassersteinGradientPenalty(AdversarialObjective):
         share = torch.rand(len(real), 1, 1, 1, device=real.device, dtype=real.dtype)
         between = (share * real + (1 - share) * fake).requires_grad_()
         # A score a sample (the mean over its elements and heads), summed: samples do not share gradients.
-        score = torch.stack([head.flatten(1).mean(1) for head in critic(between)]).mean(0).sum()
+        score = torch.stack([head.float().flatten(1).mean(1) for head in critic(between)]).mean(0).sum()
         (gradient,) = torch.autograd.grad(score, between, create_graph=True)
         penalty: Tensor = self.gradient_penalty * (gradient.flatten(1).norm(dim=1) - 1).square().mean()
         return penalty

@@ -7,6 +7,7 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.objectives.pixel_losses import hint_loss, l1_loss
 from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
+from normalgan.predictions import Predictions
 
 
 @RECONSTRUCTIONS.register
@@ -30,10 +31,9 @@ class L1AndHints(Reconstruction):
             if weight < 0:
                 raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
 
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return the L1 loss and the hint loss; see `Reconstruction.terms`."""
-        normals = painted[:, :3]
         return {
-            "l1": Term(l1_loss(normals, target), self.l1_weight),
-            "hint": Term(hint_loss(normals, target, where), self.hint_weight),
+            "l1": Term(l1_loss(preds.normal, target), self.l1_weight),
+            "hint": Term(hint_loss(preds.normal, target, where), self.hint_weight),
         }

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from torch import Tensor
 
+from normalgan.predictions import Predictions
 from normalgan.registry import Registry
 
 
@@ -21,11 +22,12 @@ class Reconstruction(ABC):
     """Base of the losses that compare a painted map with the true one."""
 
     @abstractmethod
-    def terms(self, painted: Tensor, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return the parts of the loss by name; their weighted sum is minimised.
 
         Args:
-            painted: (N, 3 or more, H, W) as the generator returns it, before the truth is pasted in at hints.
+            preds: what the generator says of every pixel, before the truth is pasted in at hints; in float32.
+                ``preds.normal`` (N, 3, H, W) every generator has, presence and confidence only some.
             target: (N, 3, H, W) true unit normals, 0 off the object.
             mask: (N, 1, H, W), 1 on the object.
             where: (N, 1, H, W), 1 at the hints.

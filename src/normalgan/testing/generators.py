@@ -6,11 +6,13 @@ import torch
 from torch import Tensor
 
 from normalgan.models import Generator
+from normalgan.predictions import Predictions
 from normalgan.testing.conformance import Check, called, demand, hold
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
 _PAINTED = "forward must take (N, 4, H, W) and return (N, 3, H, W), or a fourth channel of confidence"
+_PREDICTED = "predict must return Predictions whose channels() are what forward returns, in float32"
 
 
 def check_generator(generator: Generator, size: int = 64) -> None:
@@ -33,6 +35,8 @@ def generator_checks(size: int = 64) -> list[Check[Generator]]:
         Check("shape and type", lambda g: _shape(g, size), _PAINTED),
         Check("range", lambda g: _range(g, size), "normals lie in [-1, 1], a confidence above 0"),
         *network_checks(size, _answer, sees_normals=False, contract=_PAINTED),
+        Check("predictions for the losses", lambda g: _predictions(g, size), _PREDICTED),
+        Check("training in bfloat16", lambda g: _bfloat16(g, size), _PREDICTED),
     ]
 
 
@@ -68,3 +72,33 @@ def _range(generator: Generator, size: int) -> None:
         demand(largest <= 1 + 1e-5, generator, f"painted a component of {largest:.3g}", asked)
         positive = bool((confidence > 0).all())
         demand(positive, generator, "painted a confidence of 0 or less", "the fourth channel must be above 0")
+
+
+@torch.no_grad()
+def _predictions(generator: Generator, size: int) -> None:
+    condition = given(2, size)[0]
+    preds = generator.eval().predict(condition)
+    good = isinstance(preds, Predictions)
+    demand(good, generator, f"returned {called(preds)} from predict", "it must return Predictions")
+    channels, painted = preds.channels(), _paint(generator, condition)
+    same = channels.shape == painted.shape and torch.allclose(channels, painted, atol=1e-5)
+    asked = "what is trained and what is painted must be the same; override both or forward alone"
+    demand(same, generator, "predicts otherwise than forward returns", asked)
+
+
+def _bfloat16(generator: Generator, size: int) -> None:
+    """Demand predictions in float32 and gradients under mixed precision, as on a GPU."""
+    generator.train()
+    generator.zero_grad()
+    with torch.autocast("cpu", torch.bfloat16):
+        preds = generator.predict(given(2, size)[0])
+    for name, part in preds._asdict().items():
+        if part is not None:
+            did = f"predicts {name} in {part.dtype} under mixed precision"
+            demand(part.dtype == torch.float32, generator, did, "what losses take must be torch.float32")
+    torch.stack([part.square().mean() for part in preds if part is not None]).sum().backward()
+    grads = [p.grad for p in generator.parameters() if p.grad is not None]
+    moves = any(bool(grad.any()) for grad in grads) and all(bool(grad.isfinite().all()) for grad in grads)
+    did = "has no finite gradient under mixed precision"
+    demand(moves, generator, did, "it must be trainable in bfloat16; mind what saturates")
+    generator.zero_grad()

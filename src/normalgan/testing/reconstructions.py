@@ -5,6 +5,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.objectives import Reconstruction, Term
+from normalgan.predictions import Predictions
 from normalgan.testing.conformance import Check, called, demand, hold
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
@@ -41,19 +42,22 @@ def reconstruction_checks() -> list[Check[Reconstruction]]:
 def _compare(
     reconstruction: Reconstruction, normals: Tensor, target: Tensor, mask: Tensor
 ) -> tuple[Tensor, Tensor, dict[str, Term]]:
-    """Return the weighted loss, what was painted, and the terms; with a confidence where that is needed."""
+    """Return the weighted loss, the directions that it was given (a leaf), and the terms."""
     where = torch.zeros_like(mask)
     where[..., ::5, ::5] = 1
-    painted, terms = normals.detach().requires_grad_(), None
+    directions, terms = normals.detach().requires_grad_(), None
     try:
-        terms = reconstruction.terms(painted, target, mask, where * mask)
-    except InputError:  # it wants a fourth channel
-        painted = torch.cat([normals.detach(), torch.ones_like(mask)], dim=1).requires_grad_()
-        terms = reconstruction.terms(painted, target, mask, where * mask)
+        terms = reconstruction.terms(Predictions(directions), target, mask, where * mask)
+    except InputError:  # it wants a presence and a confidence
+        length = normals.norm(dim=1, keepdim=True)
+        directions = (normals / length.clamp(min=1e-6)).detach().requires_grad_()
+        logits = torch.logit(length.clamp(1e-6, 1 - 1e-6))
+        preds = Predictions(directions, logits, torch.ones_like(mask))
+        terms = reconstruction.terms(preds, target, mask, where * mask)
     good = isinstance(terms, dict) and terms and all(isinstance(term, Term) for term in terms.values())
     parts = f" of {called(next(iter(terms.values()), None))}" if isinstance(terms, dict) else ""
     demand(good, reconstruction, f"returned {called(terms)}{parts}", _TERMS)
-    return torch.stack([term.weight * term.value for term in terms.values()]).sum(), painted, terms
+    return torch.stack([term.weight * term.value for term in terms.values()]).sum(), directions, terms
 
 
 def _terms(reconstruction: Reconstruction) -> None:
@@ -104,15 +108,15 @@ def _gradient(reconstruction: Reconstruction) -> None:
         ("where nothing is painted", 0 * target),
         ("halfway", target / 2),
     ):
-        loss, painted, _ = _compare(reconstruction, normals, target, mask)
+        loss, directions, _ = _compare(reconstruction, normals, target, mask)
         demand(
             loss.requires_grad, reconstruction, "has no gradient", "the generator learns from its gradient"
         )
-        (grad,) = torch.autograd.grad(loss, painted)
+        (grad,) = torch.autograd.grad(loss, directions)
         finite = bool(grad.isfinite().all())
         asked = "one infinite value spoils all weights"
         demand(finite, reconstruction, f"has a gradient that is infinite or no number {place}", asked)
-    demand(grad[:, :3].any(), reconstruction, "teaches the normals nothing", "its gradient must reach them")
+    demand(grad.any(), reconstruction, "teaches the normals nothing", "its gradient must reach them")
 
 
 def _empty(reconstruction: Reconstruction) -> None:

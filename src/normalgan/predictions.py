@@ -1,0 +1,26 @@
+"""Predictions: what a generator says of every pixel, as the losses take it."""
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+
+class Predictions(NamedTuple):
+    """What a generator says of every pixel, in float32 whatever the precision of the network."""
+
+    direction: Tensor
+    """(N, 3, H, W) unit normals; without `presence`, in [-1, 1] of any length: short ones mean no object."""
+    presence: Tensor | None = None
+    """(N, 1, H, W) logit of there being an object: of a probability that rounds to 1 there is no gradient."""
+    confidence: Tensor | None = None
+    """(N, 1, H, W) concentration κ > 0 of the direction."""
+
+    @property
+    def normal(self) -> Tensor:
+        """Normals (N, 3, H, W), as long as an object is probable; what `Generator.forward` returns first."""
+        return self.direction if self.presence is None else self.direction * torch.sigmoid(self.presence)
+
+    def channels(self) -> Tensor:
+        """Return (N, 3, H, W), the normals, or (N, 4, H, W) with the confidence, if any."""
+        return self.normal if self.confidence is None else torch.cat([self.normal, self.confidence], dim=1)
