@@ -6,12 +6,13 @@ from typing import NoReturn
 
 from lightning.pytorch.cli import LightningArgumentParser
 
+from normalgan.class_settings import OwnDefaultsParser
 from normalgan.errors import InputError
 from normalgan.parser_errors import did_you_mean, explain
 from normalgan.plugins import SETTINGS, described, namable
 
 
-class Parser(LightningArgumentParser):
+class Parser(OwnDefaultsParser, LightningArgumentParser):
     """Says a mistake in one sentence, and names what a typo may have meant."""
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:

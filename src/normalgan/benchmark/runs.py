@@ -6,11 +6,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from jsonargparse import ArgumentParser
-
 from normalgan.benchmark.plan import Plan, Row, Settings, read_yaml
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.settings import MACHINE, compose, differences, digest, nest, part, without
+from normalgan.class_settings import OwnDefaultsParser
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 
@@ -65,7 +64,7 @@ def build_data(settings: Settings, **changes: Any) -> MeshDataModule:
         settings: all of `normalgan fit`.
         changes: settings of the data that win over these.
     """
-    parser = ArgumentParser(exit_on_error=False)
+    parser = OwnDefaultsParser(exit_on_error=False)
     parser.add_class_arguments(MeshDataModule, "data")
     parsed = parser.parse_object({"data": {**settings["data"], **changes}})
     data: MeshDataModule = parser.instantiate(parsed).data

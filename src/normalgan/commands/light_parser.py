@@ -3,14 +3,13 @@
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from jsonargparse import ArgumentParser
-
+from normalgan.class_settings import OwnDefaultsParser
 from normalgan.errors import InputError
 from normalgan.parser_errors import explain
 from normalgan.registry import Registry
 
 
-class LightParser(ArgumentParser):
+class LightParser(OwnDefaultsParser):
     """Says a mistake in one sentence, and names what a typo may have meant."""
 
     plugins: Mapping[str, Registry[Any]] = {}
