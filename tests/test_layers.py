@@ -10,7 +10,7 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
-    {"normals", "predictions", "registry", "seeds", "limits"},
+    {"class_settings", "normals", "predictions", "registry", "seeds", "limits"},
     {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
     | {"checkpoints", "parser_errors", "run_lock", "warning_filters"},
     {"animals"},

@@ -6,6 +6,7 @@ a brush was drawn with the line width of another style, without a word.
 """
 
 import re
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -21,7 +22,7 @@ _carry_over = _typehints.discard_init_args_on_class_path_change  # raises if it 
 def _start_anew(parser_or_action: Any, prev_val: Any, value: Any) -> None:
     """Drop all settings of the former class where another class is named; else do what jsonargparse does."""
     if not _ours.get():
-        _carry_over(parser_or_action, prev_val, value)
+        _carry_over(parser_or_action, prev_val, value)  # type: ignore[no-untyped-call]
     elif prev_val and "init_args" in prev_val and not _same(prev_val["class_path"], value["class_path"]):
         former = prev_val["init_args"]
         for key in list(vars(former) if isinstance(former, Namespace) else former):
@@ -32,13 +33,13 @@ _typehints.discard_init_args_on_class_path_change = _start_anew
 
 
 def _same(one: str | None, other: str | None) -> bool:
-    """Return whether two import paths lead to one class."""
-    if one is None or other is None or one == other:
-        return one == other
-    try:
-        return _typehints.import_object(one) is _typehints.import_object(other)
-    except (ImportError, AttributeError, ValueError):
-        return False  # whoever builds the class says what is wrong
+    """Return whether two import paths lead to one class; nothing is imported for it."""
+    return one == other or (one is not None and other is not None and _loaded(one) is _loaded(other))
+
+
+def _loaded(path: str) -> object:
+    module, _, name = path.rpartition(".")
+    return getattr(sys.modules.get(module), name, path)
 
 
 @contextmanager

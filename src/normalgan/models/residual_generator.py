@@ -115,7 +115,7 @@ class ResidualUNetGenerator(Generator):
         """Return features (N, widths[0], H / patch, W / patch), squares of pixels still folded."""
         folds = self.patch.bit_length() - 1
         pyramid = [hints, *hint_pyramid(hints, folds + len(self.downs))][folds:]
-        features = self.stem(F.pixel_unshuffle(given, self.patch))
+        features: Tensor = self.stem(F.pixel_unshuffle(given, self.patch))
         skips = []
         for blocks, down, level in zip(self.encoder, self.downs, pyramid, strict=False):
             features = blocks(features)
