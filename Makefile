@@ -5,8 +5,10 @@
 VENV ?= .venv
 BIN := $(VENV)/bin
 RUN := runs/quickstart
+# As many processes as cores, but no more than four: each needs 1.5 GB. A file's tests share fixtures, so they stay together.
+PYTEST := $(BIN)/pytest --numprocesses=logical --maxprocesses=4 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: help install dev demo test coverage docs lint types clean
+.PHONY: help install dev demo test processors coverage docs lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
@@ -28,14 +30,18 @@ demo: install
 	$(BIN)/normalgan test --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
 	$(BIN)/normalgan predict --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
 
-# make test SLOW=1 also runs the tests that take long.
+# make test SLOW=1 also runs the tests that take long; TESTS=tests/metrics runs a part.
 test: dev
-	$(BIN)/pytest $(if $(SLOW),,-m "not slow")
+	$(PYTEST) $(if $(SLOW),,-m "not slow") $(TESTS)
+
+# Doctests and numeric tests as on other processors, where the last bits of results differ: nothing may depend on them.
+processors: dev
+	tools/check_processors.sh $(BIN)/python
 
 # A report, no threshold: to find what has no test. TESTS=tests/metrics looks at a part, SLOW=1 runs all.
 coverage: dev
 	mkdir -p build/coverage
-	$(BIN)/pytest --cov --cov-report=term --cov-report=html $(if $(SLOW),,-m "not slow") $(TESTS)
+	$(PYTEST) --cov --cov-report=term --cov-report=html $(if $(SLOW),,-m "not slow") $(TESTS)
 
 # Warnings are errors. The variable silences an advertisement that the theme prints.
 docs: dev

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from needs import CHROMIUM
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, ConsoleMessage, Page, Playwright
 
@@ -33,7 +35,7 @@ def executable() -> str:
     named = os.environ.get("NORMALGAN_CHROMIUM")
     found = shutil.which(named or "chromium") or shutil.which(named or "chromium-browser")
     if found is None:
-        pytest.skip(f"no Chromium at {named}" if named else "Chromium is not installed")
+        pytest.skip(CHROMIUM.reason(f"there is none at {named}" if named else "it is not installed"))
     return found
 
 
@@ -60,6 +62,13 @@ def browser(*, webgl: bool = True) -> Iterator["Browser"]:
             opened.close()
         if not _open_browsers:
             _running.pop().stop()
+
+
+@pytest.fixture(scope="module")
+def opened() -> Iterator["Browser"]:
+    """Chromium without WebGL, one for all tests of a module."""
+    with browser(webgl=False) as chromium:
+        yield chromium
 
 
 @contextmanager

@@ -6,6 +6,12 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from made_once import made_once
+from needs import SHARED_SKETCHES, not_tested
+
+# Fixtures that several files share; a conftest in their folder would be a second module of this name.
+pytest_plugins = ["chromium", "fixtures_of_commands", "plugin_packages", "pytester", "studio_page"]
+
 # The same examples each time, lest a change be refused for one that it has nothing to do with;
 # --hypothesis-profile=default tries others.
 settings.register_profile("steady", derandomize=True)
@@ -18,16 +24,14 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 @pytest.fixture(scope="session")
 def meshes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of five meshes of different formats."""
-    from small import write_meshes  # here: most tests need no lightning, which takes seconds to import
+    from five_meshes import write_meshes  # here: most tests need no trimesh
 
-    folder = tmp_path_factory.mktemp("meshes")
-    write_meshes(folder)
-    return folder
+    return made_once(tmp_path_factory, "meshes", write_meshes)
 
 
 @pytest.fixture(scope="session")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder where all tests may keep rendered samples, so that each is rendered once."""
+    """A folder where all tests of this process may keep rendered samples, so that each is rendered once."""
     return tmp_path_factory.mktemp("cache")
 
 
@@ -45,5 +49,12 @@ def shared_sketches() -> list[Path]:
     folder = Path(__file__).parents[2] / "shared" / "sketches"
     found = [path for path in sorted(folder.rglob("*")) if path.suffix in {".png", ".svg"}]
     if not found:
-        pytest.skip("there are no drawings in ../shared/sketches")
+        pytest.skip(SHARED_SKETCHES.reason("there are no drawings in it"))
     return found
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say at the end what this machine lacks, what was not tested for that, and how to get it."""
+    reports = terminalreporter.getreports("skipped")
+    for line in not_tested(report.longrepr[2] for report in reports if isinstance(report.longrepr, tuple)):
+        terminalreporter.write_line(line, yellow=True)

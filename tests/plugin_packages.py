@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from normalgan.plugins import REGISTRIES
-
 
 def install(
     site: Path, package: str, modules: Mapping[str, str], entries: Mapping[str, Mapping[str, str]]
@@ -34,6 +32,8 @@ def install(
 @pytest.fixture(name="site")
 def make_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder on the path; what is imported from it, and what registries learn, is forgotten afterwards."""
+    from normalgan.plugins import REGISTRIES  # here: every test run loads this module, and few need torch
+
     site = tmp_path / "site"
     site.mkdir()
     monkeypatch.syspath_prepend(site)

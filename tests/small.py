@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import torch
-import trimesh
 from lightning.pytorch import Trainer
 
 from normalgan.data.datamodule import MeshDataModule
@@ -22,19 +21,6 @@ QUIET = (
     "ignore:.*smaller than the logging interval.*",
     "ignore:.*LeafSpec.*is deprecated.*",
 )
-
-
-def write_meshes(folder: Path) -> None:
-    """Write five solids; none of them looks the same from all sides."""
-    solids = {
-        "ball.ply": trimesh.creation.icosphere(2).apply_scale([1, 0.7, 0.5]),
-        "box.obj": trimesh.creation.box((1, 0.6, 0.3)),
-        "can.stl": trimesh.creation.cylinder(0.4, 1.2),
-        "hat.off": trimesh.creation.cone(0.5, 1.0),
-        "pill.glb": trimesh.creation.capsule(1.0, 0.3),
-    }
-    for name, solid in solids.items():
-        solid.export(folder / name)
 
 
 def data(meshes: Path, cache: Path, **settings: Any) -> MeshDataModule:

@@ -4,7 +4,6 @@ import base64
 import io
 import shutil
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +13,8 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper, save
 from PIL import Image
 
-from chromium import browser
 from chromium import page as open_page
+from needs import NPM
 from web_folder import serve
 
 if TYPE_CHECKING:
@@ -52,18 +51,11 @@ def write_network(path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def opened() -> Iterator["Browser"]:
-    """Chromium, opened first: without it, nothing needs to be downloaded."""
-    with browser(webgl=False) as chromium:
-        yield chromium
-
-
-@pytest.fixture(scope="module")
 def site(opened: "Browser", tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the examples as a reader has them after `npm ci`, with a model."""
+    """A copy of the examples as a reader has them after `npm ci`, with a model; none without Chromium."""
     npm = shutil.which("npm")
     if npm is None:
-        pytest.skip("npm is not installed")
+        pytest.skip(NPM.reason("it is not installed"))
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(EXAMPLES / "sketches", folder / "sketches")
     web = folder / "onnx_web"
@@ -71,7 +63,7 @@ def site(opened: "Browser", tmp_path_factory: pytest.TempPathFactory) -> Path:
     command = [npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--fetch-retries=1"]
     done = subprocess.run(command, cwd=web, capture_output=True, text=True, check=False)
     if any(word in done.stderr for word in UNREACHABLE):
-        pytest.skip("npm's registry cannot be reached")
+        pytest.skip(NPM.reason("its registry cannot be reached"))
     assert done.returncode == 0, done.stderr[-2000:]
     write_network(web / "model.onnx")
     return folder

@@ -1,28 +1,35 @@
-"""What the tests of the command line share. Imported by each, because one folder of tests has a conftest."""
+"""What the tests of the command line share: meshes with a cache, and a trained run."""
 
-from functools import cache as remember
+import shutil
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
-from command import Bench
+
+from made_once import made_once
+
+if TYPE_CHECKING:
+    from command import Bench  # it loads torch, which most tests do not need
 
 
 @pytest.fixture(scope="session", name="bench")
-def make_bench(meshes: Path, cache: Path) -> Bench:
+def make_bench(meshes: Path, cache: Path) -> "Bench":
     """The meshes and the cache that all tests share."""
+    from command import Bench
+
     return Bench(meshes, cache)
 
 
 @pytest.fixture(scope="session", name="trained")
-def make_trained(bench: Bench) -> Path:
-    """The folder of a run that has learnt that there are objects."""
-    return _train(bench)
+def make_trained(meshes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run that has learnt that there are objects: this process's copy."""
+    from command import Bench
 
+    def train(folder: Path) -> None:
+        outcome = Bench(meshes, folder / "cache").run("fit", folder / "run", "--trainer.max_epochs", 8)
+        assert outcome.code == 0, outcome.err
 
-@remember
-def _train(bench: Bench) -> Path:
-    # Every module that imports the fixture would else train anew.
-    folder = bench.cache.with_name("trained") / "run"
-    outcome = bench.run("fit", folder, "--trainer.max_epochs", 8)
-    assert outcome.code == 0, outcome.err
-    return folder
+    folder = made_once(tmp_path_factory, "trained", train)
+    copy = tmp_path_factory.mktemp("trained") / "run"
+    shutil.copytree(folder / "run", copy)
+    return copy

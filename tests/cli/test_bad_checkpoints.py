@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 import torch
 from command import Bench, left_in
-from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
 
 
 def change(source: Path, target: Path, edit: Callable[[dict[str, Any]], object]) -> None:

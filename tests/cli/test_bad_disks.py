@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import Bench, left_in
-from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
 from PIL import Image
 
 

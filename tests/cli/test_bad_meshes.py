@@ -4,7 +4,6 @@ from pathlib import Path
 import pytest
 import trimesh
 from command import Bench, left_in
-from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
 
 OFF = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
 BAD = {

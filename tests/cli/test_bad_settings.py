@@ -2,7 +2,6 @@ from pathlib import Path
 
 import pytest
 from command import Bench, left_in, run
-from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
 
 PLUGINS = {
     "model.generator": ("UnetGenerator", "Generator", "UNetGenerator"),

@@ -4,7 +4,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import Bench, Outcome, left_in
-from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
 from numpy.typing import NDArray
 from PIL import Image
 

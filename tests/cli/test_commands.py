@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import yaml
 from command import CONF, Bench, left_in, run
-from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
 from PIL import Image
 
 from normalgan.normals import encode, read_png

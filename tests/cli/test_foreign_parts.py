@@ -5,9 +5,8 @@ import pytest
 import torch
 import yaml
 from command import Bench, run
-from fixtures_of_commands import make_bench  # noqa: F401 -- a fixture
 
-from plugin_packages import install, make_site  # noqa: F401 -- a fixture
+from plugin_packages import install
 
 PARTS = {
     "data.renderer": ("normalgan.renderers", "rendering.renderers", "EmbreeRenderer", "data"),

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 from command import Bench
-from fixtures_of_commands import make_bench  # noqa: F401
 
 from normalgan.data import cluster_address
 from s3_server import fresh_bucket, s3_server

@@ -3,7 +3,6 @@ from pathlib import Path
 
 import pytest
 from command import Bench, run
-from fixtures_of_commands import make_bench  # noqa: F401 -- a fixture
 
 from normalgan.rendering.lines import LINE_DRAWINGS
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import torch
 from command import Bench, Outcome, left_in, run
-from fixtures_of_commands import make_bench, make_trained  # noqa: F401 -- fixtures
 from numpy.typing import NDArray
 from PIL import Image
 

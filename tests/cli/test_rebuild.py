@@ -3,7 +3,6 @@ from pathlib import Path
 import pytest
 import torch
 from command import Bench
-from fixtures_of_commands import make_bench  # noqa: F401 -- fixture
 from outsider import GridHints
 
 from normalgan.gan import NormalGAN

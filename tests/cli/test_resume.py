@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 import torch
 from command import CONF, Bench, left_in
-from fixtures_of_commands import make_bench  # noqa: F401 -- a fixture
 
 
 def load(folder: Path) -> dict[str, Any]:

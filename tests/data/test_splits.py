@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from needs import SHARED_MESHES
 from normalgan.data.splits import split_by_file, split_by_fractions
 from normalgan.errors import InputError
 
@@ -66,7 +67,7 @@ def test_file_decides_and_the_rest_is_left_out_with_a_warning(tmp_path: Path) ->
 def test_bundled_file_is_read() -> None:
     path = Path(__file__).parents[2] / ".." / "shared" / "meshes" / "fourleg" / "split.json"
     if not path.exists():
-        pytest.skip("the shared meshes are not here")
+        pytest.skip(SHARED_MESHES.reason("it is not there"))
     names = [str(i) for i in range(381, 401)]
     split = split_by_file(path, names)
     assert [len(part) for part in split.values()] == [14, 1, 5]

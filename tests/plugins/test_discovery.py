@@ -9,7 +9,7 @@ import pytest
 from normalgan.__main__ import main
 from normalgan.hints import HINT_SAMPLERS, HintSampler, UniformHints
 from normalgan.plugins import misplaced
-from plugin_packages import install, make_site  # noqa: F401 -- a fixture
+from plugin_packages import install
 
 SAMPLER = '''
 from normalgan.hints import HintSampler

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
+from needs import SHARED_MESHES
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.repair import shade
@@ -18,7 +19,7 @@ from normalgan.rendering.views import Camera, framed, look_at_origin
 trimesh: Any = import_module("trimesh")  # its types cover half of it
 
 MESHES = Path(__file__).parents[2] / ".." / "shared" / "meshes"
-needs_meshes = pytest.mark.skipif(not MESHES.is_dir(), reason="the shared meshes are not on this machine")
+needs_meshes = pytest.mark.skipif(not MESHES.is_dir(), reason=SHARED_MESHES.reason("it is not there"))
 
 BALL = trimesh.creation.icosphere(subdivisions=3)
 

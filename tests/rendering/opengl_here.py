@@ -2,6 +2,7 @@
 
 import pytest
 
+from needs import OPENGL
 from normalgan.errors import InputError
 from normalgan.rendering.renderers import PyrenderRenderer
 
@@ -15,4 +16,4 @@ def no_opengl() -> str:
 
 
 reason = no_opengl()
-needs_opengl = pytest.mark.skipif(bool(reason), reason=reason)
+needs_opengl = pytest.mark.skipif(bool(reason), reason=OPENGL.reason(reason))

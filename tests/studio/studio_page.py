@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -41,6 +42,7 @@ class Server:
         self._command = [sys.executable, "-m", "normalgan", "studio", *more, "--no-browser"]
         self._command += ["--model", str(model), "--projects", str(projects)]
         self.port = 0
+        self._projects = projects
         self.start()
 
     def start(self) -> None:
@@ -62,6 +64,13 @@ class Server:
         self._process.send_signal(signal.SIGKILL)
         self.wait()
 
+    def begin_anew(self) -> None:
+        """Forget all projects and unsaved work; start it, if a test has ended it."""
+        for document in self._projects.rglob("*.normalgan"):
+            document.unlink()
+        if self._process.poll() is not None:
+            self.start()
+
     def stop(self) -> None:
         """End it."""
         self._process.terminate()
@@ -82,6 +91,16 @@ def serving(model: Path, projects: Path, *more: str) -> Iterator[Server]:
         yield server
     finally:
         server.stop()
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """A studio that paints a ramp and, near hints, what they say; one for all tests of a module."""
+    from onnx_models import write_model
+
+    folder = tmp_path_factory.mktemp("studio")
+    with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
+        yield running
 
 
 class Studio:

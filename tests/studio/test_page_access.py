@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio, serving
+from studio_page import SIDE, Server, Studio, open_studio
 
 from chromium import browser
-from onnx_models import write_model
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -19,22 +18,9 @@ LEAST_TARGET = 40
 
 
 @pytest.fixture(scope="module", params=[True, False], ids=["webgl", "plain"])
-def opened(request: pytest.FixtureRequest) -> Iterator["Browser"]:
+def each_browser(request: pytest.FixtureRequest) -> Iterator["Browser"]:
     with browser(webgl=request.param) as chromium:
         yield chromium
-
-
-@pytest.fixture(scope="module")
-def plain() -> Iterator["Browser"]:
-    with browser(webgl=False) as chromium:
-        yield chromium
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    folder = tmp_path_factory.mktemp("studio")
-    with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
-        yield running
 
 
 def dent(studio: Studio) -> None:
@@ -44,8 +30,8 @@ def dent(studio: Studio) -> None:
         studio.line((low, low), (high, low), (high, high), (low, high), (low, low))
 
 
-def test_every_view_shows_something_and_none_complains(opened: "Browser", server: Server) -> None:
-    with open_studio(opened, server.url) as studio:
+def test_every_view_shows_something_and_none_complains(each_browser: "Browser", server: Server) -> None:
+    with open_studio(each_browser, server.url) as studio:
         studio.new()
         dent(studio)
         left, right = studio.shown(90, 128), studio.shown(166, 128)
@@ -60,8 +46,8 @@ def test_every_view_shows_something_and_none_complains(opened: "Browser", server
             studio.page.wait_for_function("() => document.getElementById('note').textContent === ''")
 
 
-def test_keys_alone_draw_pin_turn_and_undo(plain: "Browser", server: Server) -> None:
-    with open_studio(plain, server.url) as studio:
+def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
         page, press = studio.page, studio.page.keyboard.press
         page.locator("#new").focus()
         press("Enter")
@@ -104,8 +90,8 @@ def test_keys_alone_draw_pin_turn_and_undo(plain: "Browser", server: Server) -> 
         assert page.locator("#chips .chip").count() == 1
 
 
-def test_every_control_has_a_name_and_room_for_a_finger(plain: "Browser", server: Server) -> None:
-    with open_studio(plain, server.url) as studio:
+def test_every_control_has_a_name_and_room_for_a_finger(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
         studio.new()
         dent(studio)
         studio.pin(128, 128)
@@ -124,8 +110,8 @@ def test_every_control_has_a_name_and_room_for_a_finger(plain: "Browser", server
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])
-def test_narrow_windows_stack_the_panes(plain: "Browser", server: Server, width: int, height: int) -> None:
-    with open_studio(plain, server.url, width=width, height=height) as studio:
+def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width: int, height: int) -> None:
+    with open_studio(opened, server.url, width=width, height=height) as studio:
         studio.new()
         dent(studio)
         drawing = studio.page.locator("#board").bounding_box()
@@ -142,8 +128,8 @@ def test_narrow_windows_stack_the_panes(plain: "Browser", server: Server, width:
             assert box["x"] + box["width"] <= width
 
 
-def test_dark_and_light_follow_the_system_until_switched(plain: "Browser", server: Server) -> None:
-    with open_studio(plain, server.url) as studio:
+def test_dark_and_light_follow_the_system_until_switched(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
         header = studio.page.locator("header")
 
         def brightness() -> float:

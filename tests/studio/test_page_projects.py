@@ -1,6 +1,5 @@
 """The studio's page and what is kept: projects, unsaved work, a server that is killed, files in and out."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 from studio_page import AWAY, SIDE, Server, Studio, open_studio, serving
 
-from chromium import browser
 from normalgan.normals import flip_green, read_png
 from onnx_models import write_model
 
@@ -23,16 +21,11 @@ SVG = (
 )
 
 
-@pytest.fixture(scope="module")
-def opened() -> Iterator["Browser"]:
-    with browser(webgl=False) as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def server(tmp_path: Path) -> Iterator[Server]:
-    with serving(write_model(tmp_path / "ramp.onnx", reach=3), tmp_path / "projects") as running:
-        yield running
+@pytest.fixture(name="server")
+def empty_server(server: Server) -> Server:
+    """The server of this module without projects."""
+    server.begin_anew()
+    return server
 
 
 def save_as(studio: Studio, name: str) -> None:

@@ -11,7 +11,6 @@ import torch
 sys.path.insert(0, str(Path(__file__).parents[1] / "cli"))
 
 from command import CONF, Bench, left_in
-from fixtures_of_commands import make_bench  # noqa: F401 -- a fixture
 
 from normalgan.errors import InputError
 from normalgan.objectives.finite import loss_error, not_finite

@@ -15,7 +15,7 @@ from normalgan.hints import HINT_SAMPLERS, UniformHints
 from normalgan.models import UNetGenerator
 from normalgan.weights.file import SHIPPED, parse_weights, read_weights
 from normalgan.weights.notes import Notes
-from plugin_packages import install, make_site  # noqa: F401 -- a fixture
+from plugin_packages import install
 
 
 def test_what_is_written_paints_the_same_to_the_bit(tmp_path: Path) -> None:

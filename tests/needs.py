@@ -1,0 +1,62 @@
+"""What tests need beyond Python, and what the end of a run says where it is missing."""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Need:
+    """Something that a machine may lack.
+
+    Args:
+        name: of it.
+        tested: what is tested with it.
+        get: how one gets it.
+    """
+
+    name: str
+    tested: str
+    get: str
+
+    def reason(self, detail: str) -> str:
+        """Return why a test is skipped: the start says which need it is, the detail what is wrong here."""
+        return f"{self._start}{detail}"
+
+    @property
+    def _start(self) -> str:
+        return f"{self.name} is missing: "
+
+    def is_why(self, reason: str) -> bool:
+        """Return whether a test was skipped for this."""
+        return reason.removeprefix("Skipped: ").startswith(self._start)
+
+
+CHROMIUM = Need(
+    "Chromium",
+    "pages in a browser",
+    "apt-get install chromium, or name one: NORMALGAN_CHROMIUM=/path/of/chrome",
+)
+OPENGL = Need("OpenGL", "PyrenderRenderer", "apt-get install libegl1 libgl1")
+NPM = Need("npm", "the JavaScript example", "apt-get install npm; one package is fetched from its registry")
+SHARED_MESHES = Need("../shared/meshes", "real meshes and rigs", "they are not published")
+SHARED_SKETCHES = Need("../shared/sketches", "drawings by people", "they are not published")
+NEEDS = (CHROMIUM, OPENGL, NPM, SHARED_MESHES, SHARED_SKETCHES)
+
+
+def not_tested(reasons: Iterable[str]) -> list[str]:
+    """Return a line for each thing that is missing.
+
+    Args:
+        reasons: why tests were skipped, one for each.
+
+    Returns:
+        Such as "not tested, as npm is missing: the JavaScript example (2 tests); apt-get install npm".
+    """
+    skipped = Counter(need for reason in reasons for need in NEEDS if need.is_why(reason))
+    return [
+        f"not tested, as {need.name} is missing: {need.tested} "
+        f"({skipped[need]} {'test' if skipped[need] == 1 else 'tests'}); {need.get}"
+        for need in NEEDS
+        if skipped[need]
+    ]
