@@ -21,8 +21,8 @@ def make_bench(meshes: Path, cache: Path) -> "Bench":
 
 
 @pytest.fixture(scope="session", name="trained")
-def make_trained(meshes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a run that has learnt that there are objects: this process's copy."""
+def make_trained(meshes: Path, cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run that has learnt that there are objects: this process's copy; its samples are cached."""
     from command import Bench
 
     def train(folder: Path) -> None:
@@ -30,6 +30,7 @@ def make_trained(meshes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
         assert outcome.code == 0, outcome.err
 
     folder = made_once(tmp_path_factory, "trained", train)
+    shutil.copytree(folder / "cache", cache, dirs_exist_ok=True)
     copy = tmp_path_factory.mktemp("trained") / "run"
     shutil.copytree(folder / "run", copy)
     return copy
