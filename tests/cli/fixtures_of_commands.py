@@ -22,7 +22,7 @@ def make_bench(meshes: Path, cache: Path) -> "Bench":
 
 @pytest.fixture(scope="session", name="trained")
 def make_trained(meshes: Path, cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a run that has learnt that there are objects: this process's copy; its samples are cached."""
+    """The folder of a run that has learnt that there are objects: a copy, and its samples in the cache."""
     from command import Bench
 
     def train(folder: Path) -> None:
