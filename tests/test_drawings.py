@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from normalgan import drawings
-from normalgan.drawings import find_drawings, open_image, read_drawing, read_hints
+from normalgan.drawings import find_drawings, read_drawing, read_hints, read_pixels
 from normalgan.errors import InputError
 
 
@@ -157,4 +157,4 @@ def test_a_file_of_no_drawings_size_is_not_read(tmp_path: Path, monkeypatch: pyt
         read_hints(sparse, (32, 32))
     monkeypatch.setattr(drawings, "MOST_BYTES", 1000)
     with pytest.raises(InputError, match="stdin has more than 1000 bytes; a drawing is smaller"):
-        open_image(Path("stdin"), bytes(1001))
+        read_pixels(Path("stdin"), bytes(1001))

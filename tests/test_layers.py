@@ -10,7 +10,7 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
-    {"class_settings", "normals", "predictions", "registry", "seeds", "limits"},
+    {"class_settings", "normals", "predictions", "registry", "seeds", "limits", "decoding"},
     {"rendering", "hints", "models", "objectives", "metrics", "drawings", "framing", "gallery"}
     | {"checkpoints", "parser_errors", "run_lock", "warning_filters"},
     {"animals"},
@@ -25,7 +25,7 @@ LAYERS = (
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 LIGHT = (
-    *("errors", "normals", "registry", "rendering", "animals", "drawings"),
+    *("errors", "normals", "registry", "rendering", "animals", "drawings", "decoding"),
     *("framing", "gallery", "parser_errors", "commands", "painting", "studio"),
 )
 """Rooms that never import torch."""

@@ -1,15 +1,14 @@
-"""Drawings of the user's own: finding and reading them, and the hints painted for them."""
+"""Drawings of the user's own: finding and reading them, and the hints painted for them; the one reader."""
 
-import io
 from collections.abc import Sequence
 from glob import glob
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps, UnidentifiedImageError
 
-from normalgan.errors import InputError, brief
+from normalgan.decoding import Decoded, Pixels, decode
+from normalgan.errors import InputError
 from normalgan.limits import read_bounded
 from normalgan.normals import normalize
 
@@ -18,8 +17,6 @@ Floats = NDArray[np.float32]
 SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg")
 SVG_SIDE = 1024
 """Longer side in pixels that an SVG, which has none, is drawn with."""
-_DPI = 96.0
-"""What CSS takes an inch for; without it millimetres have no size."""
 SMALLEST, LARGEST = 8, 8192
 """Least and greatest side in pixels: less holds no line, more is a mistake or a decompression bomb."""
 MOST_BYTES = 2**29
@@ -75,75 +72,46 @@ def _without_companions(paths: Sequence[Path], companions: Sequence[str]) -> lis
     ]
 
 
-def open_image(path: Path, content: bytes | None = None, svg_side: int = SVG_SIDE) -> Image.Image:
-    """Open an image upright, its pixels loaded; an SVG is drawn, transparent where it has nothing.
+def read_pixels(
+    path: Path,
+    content: bytes | None = None,
+    svg_side: int = SVG_SIDE,
+    longest: int | None = None,
+    grey: bool = False,
+) -> Decoded:
+    """Read a picture of any format upright; an SVG is drawn, transparent where it has nothing.
+
+    Everything that reads a picture reads it so: it is decoded in a process of its own (`normalgan.decoding`).
 
     Args:
         path: its file, or what to call it.
         content: what is in it, if it was read already.
         svg_side: longer side in pixels that an SVG is drawn with.
+        longest: longer side in pixels that a larger picture is reduced to.
+        grey: whether only how bright it is on white paper is wanted.
 
     Raises:
-        InputError: if it is missing, no image, or of no possible size.
+        InputError: if it is missing, no image, or of no possible size, or takes too much to be decoded.
     """
     try:
         data = read_bounded(path, MOST_BYTES) if content is None else content
-        if len(data) > MOST_BYTES:
-            raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
-        if b"<svg" in data[:4096]:
-            data = _draw_svg(path, data, svg_side)
-        with Image.open(io.BytesIO(data)) as image:
-            if not SMALLEST <= min(image.size) <= max(image.size) <= LARGEST:
-                is_now = f"{image.width} × {image.height} pixels"
-                raise InputError(f"{path} is {is_now}; a drawing has {SMALLEST} to {LARGEST} a side.")
-            image.load()
-            return ImageOps.exif_transpose(image)
     except FileNotFoundError:
         raise InputError(f"there is no file {path}.") from None
-    except UnidentifiedImageError:
-        raise InputError(
-            f"{path} is not an image that can be read; give one of {' '.join(SUFFIXES)}."
-        ) from None
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path} cannot be read as an image: {brief(error)}.") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read as an image: {error.strerror}.") from None
+    if len(data) > MOST_BYTES:
+        raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
+    return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey)
 
 
-def _draw_svg(path: Path, data: bytes, side: int) -> bytes:
-    """Return an SVG as PNG."""
-    from resvg_py import svg_to_bytes  # here: few drawings are SVG
-
-    try:
-        text = data.decode("utf-8-sig")
-        # Without fonts: what is drawn must not depend on those that a machine has.
-        # Within a square: with a width alone, one that is very high would end the process for want of memory.
-        small = bytes(svg_to_bytes(svg_string=text, width=64, height=64, dpi=_DPI, skip_system_fonts=True))
-        with Image.open(io.BytesIO(small)) as image:
-            wide = image.height <= image.width
-        width, height = (side, None) if wide else (None, side)
-        return bytes(
-            svg_to_bytes(svg_string=text, width=width, height=height, dpi=_DPI, skip_system_fonts=True)
-        )
-    except ValueError as error:
-        raise InputError(f"{path} cannot be drawn as SVG: {brief(error)}.") from None
-
-
-def _brightness(image: Image.Image) -> Floats:
-    """Return how bright an image of any mode is on white paper, (H, W) in [0, 1]."""
-    if image.mode.startswith("I") or image.mode == "F":
-        grey = np.asarray(image, dtype=np.float32)
-        # 16-bit greys come as I;16, or as I with the same range; a float image has none that is agreed on.
-        top = np.float32(1 if image.mode == "F" and grey.max() <= 1 else 65535)
-        clipped: Floats = np.clip(grey / top, 0, 1)
-        return clipped
-    if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
-        image = image.convert("RGBA")
-        paper = Image.new("RGBA", image.size, "white")
-        image = Image.alpha_composite(paper, image)
-    grey = np.asarray(image.convert("RGB").convert("L"), dtype=np.float32)
-    brightness: Floats = grey / np.float32(255)
-    return brightness
+def to_unit(pixels: Pixels) -> Floats:
+    """Return pixels of any type as values in [0, 1]."""
+    if pixels.dtype == np.uint8:
+        return np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
+    grey = pixels.astype(np.float32)
+    # 16-bit greys come as such, or as integers with the same range; floats have none that is agreed on.
+    top = np.float32(1 if pixels.dtype == np.float32 and grey.max() <= 1 else 65535)
+    return np.clip(np.nan_to_num(grey / top), 0, 1)
 
 
 def read_drawing(path: str | Path) -> Floats:
@@ -153,7 +121,7 @@ def read_drawing(path: str | Path) -> Floats:
         InputError: if it is missing, no image, of no possible size, or holds no line.
     """
     path = Path(path)
-    ink: Floats = np.float32(1) - _brightness(open_image(path))
+    ink = np.float32(1) - to_unit(read_pixels(path, grey=True).pixels)
     if ink.max() < 0.1:
         raise InputError(f"{path} is all white; a sketch needs dark lines on light paper.")
     return ink
@@ -169,24 +137,26 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
         InputError: if the picture is missing, opaque or of another size, or a colour is no normal.
     """
     path = Path(path)
-    image = open_image(path)
-    if (image.height, image.width) != shape:
+    pixels = read_pixels(path).pixels
+    if pixels.shape[:2] != shape:
         raise InputError(
-            f"the hints {path} are {image.width} × {image.height} pixels, "
+            f"the hints {path} are {pixels.shape[1]} × {pixels.shape[0]} pixels, "
             f"but their sketch {shape[1]} × {shape[0]}."
         )
-    if image.mode not in {"RGBA", "LA", "PA"} and "transparency" not in image.info:
+    if pixels.ndim == 2 or pixels.shape[2] < 4:
         raise InputError(f"the hints {path} have no transparency; paint them on a transparent PNG.")
-    pixels = np.asarray(image.convert("RGBA"), dtype=np.float32) / 255
-    where = pixels[..., 3] > 0.5
-    vectors = pixels[..., :3] * 2 - 1
+    where = pixels[..., 3] > 127
+    rows, columns = np.nonzero(where)
+    colours = pixels[rows, columns, :3]
+    vectors = colours.astype(np.float32) / 127.5 - 1
     length = np.linalg.norm(vectors, axis=-1)
-    wrong = np.argwhere(where & (np.abs(length - 1) > 0.25))
+    wrong = np.flatnonzero(np.abs(length - 1) > 0.25)
     if len(wrong):
-        row, column = wrong[0]
-        colour = np.rint(pixels[row, column, :3] * 255).astype(int).tolist()
+        first = wrong[0]
         raise InputError(
-            f"the colour {colour} at x {column}, y {row} of {path} is no normal: "
-            f"(colour / 127.5 - 1) must have length 1, not {length[row, column]:.2f}."
+            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is no "
+            f"normal: (colour / 127.5 - 1) must have length 1, not {length[first]:.2f}."
         )
-    return np.where(where[..., None], normalize(vectors), 0).astype(np.float32), where
+    normals = np.zeros((*shape, 3), np.float32)
+    normals[rows, columns] = normalize(vectors)
+    return normals, where

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from jsonargparse import Namespace
 
+from normalgan import decoding
 from normalgan.commands.light_parser import LightParser
 from normalgan.drawings import MOST_BYTES
 from normalgan.errors import InputError, unwritable
@@ -75,6 +76,7 @@ def generate(settings: Namespace) -> int:
     Raises:
         InputError: if nothing can be done: a setting or the only drawing cannot be used.
     """
+    decoding.start()  # while the model is loaded
     if settings.size is not None and not 8 <= settings.size <= 8192:
         raise InputError(f"size is {settings.size}; a map has 8 to 8192 pixels a side.")
     outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})

@@ -18,7 +18,14 @@ def find_mask(drawing: Path, source: Path) -> Path | None:
 
 
 def load_mask(path: Path, shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Read the mask (H, W) of a drawing: the object is white on black, or opaque on nothing.
+    """Read the mask of a drawing: the object is white on black, or opaque on nothing.
+
+    Args:
+        path: its file.
+        shape: (H, W) of the drawing, which the mask must have too.
+
+    Returns:
+        (h, w): of a larger one than is worked on a reduced one.
 
     Raises:
         InputError: if it cannot be used.

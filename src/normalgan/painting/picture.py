@@ -5,10 +5,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
-from PIL import Image
 
-from normalgan.drawings import SVG_SIDE, open_image
+from normalgan.decoding import Decoded
+from normalgan.drawings import SVG_SIDE, read_pixels, to_unit
 from normalgan.normals import Floats
 
 MOST_WORKED = 2048
@@ -20,23 +19,30 @@ class Picture:
     """A drawing's colours and opacity.
 
     Args:
-        colour: (H, W, 3) in [0, 1], red, green, blue; not multiplied by the opacity.
-        alpha: (H, W) opacity in [0, 1], or None where every pixel is opaque.
+        colour: (h, w, 3) in [0, 1], red, green, blue; not multiplied by the opacity.
+        alpha: (h, w) opacity in [0, 1], or None where every pixel is opaque.
+        full: (H, W) of its file, if that has more pixels; None if it has the same.
     """
 
     colour: Floats
     alpha: Floats | None
+    full: tuple[int, int] | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(H, W)."""
+        """(H, W) of its file, in whose pixels hints and masks are given."""
+        return self.full or self.size
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(h, w) of what is held of it."""
         return self.colour.shape[0], self.colour.shape[1]
 
     def resized(self, shape: tuple[int, int]) -> "Picture":
         """Return the picture with (H, W) pixels; itself if it has."""
-        if shape == self.shape:
+        if shape == self.size:
             return self
-        alpha = self.alpha if self.alpha is not None else np.ones(self.shape, np.float32)
+        alpha = self.alpha if self.alpha is not None else np.ones(self.size, np.float32)
         # Colours of pixels that nobody sees must not bleed into those that are seen.
         seen = resize(np.dstack([self.colour * alpha[..., None], alpha]), shape)
         colour = seen[..., :3] / np.maximum(seen[..., 3:], 1e-4)
@@ -61,7 +67,7 @@ def fitted(shape: tuple[int, int], longest: int) -> tuple[int, int]:
 
 
 def read_picture(path: Path, content: bytes | None = None, longest: int | None = None) -> Picture:
-    """Read a drawing of any mode and format, upright.
+    """Read a drawing of any mode and format, upright; of a larger one than is worked on a reduced one.
 
     Args:
         path: its file, or what to call it.
@@ -71,22 +77,16 @@ def read_picture(path: Path, content: bytes | None = None, longest: int | None =
     Raises:
         InputError: if it is missing, no image, or of no possible size.
     """
-    return to_picture(open_image(path, content, min(longest or SVG_SIDE, MOST_WORKED)))
+    return to_picture(read_pixels(path, content, min(longest or SVG_SIDE, MOST_WORKED), MOST_WORKED))
 
 
-def to_picture(image: Image.Image) -> Picture:
-    """Return an image of Pillow, of any mode, as a picture."""
-    if image.mode.startswith("I") or image.mode == "F":
-        grey = np.asarray(image, np.float32)
-        # 16-bit greys come as I;16, or as I with the same range; a float image has none that is agreed on.
-        grey = np.clip(grey / (1 if image.mode == "F" and grey.max() <= 1 else 65535), 0, 1)
-        return Picture(np.repeat(grey[..., None], 3, -1), None)
-    if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
-        pixels = _unit(np.asarray(image.convert("RGBA")))
-        alpha = pixels[..., 3]
-        return Picture(pixels[..., :3], alpha if alpha.min() < 1 else None)
-    return Picture(_unit(np.asarray(image.convert("RGB"))), None)
-
-
-def _unit(pixels: NDArray[np.uint8]) -> Floats:
-    return np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
+def to_picture(decoded: Decoded) -> Picture:
+    """Return decoded pixels of any kind as a picture."""
+    values, alpha = to_unit(decoded.pixels), None
+    full = decoded.shape if decoded.shape != values.shape[:2] else None
+    if values.ndim == 2:
+        return Picture(np.repeat(values[..., None], 3, -1), None, full)
+    if values.shape[2] == 4:
+        values, alpha = values[..., :3], values[..., 3]
+        alpha = alpha if alpha.min() < 1 else None
+    return Picture(values, alpha, full)

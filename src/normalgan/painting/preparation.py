@@ -57,7 +57,7 @@ def prepare(
     Args:
         picture: the drawing.
         size: side of the model's pictures.
-        mask: (H, W) of the drawing, the object; None takes the drawing's opacity or fills its outline.
+        mask: (h, w), the object, of any size; None takes the drawing's opacity or fills its outline.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
         source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, or None for the drawing's

@@ -24,11 +24,11 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
         InputError: if it is none, or too narrow.
     """
     picture = read_picture(Path(name), content)
-    if max(picture.shape) > MOST_SIDE:
-        picture = picture.resized(fitted(picture.shape, MOST_SIDE))
-    height, width = picture.shape
+    if max(picture.size) > MOST_SIDE:
+        picture = picture.resized(fitted(picture.size, MOST_SIDE))
+    height, width = picture.size
     check_sides("picture", height, width)
-    alpha = np.ones(picture.shape, np.float32) if picture.alpha is None else picture.alpha
+    alpha = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
     pixels = np.rint(255 * np.dstack([picture.colour, alpha])).astype(np.uint8)
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "PNG", compress_level=1)

@@ -1,0 +1,286 @@
+"""The parent's side: child processes that decode, kept for the next picture and ended when they fail."""
+
+import atexit
+import os
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.decoding.worker import MODES, PIXEL_BYTES, READY, REFUSED, REPLY, REQUEST, SECONDS
+from normalgan.errors import InputError, RunError
+
+Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
+"""(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits."""
+
+PATIENCE = 60.0
+"""Seconds by the clock for one picture; a busy machine gives it little processor time."""
+_DTYPES = (np.uint8, np.uint8, np.uint8, np.uint16, np.int32, np.float32)
+_CHANNELS = (1, 3, 4, 1, 1, 1)
+_PIPE = 2**20
+_WORDS = 4096
+
+
+@dataclass(frozen=True)
+class Decoded:
+    """A picture's pixels, upright.
+
+    Args:
+        pixels: (h, w), (h, w, 3) or (h, w, 4).
+        shape: (H, W) of the file; that of the pixels unless they were reduced.
+    """
+
+    pixels: Pixels
+    shape: tuple[int, int]
+
+
+def decode(
+    name: str,
+    content: bytes,
+    sides: tuple[int, int],
+    svg_side: int,
+    longest: int | None = None,
+    grey: bool = False,
+) -> Decoded:
+    """Return the pixels of a picture, upright; an SVG is drawn, transparent where it has nothing.
+
+    Args:
+        name: what to call it in an error.
+        content: its file.
+        sides: pixels that each side has at least and at most.
+        svg_side: longer side in pixels that an SVG is drawn with.
+        longest: longer side in pixels that a larger picture is reduced to.
+        grey: whether only how bright it is on white paper is wanted, (H, W).
+
+    Raises:
+        InputError: if it cannot be decoded; it says why.
+        RunError: if no process can be started to do it.
+    """
+    return _pool.decode(
+        name, REQUEST.pack(len(content), *sides, svg_side, longest or 0, grey), content, sides[1]
+    )
+
+
+def start() -> None:
+    """Start the process that the first picture needs, and do not wait for it."""
+    _pool.start()
+
+
+class _Child:
+    """A process that decodes one picture after the other."""
+
+    def __init__(self) -> None:
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-I", "-S", str(Path(__file__).with_name("worker.py")), *_folders()],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                bufsize=0,
+                env={key: os.environ[key] for key in _ENVIRONMENT if key in os.environ} | _KEPT_MEMORY,
+                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+            )
+        except OSError as error:
+            raise RunError(f"no process can be started to decode pictures: {error.strerror}.") from None
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._requests, self._replies = self._process.stdin, self._process.stdout
+        _widen(self._requests.fileno(), self._replies.fileno())
+        self._ready = False
+
+    def decode(self, name: str, request: bytes, content: bytes, most: int) -> Decoded:
+        """Return the pixels of a picture; if anything but a refusal is raised, the process has ended."""
+        late = threading.Event()
+
+        def end() -> None:
+            late.set()
+            self._process.kill()
+
+        clock = threading.Timer(PATIENCE, end)
+        clock.daemon = True
+        clock.start()
+        try:
+            if not self._ready:
+                self._greet()
+            self._send(request)
+            self._send(content)
+            return self._receive(name, most)
+        except (EOFError, OSError):
+            self.close()
+            raise InputError(f"{name} cannot be decoded: {self._reason(late.is_set())}.") from None
+        except RunError:
+            self.close()
+            raise
+        finally:
+            clock.cancel()
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.kill()
+        self._process.wait()
+        self._requests.close()
+        self._replies.close()
+
+    @property
+    def ended(self) -> bool:
+        """Whether the process has ended."""
+        return self._process.poll() is not None
+
+    def _greet(self) -> None:
+        """Wait until the process can decode."""
+        try:
+            kind, *_, count = REPLY.unpack(self._read(REPLY.size))
+            words = "" if kind == READY else _told(self._read(min(count, _WORDS)))
+        except (EOFError, OSError):
+            self._process.kill()
+            kind, words = REFUSED, f"it ended with {self._process.wait()}"
+        if kind != READY:
+            raise RunError(f"the process that decodes pictures does not start: {words}.")
+        self._ready = True
+
+    def _send(self, data: bytes) -> None:
+        view = memoryview(data)
+        while view:
+            view = view[self._requests.write(view) :]
+
+    def _receive(self, name: str, most: int) -> Decoded:
+        """Return pixels as the child sends them; what it says of them is not believed."""
+        kind, width, height, full_width, full_height, count = REPLY.unpack(self._read(REPLY.size))
+        if kind == REFUSED and count <= _WORDS:
+            raise InputError(f"{name} {_told(self._read(count))}.")
+        if kind >= len(MODES) or not all(
+            0 < side <= most for side in (width, height, full_width, full_height)
+        ):
+            raise EOFError
+        if count != width * height * PIXEL_BYTES[kind]:
+            raise EOFError
+        channels = _CHANNELS[kind]
+        shape = (height, width) if channels == 1 else (height, width, channels)
+        pixels: NDArray[Any] = np.empty(shape, _DTYPES[kind])
+        self._fill(memoryview(pixels).cast("B"))
+        return Decoded(pixels, (full_height, full_width))
+
+    def _read(self, count: int) -> bytes:
+        data = bytearray(count)
+        self._fill(memoryview(data))
+        return bytes(data)
+
+    def _fill(self, view: memoryview) -> None:
+        while view:
+            got = self._replies.readinto(view)  # type: ignore[attr-defined]  # bufsize=0: a raw file
+            if not got:
+                raise EOFError
+            view = view[got:]
+
+    def _reason(self, late: bool) -> str:
+        code = self._process.returncode
+        if late:
+            return f"it takes more than {PATIENCE:.0f} seconds"
+        if code == -getattr(signal, "SIGXCPU", 0):
+            return f"it takes more than {SECONDS} seconds of processor time"
+        crash = (
+            signal.Signals(-code).name if code < 0 and -code in set(signal.Signals) else f"exit code {code}"
+        )
+        return f"its decoder crashed ({crash})"
+
+
+class _Pool:
+    """Children that wait for a picture; as many as have been needed at once, up to a number.
+
+    Args:
+        most: children at once.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._turns = threading.BoundedSemaphore(most)
+        self._lock = threading.Lock()
+        self._idle: list[_Child] = []
+
+    def start(self) -> None:
+        """Have one child at least."""
+        with self._lock:
+            if not self._idle:
+                self._idle.append(_Child())
+
+    def decode(self, name: str, request: bytes, content: bytes, most: int) -> Decoded:
+        """Decode a picture in a child that is free."""
+        with self._turns:
+            child = self._take()
+            try:
+                return child.decode(name, request, content, most)
+            finally:
+                if child.ended:
+                    child.close()
+                else:
+                    with self._lock:
+                        self._idle.append(child)
+
+    def close(self) -> None:
+        """End those that wait."""
+        with self._lock:
+            while self._idle:
+                self._idle.pop().close()
+
+    def _take(self) -> _Child:
+        with self._lock:
+            while self._idle:
+                child = self._idle.pop()
+                if not child.ended:
+                    return child
+                child.close()  # ended by somebody else while it waited
+        return _Child()
+
+
+def _folders() -> list[str]:
+    """Return where Pillow and resvg lie; the child sees no other packages."""
+    found = [find_spec(name) for name in ("PIL", "resvg_py")]
+    origins = [spec.origin for spec in found if spec is not None and spec.origin is not None]
+    return list(dict.fromkeys(str(Path(origin).parents[1]) for origin in origins))
+
+
+def _widen(*pipes: int) -> None:
+    """Let pipes hold a whole picture of usual size, where that can be asked for."""
+    if sys.platform == "linux":
+        import fcntl
+
+        for pipe in pipes:
+            try:
+                fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, _PIPE)
+            except OSError:  # a user may have so much of it only
+                return
+
+
+def _told(words: bytes) -> str:
+    """Return the child's words as one line that is fit for a terminal."""
+    return "".join(each for each in words.decode("utf-8", "replace") if each.isprintable())
+
+
+def _forget() -> None:
+    """Leave the children of the process that this one was forked from to it."""
+    global _pool  # noqa: PLW0603
+    _kept.append(_pool)  # else its files would be closed, and its children waited for
+    _pool = _Pool(_MOST)
+
+
+def _close() -> None:
+    _pool.close()
+
+
+_ENVIRONMENT = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
+"""What a child needs of the environment, which may hold secrets: where the libraries are."""
+_KEPT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}
+"""Has glibc keep up to 64 MiB for the next picture: fresh pages take longer to get than pixels to decode."""
+_MOST = max(2, min(os.cpu_count() or 1, 8))
+"""Children at once: two at least, so that no stroke in the studio waits for a picture that is imported."""
+_kept: list[_Pool] = []
+_pool = _Pool(_MOST)
+atexit.register(_close)
+if sys.platform != "win32":
+    os.register_at_fork(after_in_child=_forget)

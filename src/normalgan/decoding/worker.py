@@ -1,0 +1,416 @@
+"""The program of the child process that decodes pictures; `normalgan.decoding` says what it is for.
+
+It reads requests from standard input and writes pixels to standard output until its input ends. It runs
+without the package on its path and imports nothing of it, so that it starts in a fraction of the time.
+"""
+
+import base64
+import binascii
+import io
+import os
+import re
+import signal
+import struct
+import sys
+from collections.abc import Iterator
+from pyexpat import ErrorString, ExpatError, ParserCreate
+from typing import TYPE_CHECKING, BinaryIO
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+REQUEST = struct.Struct("<QIIIIB")
+"""Bytes that follow, least and greatest side, side of an SVG, longer side to reduce to or 0, whether grey."""
+REPLY = struct.Struct("<BIIIIQ")
+"""Kind of what follows, width, height, those before it was reduced, bytes that follow."""
+READY, REFUSED = 254, 255
+"""Kinds that are no pixels: the process is ready; a refusal in words."""
+MODES = ("L", "RGB", "RGBA", "I;16", "I", "F")
+"""Modes of Pillow in which pixels are sent; their kind is the number here."""
+PIXEL_BYTES = (1, 3, 4, 2, 4, 4)
+
+SECONDS = 10
+"""Processor time for one picture; the slowest honest ones, of 8192 × 8192 pixels, take some 3 seconds."""
+MEMORY = 2**31
+"""Bytes of address space on top of what the libraries map; those pictures take up to 1.2e9."""
+MOST_DEPTH = 128
+"""Elements within one another in an SVG: the drawing library needs stack for each, and ends without."""
+MOST_TEXT = 2**26
+"""Characters of an SVG with its entities written out."""
+
+_FORMATS = ("PNG", "JPEG", "MPO", "WEBP", "BMP", "TIFF", "GIF")
+_KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg"
+_STRIP = 2**22
+_DPI = 96.0
+"""What CSS takes an inch for; without it millimetres have no size."""
+_EMBEDDED = re.compile(r"data:image/(?:png|jpe?g|gif|webp);base64,", re.IGNORECASE)
+
+
+class RefusedError(Exception):
+    """A picture that is not decoded; its text goes after the picture's name: "is … pixels"."""
+
+
+def main(folders: list[str]) -> None:
+    """Answer requests until the input ends.
+
+    Args:
+        folders: where Pillow and resvg lie.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks; then the input ends
+    requests = sys.stdin.buffer
+    replies = open(os.dup(1), "wb", buffering=0)  # noqa: PTH123, SIM115 -- a number, and to the end
+    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123 -- what a library prints is no reply
+        os.dup2(nowhere.fileno(), 1)
+    sys.path.extend(folders)
+    try:
+        _import_all()
+        limit()
+    except Exception as error:
+        _refuse(replies, f"{type(error).__name__}: {error}")
+        return
+    replies.write(REPLY.pack(READY, 0, 0, 0, 0, 0))
+    while len(head := _read(requests, REQUEST.size)) == REQUEST.size:
+        count, least, most, svg_side, longest, grey = REQUEST.unpack(head)
+        content = _read(requests, count)
+        if len(content) < count:
+            return
+        limit_time()
+        try:
+            image, full = decode(content, least, most, svg_side, longest, bool(grey))
+        except RefusedError as refusal:
+            _refuse(replies, str(refusal))
+        except MemoryError:
+            _refuse(replies, f"needs more than {MEMORY >> 30} GiB of memory to be decoded")
+        else:
+            send(image, full, replies)
+            del image
+        del content
+
+
+def _import_all() -> None:
+    """Import all that decoding needs: later no file can be opened."""
+    import encodings.cp1252
+    import encodings.latin_1
+    import encodings.utf_16
+    import encodings.utf_16_be
+    import encodings.utf_16_le  # noqa: F401 -- texts within pictures, which codecs would look up
+
+    import resvg_py  # noqa: F401
+    from PIL import (  # noqa: F401
+        BmpImagePlugin,
+        GifImagePlugin,
+        ImageOps,
+        JpegImagePlugin,
+        MpoImagePlugin,
+        PngImagePlugin,
+        PpmImagePlugin,
+        TiffImagePlugin,
+        WebPImagePlugin,
+    )
+
+
+def limit() -> None:
+    """Take from this process what decoding does not need: files, and memory without bound."""
+    try:
+        import resource
+    except ImportError:  # Windows has nothing like it
+        return
+    for what, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_FSIZE, 0)):
+        _lower(what, most)
+    if sys.platform == "linux":  # macOS does not heed it
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 -- nothing more is imported
+            mapped = int(file.read().split()[0]) * resource.getpagesize()
+        _lower(resource.RLIMIT_AS, mapped + MEMORY)
+    # No file, socket or pipe can be opened from here on, whatever a decoder is talked into.
+    _lower(resource.RLIMIT_NOFILE, 0)
+
+
+def limit_time() -> None:
+    """Have the system end this process if the next picture takes too much processor time."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    until = int(used.ru_utime + used.ru_stime) + 1 + SECONDS
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    resource.setrlimit(
+        resource.RLIMIT_CPU, (until if hard == resource.RLIM_INFINITY else min(until, hard), hard)
+    )
+
+
+def _lower(what: int, most: int) -> None:
+    """Set a limit of this process, unless a lower one holds."""
+    import resource
+
+    hard = resource.getrlimit(what)[1]
+    most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    resource.setrlimit(what, (most, most))
+
+
+def _read(file: "BinaryIO | io.FileIO", count: int) -> bytes:
+    """Return as many bytes, or fewer where the input ends."""
+    data = bytearray()
+    while len(data) < count and (chunk := file.read(min(count - len(data), 2**24))):
+        data += chunk
+    return bytes(data)
+
+
+def _refuse(replies: "BinaryIO | io.FileIO", words: str) -> None:
+    text = " ".join(words.split())[:600].encode(errors="replace")
+    _write(replies, REPLY.pack(REFUSED, 0, 0, 0, 0, len(text)) + text)
+
+
+def _write(file: "BinaryIO | io.FileIO", data: bytes) -> None:
+    view = memoryview(data)
+    while view:
+        view = view[file.write(view) or 0 :]
+
+
+def send(image: "Image", full: tuple[int, int], replies: "BinaryIO | io.FileIO") -> None:
+    """Write an image's pixels, row after row, and the (width, height) that it had before it was reduced."""
+    kind = MODES.index(image.mode)
+    row = image.width * PIXEL_BYTES[kind]
+    _write(replies, REPLY.pack(kind, *image.size, *full, row * image.height))
+    rows = max(_STRIP // row, 1)  # in strips: a whole copy of a large one is as large again
+    for top in range(0, image.height, rows):
+        bottom = min(top + rows, image.height)
+        strip = image if bottom - top == image.height else image.crop((0, top, image.width, bottom))
+        _write(replies, strip.tobytes())
+
+
+def decode(
+    content: bytes, least: int, most: int, svg_side: int, longest: int, grey: bool
+) -> "tuple[Image, tuple[int, int]]":
+    """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
+
+    Args:
+        content: its file.
+        least: pixels that either side must have.
+        most: pixels that neither side may exceed; it is held to before any pixel is decoded.
+        svg_side: longer side in pixels that an SVG is drawn with.
+        longest: longer side in pixels that a larger one is reduced to; 0 leaves it.
+        grey: whether to return only how bright it is on white paper.
+
+    Raises:
+        RefusedError: if it cannot be decoded.
+    """
+    from PIL import Image, ImageOps, UnidentifiedImageError
+
+    Image.MAX_IMAGE_PIXELS = None  # ours are lower
+    if is_svg(content):
+        content = draw_svg(content, svg_side, most)
+    try:
+        with Image.open(io.BytesIO(content), formats=_FORMATS) as image:
+            _check_sides(image, least, most)
+            image.load()
+            upright = ImageOps.exif_transpose(image)
+        del image, content
+        upright, full = _plain(upright), upright.size
+        if longest and max(full) > longest:
+            upright = _reduced(upright, longest)
+        return _grey(upright) if grey else upright, full
+    except (RefusedError, MemoryError):
+        raise
+    except UnidentifiedImageError:
+        raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
+    except Exception as error:  # a decoder of Pillow that trips over damage raises anything
+        raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
+
+
+def _check_sides(image: "Image", least: int, most: int) -> None:
+    if not least <= min(image.size) <= max(image.size) <= most:
+        raise RefusedError(
+            f"is {image.width} × {image.height} pixels; a drawing has {least} to {most} a side"
+        )
+
+
+def _plain(image: "Image") -> "Image":
+    """Return an image of any mode in one of `MODES`."""
+    if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
+        if image.mode == "La":
+            image = image.convert("LA")
+        return image.convert("RGBA")
+    if image.mode in {"1", "L"}:
+        return image.convert("L")
+    if image.mode in {"I", "F"} or image.mode.startswith("I;"):
+        return image if image.mode in MODES else image.convert("I")
+    return image.convert("RGB")
+
+
+def _reduced(image: "Image", longest: int) -> "Image":
+    """Return an image with each pixel the mean of those it takes the place of."""
+    from PIL import Image
+
+    scale = longest / max(image.size)
+    size = (max(round(image.width * scale), 1), max(round(image.height * scale), 1))
+    if image.mode == "RGBA":  # colours of pixels that nobody sees must not bleed into those that are seen
+        return image.convert("RGBa").resize(size, Image.Resampling.BOX).convert("RGBA")
+    if image.mode == "I;16":
+        image = image.convert("I")
+    return image.resize(size, Image.Resampling.BOX)
+
+
+def _grey(image: "Image") -> "Image":
+    """Return how bright an image of one of `MODES` is on white paper."""
+    from PIL import Image
+
+    if image.mode == "RGBA":
+        image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image).convert("RGB")
+    return image.convert("L") if image.mode == "RGB" else image
+
+
+def is_svg(content: bytes) -> bool:
+    r"""Return whether a file is XML with an SVG in it; a picture whose notes hold one is none.
+
+    >>> is_svg(b'<?xml version="1.0"?><!-- long --><svg/>'), is_svg(b"\x89PNG... <svg")
+    (True, False)
+    """
+    start = content[:64].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+        return "<" in content[2:64].decode("utf-16-le" if content[:1] == b"\xff" else "utf-16-be", "replace")
+    return start.startswith(b"<")
+
+
+def draw_svg(content: bytes, side: int, most: int) -> bytes:
+    """Return an SVG as PNG, transparent where it has nothing.
+
+    Args:
+        content: the file.
+        side: longer side in pixels that it is drawn with.
+        most: pixels that no side of a picture within it may exceed.
+
+    Raises:
+        RefusedError: if it cannot be drawn, or would draw another file.
+    """
+    from PIL import Image
+    from resvg_py import svg_to_bytes
+
+    text = harmless(content, most)
+    try:
+        # Without fonts: what is drawn must not depend on those that a machine has.
+        # Within a square: with a width alone, one that is very high would end the process for want of memory.
+        small = bytes(svg_to_bytes(svg_string=text, width=64, height=64, dpi=_DPI, skip_system_fonts=True))
+        with Image.open(io.BytesIO(small), formats=("PNG",)) as image:
+            wide = image.height <= image.width
+        width, height = (side, None) if wide else (None, side)
+        return bytes(
+            svg_to_bytes(svg_string=text, width=width, height=height, dpi=_DPI, skip_system_fonts=True)
+        )
+    except ValueError as error:
+        raise RefusedError(f"cannot be drawn as SVG: {_brief(error)}") from None
+    except BaseException as error:  # a panic of Rust comes as one that is no Exception
+        if isinstance(error, MemoryError):
+            raise
+        raise RefusedError(f"cannot be drawn as SVG: {_brief(error)}") from None
+
+
+def harmless(content: bytes, most: int) -> str:
+    """Return an SVG written anew, with its entities expanded and nothing in it that leads out of it.
+
+    It is written anew, not only looked at: what another parser would make of the same bytes does not matter.
+
+    Args:
+        content: the file, in any encoding that XML knows.
+        most: pixels that no side of a picture within it may exceed.
+
+    Raises:
+        RefusedError: if it is no XML, nested too deeply, too long, or would draw another file.
+    """
+    parser = ParserCreate()
+    parser.buffer_text = True
+    written: list[str] = []
+    depth = length = 0
+
+    def write(text: str) -> None:
+        nonlocal length
+        length += len(text)
+        if length > MOST_TEXT:
+            raise RefusedError(f"stands for more than {MOST_TEXT} characters of SVG")
+        written.append(text)
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MOST_DEPTH:
+            raise RefusedError(f"is nested more than {MOST_DEPTH} deep; a drawing is not")
+        if depth == 1 and _local(name) != "svg":
+            raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}")
+        kept = "".join(
+            f' {key}="{_escaped(value)}"' for key, value in _allowed(_local(name), attributes, most)
+        )
+        write(f"<{name}{kept}>")
+
+    def end(name: str) -> None:
+        nonlocal depth
+        depth -= 1
+        write(f"</{name}>")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = lambda data: write(_escaped(data))
+    try:
+        parser.Parse(content, True)
+    except ExpatError as error:
+        told = f"cannot be drawn as SVG: line {error.lineno}: {ErrorString(error.code)}"
+        raise RefusedError(told) from None
+    except (ValueError, LookupError) as error:  # an encoding that is none
+        raise RefusedError(f"cannot be drawn as SVG: {_brief(error)}") from None
+    return "".join(written)
+
+
+def _allowed(name: str, attributes: dict[str, str], most: int) -> Iterator[tuple[str, str]]:
+    """Yield an element's attributes, without links to elsewhere.
+
+    Raises:
+        RefusedError: if it would draw what a link leads to.
+    """
+    for key, value in attributes.items():
+        if _local(key) == "href":
+            link = value.strip()
+            if name in {"image", "feImage"} and not link.startswith("#"):
+                _check_embedded(link, most)
+            elif not link.startswith("#"):
+                continue  # of a text that can be clicked, or of a part of another file
+        yield key, value
+
+
+def _check_embedded(link: str, most: int) -> None:
+    """Raise `RefusedError` if a picture in an SVG lies elsewhere, or is larger than a drawing may be."""
+    from PIL import Image
+
+    start = _EMBEDDED.match(link)
+    if start is None:
+        shown = link if len(link) <= 60 else f"{link[:57]}…"
+        raise RefusedError(
+            f"draws {shown!r}, and no file but itself is read; embed that picture as PNG, JPEG, GIF or WebP"
+        )
+    try:
+        # As the drawing library does: without what is no base64.
+        data = base64.b64decode(re.sub(r"\s+", "", link[start.end() :]) + "===", validate=False)
+        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG", "MPO", "GIF", "WEBP")) as image:
+            size = image.size
+    except (OSError, SyntaxError, ValueError, binascii.Error) as error:
+        raise RefusedError(f"has a picture in it that cannot be read: {_brief(error)}") from None
+    if max(size) > most:
+        raise RefusedError(f"has a picture of {size[0]} × {size[1]} pixels in it; {most} a side are read")
+
+
+def _local(name: str) -> str:
+    """Return an XML name without its prefix."""
+    return name.rpartition(":")[2]
+
+
+def _escaped(text: str) -> str:
+    if "&" in text or "<" in text or ">" in text or '"' in text:
+        text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
+    return text.replace("\n", "&#10;").replace("\t", "&#9;").replace("\r", "&#13;")
+
+
+def _brief(error: BaseException) -> str:
+    lines = str(error).strip().splitlines()
+    return lines[0] if lines else type(error).__name__
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
