@@ -14,12 +14,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.decoding.worker import MODES, PIXEL_BYTES, READY, REFUSED, REPLY, REQUEST, SECONDS
+from normalgan.decoding.worker import MODES, PIXEL_BYTES, READY, REFUSED, REPLY, REQUEST
 from normalgan.errors import InputError, RunError
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
 """(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits."""
 
+SECONDS = 10
+"""Processor time for one picture."""
+MEMORY = 2**31
+"""Bytes that decoding one may take, on top of what the libraries map."""
 PATIENCE = 60.0
 """Seconds by the clock for one picture; a busy machine gives it little processor time."""
 _DTYPES = (np.uint8, np.uint8, np.uint8, np.uint16, np.int32, np.float32)
@@ -79,7 +83,7 @@ class _Child:
     def __init__(self) -> None:
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-I", "-S", str(Path(__file__).with_name("worker.py")), *_folders()],
+                [sys.executable, "-I", "-S", _WORKER, str(SECONDS), str(MEMORY), *_folders()],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -273,6 +277,7 @@ def _close() -> None:
     _pool.close()
 
 
+_WORKER = str(Path(__file__).with_name("worker.py"))
 _ENVIRONMENT = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
 """What a child needs of the environment, which may hold secrets: where the libraries are."""
 _KEPT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}

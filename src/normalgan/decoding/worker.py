@@ -6,6 +6,7 @@ without the package on its path and imports nothing of it, so that it starts in 
 
 import base64
 import binascii
+import builtins
 import io
 import os
 import re
@@ -14,7 +15,7 @@ import struct
 import sys
 from collections.abc import Iterator
 from pyexpat import ErrorString, ExpatError, ParserCreate
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -29,16 +30,23 @@ MODES = ("L", "RGB", "RGBA", "I;16", "I", "F")
 """Modes of Pillow in which pixels are sent; their kind is the number here."""
 PIXEL_BYTES = (1, 3, 4, 2, 4, 4)
 
-SECONDS = 10
-"""Processor time for one picture; the slowest honest ones, of 8192 × 8192 pixels, take some 3 seconds."""
-MEMORY = 2**31
-"""Bytes of address space on top of what the libraries map; those pictures take up to 1.2e9."""
 MOST_DEPTH = 128
 """Elements within one another in an SVG: the drawing library needs stack for each, and ends without."""
 MOST_TEXT = 2**26
 """Characters of an SVG with its entities written out."""
 
-_FORMATS = ("PNG", "JPEG", "MPO", "WEBP", "BMP", "TIFF", "GIF")
+_PLUGINS = {
+    b"\x89PNG": "Png",
+    b"\xff\xd8\xff": "Jpeg",
+    b"RIFF": "WebP",
+    b"GIF8": "Gif",
+    b"BM": "Bmp",
+    b"II*\0": "Tiff",
+    b"MM\0*": "Tiff",
+    b"II+\0": "Tiff",
+    b"MM\0+": "Tiff",
+}
+"""What files begin with, and Pillow's module for them; it has forty more, one of which starts Ghostscript."""
 _KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg"
 _STRIP = 2**22
 _DPI = 96.0
@@ -50,10 +58,12 @@ class RefusedError(Exception):
     """A picture that is not decoded; its text goes after the picture's name: "is … pixels"."""
 
 
-def main(folders: list[str]) -> None:
+def main(seconds: int, memory: int, folders: list[str]) -> None:
     """Answer requests until the input ends.
 
     Args:
+        seconds: of processor time for one picture.
+        memory: bytes of address space on top of what the libraries map.
         folders: where Pillow and resvg lie.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks; then the input ends
@@ -64,7 +74,7 @@ def main(folders: list[str]) -> None:
     sys.path.extend(folders)
     try:
         _import_all()
-        limit()
+        limit(memory)
     except Exception as error:
         _refuse(replies, f"{type(error).__name__}: {error}")
         return
@@ -74,13 +84,13 @@ def main(folders: list[str]) -> None:
         content = _read(requests, count)
         if len(content) < count:
             return
-        limit_time()
+        limit_time(seconds)
         try:
             image, full = decode(content, least, most, svg_side, longest, bool(grey))
         except RefusedError as refusal:
             _refuse(replies, str(refusal))
         except MemoryError:
-            _refuse(replies, f"needs more than {MEMORY >> 30} GiB of memory to be decoded")
+            _refuse(replies, f"needs more than {memory >> 20} MiB of memory to be decoded")
         else:
             send(image, full, replies)
             del image
@@ -88,28 +98,14 @@ def main(folders: list[str]) -> None:
 
 
 def _import_all() -> None:
-    """Import all that decoding needs: later no file can be opened."""
-    import encodings.cp1252
-    import encodings.latin_1
-    import encodings.utf_16
-    import encodings.utf_16_be
-    import encodings.utf_16_le  # noqa: F401 -- texts within pictures, which codecs would look up
-
+    """Import what nearly every picture needs, while nobody waits yet."""
     import resvg_py  # noqa: F401
-    from PIL import (  # noqa: F401
-        BmpImagePlugin,
-        GifImagePlugin,
-        ImageOps,
-        JpegImagePlugin,
-        MpoImagePlugin,
-        PngImagePlugin,
-        PpmImagePlugin,
-        TiffImagePlugin,
-        WebPImagePlugin,
-    )
+    from PIL import Image, ImageOps  # noqa: F401
+
+    Image.preinit()  # PNG, JPEG, GIF, BMP
 
 
-def limit() -> None:
+def limit(memory: int) -> None:
     """Take from this process what decoding does not need: files, and memory without bound."""
     try:
         import resource
@@ -120,19 +116,40 @@ def limit() -> None:
     if sys.platform == "linux":  # macOS does not heed it
         with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 -- nothing more is imported
             mapped = int(file.read().split()[0]) * resource.getpagesize()
-        _lower(resource.RLIMIT_AS, mapped + MEMORY)
-    # No file, socket or pipe can be opened from here on, whatever a decoder is talked into.
-    _lower(resource.RLIMIT_NOFILE, 0)
+        _lower(resource.RLIMIT_AS, mapped + memory)
+    _forbid_files()
 
 
-def limit_time() -> None:
+def _forbid_files() -> None:
+    """Let no file, socket or pipe be opened, whatever a decoder is talked into, but what Python imports."""
+    import resource
+
+    most, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    importing, depth = builtins.__import__, 0
+
+    def import_(*arguments: Any, **named: Any) -> Any:
+        nonlocal depth
+        depth += 1
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+        try:
+            return importing(*arguments, **named)
+        finally:
+            depth -= 1
+            if not depth:
+                resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
+
+    builtins.__import__ = import_
+    resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
+
+
+def limit_time(seconds: int) -> None:
     """Have the system end this process if the next picture takes too much processor time."""
     if sys.platform == "win32":
         return
     import resource
 
     used = resource.getrusage(resource.RUSAGE_SELF)
-    until = int(used.ru_utime + used.ru_stime) + 1 + SECONDS
+    until = int(used.ru_utime + used.ru_stime) + 1 + seconds
     hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
     resource.setrlimit(
         resource.RLIMIT_CPU, (until if hard == resource.RLIM_INFINITY else min(until, hard), hard)
@@ -195,13 +212,12 @@ def decode(
     Raises:
         RefusedError: if it cannot be decoded.
     """
-    from PIL import Image, ImageOps, UnidentifiedImageError
+    from PIL import ImageOps, UnidentifiedImageError
 
-    Image.MAX_IMAGE_PIXELS = None  # ours are lower
     if is_svg(content):
         content = draw_svg(content, svg_side, most)
     try:
-        with Image.open(io.BytesIO(content), formats=_FORMATS) as image:
+        with _opened(content) as image:
             _check_sides(image, least, most)
             image.load()
             upright = ImageOps.exif_transpose(image)
@@ -216,6 +232,18 @@ def decode(
         raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
+
+
+def _opened(content: bytes) -> "Image":
+    """Return a picture whose pixels are not decoded yet."""
+    from PIL import Image, UnidentifiedImageError
+
+    Image.MAX_IMAGE_PIXELS = None  # ours are lower
+    plugin = next((name for start, name in _PLUGINS.items() if content.startswith(start)), None)
+    if plugin is None:
+        raise UnidentifiedImageError
+    __import__(f"PIL.{plugin}ImagePlugin")
+    return Image.open(io.BytesIO(content), formats=(plugin.upper(),))
 
 
 def _check_sides(image: "Image", least: int, most: int) -> None:
@@ -377,8 +405,6 @@ def _allowed(name: str, attributes: dict[str, str], most: int) -> Iterator[tuple
 
 def _check_embedded(link: str, most: int) -> None:
     """Raise `RefusedError` if a picture in an SVG lies elsewhere, or is larger than a drawing may be."""
-    from PIL import Image
-
     start = _EMBEDDED.match(link)
     if start is None:
         shown = link if len(link) <= 60 else f"{link[:57]}…"
@@ -388,7 +414,7 @@ def _check_embedded(link: str, most: int) -> None:
     try:
         # As the drawing library does: without what is no base64.
         data = base64.b64decode(re.sub(r"\s+", "", link[start.end() :]) + "===", validate=False)
-        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG", "MPO", "GIF", "WEBP")) as image:
+        with _opened(data) as image:
             size = image.size
     except (OSError, SyntaxError, ValueError, binascii.Error) as error:
         raise RefusedError(f"has a picture in it that cannot be read: {_brief(error)}") from None
@@ -413,4 +439,4 @@ def _brief(error: BaseException) -> str:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:])

@@ -1,15 +1,22 @@
 """Model: a generator as ONNX, run by ONNX Runtime."""
 
+import threading
 from pathlib import Path
 
 import numpy as np
 import onnxruntime
 
 from normalgan.errors import InputError, brief
+from normalgan.limits import read_bounded
 from normalgan.normals import Floats
+from normalgan.painting.onnx_graph import check_graph
 
 SHIPPED = Path(__file__).parents[1] / "weights" / "ours.onnx"
 """The model that comes with the package."""
+PATIENCE = 300.0
+"""Seconds by the clock for one picture."""
+SMALLEST, LARGEST = 8, 2048
+"""Least and greatest side in pixels of a model's pictures."""
 
 
 def find_model(path: str | None = None) -> Path:
@@ -42,28 +49,37 @@ class Model:
     def __init__(self, path: Path, threads: int = 0) -> None:
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = threads
-        options.log_severity_level = 3
+        options.log_severity_level = 4  # what goes wrong is told in one sentence, by us
         # Threads that wait by spinning take the cores from what comes after a run, and from a browser.
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")
         try:
-            self._session = onnxruntime.InferenceSession(
-                path.read_bytes(), options, providers=["CPUExecutionProvider"]
-            )
+            content = read_bounded(path)
+            check_graph(str(path), content)
+            self._session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+        except InputError:
+            raise
         except OSError as error:
             raise InputError(f"the model {path} cannot be read: {error.strerror}.") from None
         except Exception as error:  # ONNX Runtime's own classes of errors have no common base
             raise InputError(
                 f"{path} is no model that ONNX Runtime can run: {brief(error)[:200]}."
             ) from error
+        self._path = path
         inputs = {each.name: each.shape for each in self._session.get_inputs()}
         self._outputs = [each.name for each in self._session.get_outputs()]
-        sides = inputs.get("sketch", [None])[-2:]
-        if set(inputs) != {"sketch", "hints"} or "normal" not in self._outputs or not _square(sides):
+        side = inputs.get("sketch", [None])[-1]
+        fits = [_fits(inputs.get(name), channels, side) for name, channels in (("sketch", 1), ("hints", 4))]
+        if len(inputs) != 2 or not all(fits) or "normal" not in self._outputs:
             raise InputError(
                 f"{path} takes {', '.join(inputs)} and gives {', '.join(self._outputs)}, which is not what "
                 "`normalgan export` writes: sketch and hints of one fixed size, and normal."
             )
-        self.size: int = sides[0]
+        if not SMALLEST <= side <= LARGEST:
+            raise InputError(
+                f"the model {path} paints pictures of {side} × {side} pixels; "
+                f"{SMALLEST} to {LARGEST} a side can be painted."
+            )
+        self.size: int = side
         """Side of the model's pictures in pixels."""
         self.notes: dict[str, str] = self._session.get_modelmeta().custom_metadata_map
         """What the file says about itself."""
@@ -76,14 +92,55 @@ class Model:
         Args:
             sketch: (S, S) ink in [0, 1].
             hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
+
+        Raises:
+            InputError: if the model does not paint what a generator paints, or takes too long.
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)
-        given = {"sketch": sketch[None, None], "hints": hints[None]}
-        outputs = self._session.run([n for n in ("normal", "confidence") if n in self._outputs], given)
+        names = [name for name in ("normal", "confidence") if name in self._outputs]
+        outputs = self._run(names, {"sketch": sketch[None, None], "hints": hints[None]})
+        for name, output in zip(names, outputs, strict=True):
+            shape = (1, 3 if name == "normal" else 1, self.size, self.size)
+            if np.shape(output) != shape:
+                raise InputError(
+                    f"the model {self._path} gives {name} of the shape {np.shape(output)}, not {shape}."
+                )
+            if not np.isfinite(output).all():
+                raise InputError(
+                    f"the model {self._path} gives {name} that is not finite; "
+                    "export it again from a checkpoint whose loss was finite."
+                )
         normal = np.asarray(outputs[0][0], np.float32).transpose(1, 2, 0)
         return np.ascontiguousarray(normal), np.asarray(outputs[1][0, 0]) if len(outputs) > 1 else None
 
+    def _run(self, names: list[str], given: dict[str, Floats]) -> list[Floats]:
+        """Return the outputs of these names, unless that takes too long."""
+        run = onnxruntime.RunOptions()
+        run.log_severity_level = 4
+        late = threading.Event()
 
-def _square(sides: list[object]) -> bool:
-    return len(sides) == 2 and isinstance(sides[0], int) and sides[0] == sides[1]
+        def end() -> None:
+            late.set()
+            run.terminate = True  # it is looked at between operators
+
+        clock = threading.Timer(PATIENCE, end)
+        clock.daemon = True
+        clock.start()
+        try:
+            return [np.asarray(output) for output in self._session.run(names, given, run)]
+        except Exception as error:  # as above
+            if late.is_set():
+                why = f"takes more than {PATIENCE:.0f} seconds to paint"
+            else:
+                why = f"cannot be run: {brief(error)[:200]}"
+            raise InputError(f"the model {self._path} {why}.") from error
+        finally:
+            clock.cancel()
+
+
+def _fits(shape: list[object] | None, channels: int, side: object) -> bool:
+    """Return whether an input takes one picture of so many channels and pixels a side, or several."""
+    if shape is None or not isinstance(side, int) or len(shape) != 4:
+        return False
+    return (shape[0] == 1 or not isinstance(shape[0], int)) and shape[1:] == [channels, side, side]
