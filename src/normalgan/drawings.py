@@ -111,7 +111,7 @@ def to_unit(pixels: Pixels) -> Floats:
     grey = pixels.astype(np.float32)
     # 16-bit greys come as such, or as integers with the same range; floats have none that is agreed on.
     top = np.float32(1 if pixels.dtype == np.float32 and grey.max() <= 1 else 65535)
-    return np.clip(np.nan_to_num(grey / top), 0, 1)
+    return np.asarray(np.clip(np.nan_to_num(grey / top), 0, 1), np.float32)
 
 
 def read_drawing(path: str | Path) -> Floats:

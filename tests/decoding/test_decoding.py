@@ -100,7 +100,7 @@ def test_a_child_that_does_not_start_is_no_fault_of_the_picture(
     monkeypatch.setattr(process, "_folders", list)
     with pytest.raises(RunError, match="process that decodes pictures does not start: ModuleNotFoundError"):
         read_pixels(Path("a.png"), grey(1))
-    monkeypatch.setattr(process.sys, "executable", "/nowhere/python")
+    monkeypatch.setattr(sys, "executable", "/nowhere/python")
     with pytest.raises(RunError, match="no process can be started to decode pictures: No such file"):
         read_pixels(Path("a.png"), grey(1))
 

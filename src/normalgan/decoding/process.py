@@ -168,7 +168,7 @@ class _Child:
         channels = _CHANNELS[kind]
         shape = (height, width) if channels == 1 else (height, width, channels)
         pixels: NDArray[Any] = np.empty(shape, _DTYPES[kind])
-        self._fill(memoryview(pixels).cast("B"))
+        self._fill(pixels.data.cast("B"))
         return Decoded(pixels, (full_height, full_width))
 
     def _read(self, count: int) -> bytes:
