@@ -1,8 +1,10 @@
 import io
 import json
 import struct
+import time
 import zlib
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,10 @@ import pytest
 from PIL import Image
 from starlette.testclient import TestClient
 from studio_client import HEIGHT, WIDTH, asking, b64, circle, png, serving
+
+from hostile_pictures import nested, svg
+from normalgan.studio import app
+from normalgan.studio.pictures import import_picture
 
 JSON = {"Content-Type": "application/json"}
 
@@ -197,3 +203,37 @@ def test_a_failure_of_ours_is_one_sentence_too(
     assert answer.json() == {"error": "the server failed: RuntimeError; the terminal says more."}
     assert answer.headers["x-content-type-options"] == "nosniff"
     assert capsys.readouterr().err == "normalgan: studio: RuntimeError: /secret/path\n"
+
+
+def test_one_picture_is_imported_at_a_time(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    at_once, most = 0, 0
+
+    def slowly(content: bytes) -> dict[str, str | int]:
+        nonlocal at_once, most
+        at_once += 1
+        most = max(most, at_once)
+        time.sleep(0.3)
+        at_once -= 1
+        return import_picture(content)
+
+    monkeypatch.setattr(app, "import_picture", slowly)
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(
+            pool.map(
+                lambda _: client.post(
+                    "/api/import", content=png(circle()), headers={"Content-Type": "image/png"}
+                ),
+                range(8),
+            )
+        )
+    assert most == 1
+    assert {answer.status_code for answer in answers} == {200, 429}
+    assert "too many pictures wait" in next(a for a in answers if a.status_code == 429).json()["error"]
+
+
+def test_a_picture_that_crashes_its_decoder_is_told_and_the_studio_goes_on(client: TestClient) -> None:
+    bomb = svg(nested("g", 900))
+    refused = client.post("/api/import", content=bomb, headers={"Content-Type": "image/svg+xml"})
+    assert refused.status_code == 400
+    assert refused.json()["error"] == "the picture is nested more than 128 deep; a drawing is not."
+    assert client.post("/api/paint", json=asking(1, tab="after")).status_code == 200

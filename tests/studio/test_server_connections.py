@@ -1,5 +1,6 @@
 import json
 import socket
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -102,3 +103,18 @@ def test_a_request_that_breaks_off_harms_nobody(studio: Studio) -> None:
         client.sendall(b"no HTTP at all\r\n\r\n")
         assert client.recv(100).startswith(b"HTTP/1.1 400")
     assert studio.ask("POST", "/api/paint", asking(1, tab="after"))[0] == 200
+
+
+def test_bodies_that_trickle_shut_nobody_out(studio: Studio) -> None:
+    trickling = []
+    for _ in range(80):
+        client = socket.create_connection(("127.0.0.1", studio.port), timeout=30)
+        client.sendall(head(studio, "Content-Length: 5000") + b"{")
+        trickling.append(client)
+    time.sleep(1)  # all are being read
+    assert studio.ask("POST", "/api/paint", asking(1, tab="among"))[0] == 200
+    for client in trickling[:64]:  # those that were there first have made room
+        client.sendall(b" ")
+        assert client.recv(100).startswith(b"HTTP/1.1 408")
+    for client in trickling:
+        client.close()

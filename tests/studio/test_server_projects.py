@@ -1,17 +1,23 @@
 import json
 import os
+import queue
+import threading
 import time
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import pytest
+from filelock import FileLock
 from starlette.testclient import TestClient
 from studio_client import circle, document, png, serving
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, RunError
+from normalgan.studio import document_store
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import find_opened
+from normalgan.studio.refusals import ChangedError
 
 NEW = {"If-None-Match": "*"}
 
@@ -136,7 +142,72 @@ def test_what_a_killed_server_left_is_cleared_away(tmp_path: Path) -> None:
     (tmp_path / "fox.normalgan").write_text("whole")
     (tmp_path / "notes.txt").write_text("mine")
     assert [entry["name"] for entry in DocumentStore(tmp_path).entries()] == ["fox"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["fox.normalgan", "notes.txt"]
+    left = {path.name for path in tmp_path.iterdir()} - {".lock"}
+    assert left == {"fox.normalgan", "notes.txt"}
+
+
+def test_of_two_studios_on_one_folder_one_save_is_told(tmp_path: Path) -> None:
+    stores = [DocumentStore(tmp_path), DocumentStore(tmp_path)]
+    tag = stores[0].write("fox", b"0", None)
+    for attempt in range(20):
+        ready, outcomes = threading.Barrier(2), queue.SimpleQueue[str]()
+
+        def save(number: int, tag: str, attempt: int, ready: threading.Barrier, outcomes: Any) -> None:
+            ready.wait()
+            try:
+                outcomes.put(stores[number].write("fox", b"%d %d" % (number, attempt), tag))
+            except ChangedError:
+                outcomes.put("")
+
+        threads = [
+            threading.Thread(target=save, args=(number, tag, attempt, ready, outcomes)) for number in (0, 1)
+        ]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        (tag,) = filter(None, [outcomes.get(), outcomes.get()])
+        assert stores[0].read("fox")[1] == tag
+
+
+def test_opening_a_folder_leaves_what_another_studio_is_writing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store, opened = DocumentStore(tmp_path), threading.Thread(target=DocumentStore, args=(tmp_path,))
+    sync = os.fsync
+
+    def open_meanwhile(file: int) -> None:
+        if not opened.ident:
+            assert list(tmp_path.glob(".fox.*.tmp"))
+            opened.start()
+            opened.join(0.5)
+        sync(file)
+
+    monkeypatch.setattr("normalgan.normals.os.fsync", open_meanwhile)
+    store.write("fox", b"whole", None)
+    opened.join()
+    assert store.read("fox")[0] == b"whole"
+
+
+def test_a_folder_that_another_program_holds_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(document_store, "_PATIENCE", 0.1)
+    store = DocumentStore(tmp_path)
+    with FileLock(tmp_path / ".lock"), pytest.raises(RunError, match=r"another program holds .*--projects"):
+        store.write("fox", b"whole", None)
+
+
+def test_a_project_whose_name_came_decomposed_is_opened_and_kept(client: TestClient, tmp_path: Path) -> None:
+    # As a folder copied from macOS has them.
+    path = tmp_path / "projects" / "Fu\u0308chse.normalgan"
+    path.write_text(json.dumps(document(hints=[1])))
+    assert [entry["name"] for entry in client.get("/api/projects").json()] == ["F\u00fcchse"]
+    read = client.get("/api/projects/F\u00fcchse")
+    assert read.json()["hints"] == [1]
+    tag = {"If-Match": read.headers["etag"]}
+    assert client.put("/api/projects/Fu\u0308chse", json=document(), headers=tag).status_code == 204
+    assert [file.name for file in path.parent.glob("*.normalgan")] == [path.name]
 
 
 def test_a_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:

@@ -13,9 +13,11 @@ MOST_NODES = 20_000
 """More operators than any generator has; a large one has some hundreds."""
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
 _DOMAINS = (b"", b"ai.onnx")
+_FOLDED = {"Constant", "Cast", "Identity", "Reshape", "Transpose", "Squeeze", "Unsqueeze"}
+"""Operators that make nothing larger than they are given."""
 
 
-def check_graph(name: str, content: bytes) -> None:
+def check_graph(name: str, content: bytes) -> bool:
     """Look through an ONNX file, as deep as its format goes and without copies.
 
     The numbers below are those of the fields in ONNX's definition, onnx.proto.
@@ -24,13 +26,18 @@ def check_graph(name: str, content: bytes) -> None:
         name: what to call it in an error.
         content: the file.
 
+    Returns:
+        Whether what its weights alone decide may be computed on loading, which knows no limits: it may not
+        if a small weight says how large a tensor is to be made.
+
     Raises:
         InputError: if it is no ONNX, or holds what no generator needs.
     """
+    folds = True
     try:
         for number, value in _fields(memoryview(content)):
             if number == 7:
-                _check_nodes(value)
+                folds &= _check_nodes(value)
             elif number in {20, 25}:
                 raise _RefusedError("training steps" if number == 20 else "functions of its own")
     except _RefusedError as found:
@@ -39,14 +46,18 @@ def check_graph(name: str, content: bytes) -> None:
         ) from None
     except (ValueError, IndexError):
         raise InputError(f"{name} is no model that ONNX Runtime can run: it is no ONNX.") from None
+    return folds
 
 
 class _RefusedError(Exception):
     """What a file holds that no generator needs."""
 
 
-def _check_nodes(graph: memoryview) -> None:
-    count = 0
+def _check_nodes(graph: memoryview) -> bool:
+    """Return whether all that its weights alone decide is no larger than they are."""
+    count, given = 0, {_field(value, 1) for number, value in _fields(graph) if number == 11}
+    given -= {_field(value, 8) for number, value in _fields(graph) if number == 5}  # a weight may be one too
+    folds = True
     for number, value in _fields(graph):
         match number:
             case 1:
@@ -54,10 +65,16 @@ def _check_nodes(graph: memoryview) -> None:
                 if count > MOST_NODES:
                     raise _RefusedError(f"more than {MOST_NODES} operators")
                 _check_node(value)
+                taken = {bytes(held) for kind, held in _fields(value) if kind == 1}
+                if taken & given:
+                    given |= {bytes(held) for kind, held in _fields(value) if kind == 2}
+                else:
+                    folds &= _field(value, 4).decode("utf-8", "replace") in _FOLDED
             case 5:
                 _check_tensor(value)
             case 15:
                 raise _RefusedError("sparse weights")
+    return folds
 
 
 def _check_node(node: memoryview) -> None:
@@ -111,6 +128,11 @@ def _fields(message: memoryview) -> Iterator[tuple[int, memoryview]]:
         if at > len(message):
             raise IndexError
         yield key >> 3, message[start:at]
+
+
+def _field(message: memoryview, number: int) -> bytes:
+    """Return a field of a message, empty if it has none."""
+    return next((bytes(value) for found, value in _fields(message) if found == number), b"")
 
 
 def _varint(message: memoryview, at: int) -> tuple[int, int]:

@@ -1,6 +1,7 @@
 """Model: a generator as ONNX, run by ONNX Runtime."""
 
 import threading
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ SHIPPED = Path(__file__).parents[1] / "weights" / "ours.onnx"
 """The model that comes with the package."""
 PATIENCE = 300.0
 """Seconds by the clock for one picture."""
+MEMORY = 2**33
+"""Bytes that all models of a process may take together while they paint; ours takes some 2e8."""
 SMALLEST, LARGEST = 8, 2048
 """Least and greatest side in pixels of a model's pictures."""
 
@@ -52,10 +55,17 @@ class Model:
         options.log_severity_level = 4  # what goes wrong is told in one sentence, by us
         # Threads that wait by spinning take the cores from what comes after a run, and from a browser.
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+        options.add_session_config_entry("session.use_env_allocators", "1")  # the one with a limit
         try:
             content = read_bounded(path)
-            check_graph(str(path), content)
-            self._session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+            folds = check_graph(str(path), content)
+            _limit_memory()
+            self._session = onnxruntime.InferenceSession(
+                content,
+                options,
+                providers=["CPUExecutionProvider"],
+                disabled_optimizers=None if folds else ["ConstantFolding"],
+            )
         except InputError:
             raise
         except OSError as error:
@@ -132,11 +142,22 @@ class Model:
         except Exception as error:  # as above
             if late.is_set():
                 why = f"takes more than {PATIENCE:.0f} seconds to paint"
+            elif "BFCArena" in str(error):
+                why = f"takes more than {MEMORY >> 30} GiB of memory to paint"
             else:
                 why = f"cannot be run: {brief(error)[:200]}"
             raise InputError(f"the model {self._path} {why}.") from error
         finally:
             clock.cancel()
+
+
+@cache
+def _limit_memory() -> None:
+    """Have ONNX Runtime refuse to take more memory than `MEMORY`; once for all sessions of a process."""
+    where = onnxruntime.OrtMemoryInfo(
+        "Cpu", onnxruntime.OrtAllocatorType.ORT_ARENA_ALLOCATOR, 0, onnxruntime.OrtMemType.DEFAULT
+    )
+    onnxruntime.create_and_register_allocator(where, onnxruntime.OrtArenaCfg({"max_mem": MEMORY}))
 
 
 def _fits(shape: list[object] | None, channels: int, side: object) -> bool:

@@ -1,5 +1,6 @@
 """App: the studio as an ASGI application: its page, and what the page asks for."""
 
+import asyncio
 import mimetypes
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -26,10 +27,13 @@ from normalgan.studio.painter import Painter
 from normalgan.studio.painting_routes import PaintingRoutes
 from normalgan.studio.pictures import import_picture
 from normalgan.studio.rate_limit import TokenBucket
+from normalgan.studio.refusals import TooManyError
 from normalgan.studio.responses import ResponseMiddleware, failed, refused
 
 PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
+_WAITING = 4
+"""Pictures that may wait to be imported."""
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
 
 
@@ -51,6 +55,7 @@ def build_app(
     """
     mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
     painting = PaintingRoutes(painter)
+    importing, waiting = asyncio.Semaphore(1), 0  # one at a time: it may take a gigabyte
     autosaved = DocumentStore(projects.folder / "autosave")
 
     async def about(_: Request) -> Response:
@@ -68,7 +73,16 @@ def build_app(
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
-        return JSONResponse(await run_in_threadpool(import_picture, await read_body(request)))
+        nonlocal waiting
+        content = await read_body(request)
+        if waiting >= _WAITING:
+            raise TooManyError("too many pictures wait to be imported; try again in a moment.")
+        waiting += 1
+        try:
+            async with importing:
+                return JSONResponse(await run_in_threadpool(import_picture, content))
+        finally:
+            waiting -= 1
 
     async def index(_: Request) -> Response:
         return FileResponse(PAGE / "index.html")

@@ -1,30 +1,57 @@
 """Bodies: what comes with a request, read no further than it may be long."""
 
+import asyncio
+
 from starlette.requests import Request
 
 from normalgan.studio.fields import Fields, parse_fields
-from normalgan.studio.refusals import TooLargeError, WrongTypeError
+from normalgan.studio.refusals import TooLargeError, TooSlowError, WrongTypeError
 
 MOST_BYTES = 20 * 2**20
 """Longest body of a request."""
+MOST_AT_ONCE = 16
+"""Bodies that are read at once. Fewer than requests may be at once: bodies that never end shut nobody out."""
+PATIENCE = 20.0
+"""Seconds for a body to come in; from the same machine it takes a part of one."""
+_being_read: list[asyncio.Timeout] = []
+"""Oldest first."""
 
 
 async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Return the body of a request.
 
+    If too many are being read, the one that has been for longest is given up.
+
     Raises:
         TooLargeError: as soon as it is longer than ``most`` bytes, or says that it will be.
+        TooSlowError: if it takes too long to come in.
     """
     said = request.headers.get("content-length", "")
+    if said.isdecimal() and int(said[:20]) > most:
+        raise _too_large(most)
     body = bytearray()
-    if not (said.isdecimal() and int(said[:20]) > most):
-        async for chunk in request.stream():
-            body += chunk
-            if len(body) > most:
-                break
-        else:
-            return bytes(body)
-    raise TooLargeError(f"that is more than {most // 2**20} MB; send less.")
+    if len(_being_read) >= MOST_AT_ONCE:
+        oldest = _being_read.pop(0)
+        if not oldest.expired():
+            oldest.reschedule(0)
+    try:
+        async with asyncio.timeout(PATIENCE) as limit:
+            _being_read.append(limit)
+            try:
+                async for chunk in request.stream():
+                    body += chunk
+                    if len(body) > most:
+                        raise _too_large(most)
+            finally:
+                if limit in _being_read:
+                    _being_read.remove(limit)
+    except TimeoutError:
+        raise TooSlowError("the request came in too slowly; send it again.") from None
+    return bytes(body)
+
+
+def _too_large(most: int) -> TooLargeError:
+    return TooLargeError(f"that is more than {most // 2**20} MB; send less.")
 
 
 async def read_json(request: Request) -> bytes:

@@ -7,6 +7,7 @@ from pathlib import Path
 from jsonargparse import Namespace
 from platformdirs import user_data_path
 
+from normalgan import decoding
 from normalgan.commands.light_parser import LightParser
 from normalgan.painting.session import find_model
 from normalgan.studio.app import build_app
@@ -56,6 +57,7 @@ def studio(settings: Namespace) -> int:
     Raises:
         InputError: if something cannot be used.
     """
+    decoding.start()  # while the model is loaded
     store = DocumentStore(
         Path(settings.projects) if settings.projects else user_data_path("normalgan", False)
     )

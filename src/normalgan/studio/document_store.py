@@ -3,12 +3,17 @@
 import hashlib
 import os
 import sys
+import unicodedata
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final
 
-from normalgan.errors import unwritable
+from filelock import FileLock, Timeout
+
+from normalgan.errors import RunError, unwritable
 from normalgan.normals import write_bytes
 from normalgan.studio.names import check_name, is_name
 from normalgan.studio.refusals import ChangedError, MissingError
@@ -23,10 +28,13 @@ class Anything:
 ANYTHING: Final = Anything()
 Expected = str | None | Anything
 """The tag of the document that is to be changed, None for that there is none yet, or `ANYTHING`."""
+_LOCK = ".lock"
+_PATIENCE = 20.0
+"""Seconds to wait for another process, which holds the folder for one save at a time."""
 
 
 class DocumentStore:
-    """A folder of documents. It is for one process; in it, for all threads.
+    """A folder of documents, for any number of threads and of processes at once.
 
     Args:
         folder: where they lie; it is made where missing.
@@ -37,11 +45,13 @@ class DocumentStore:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._lock = Lock()
+        self._threads = Lock()
+        self._processes = FileLock(folder / _LOCK)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            for left in folder.glob(f".*{SUFFIX}.*.tmp"):  # by a server that was killed
-                left.unlink(missing_ok=True)
+            with self._held():  # nobody writes now: what is half written is of a server that was killed
+                for left in folder.glob(f".*{SUFFIX}.*.tmp"):
+                    left.unlink(missing_ok=True)
         except OSError as error:
             raise unwritable(
                 f"projects cannot be kept in {folder}: {error.strerror}; give another --projects.",
@@ -59,7 +69,8 @@ class DocumentStore:
             except FileNotFoundError:  # deleted just now
                 continue
             changed = datetime.fromtimestamp(status.st_mtime, UTC).isoformat()
-            found.append({"name": path.stem, "changed": changed, "bytes": status.st_size})
+            name = unicodedata.normalize("NFC", path.stem)
+            found.append({"name": name, "changed": changed, "bytes": status.st_size})
         return sorted(found, key=lambda each: each["changed"], reverse=True)
 
     def read(self, name: str) -> tuple[bytes, str]:
@@ -84,7 +95,7 @@ class DocumentStore:
             ChangedError: if what is there is not what was expected.
         """
         path = self._path(name)
-        with self._lock:
+        with self._held():
             self._check(name, expected)
             try:
                 write_bytes(path, content)
@@ -102,19 +113,42 @@ class DocumentStore:
             ChangedError: if what is there is not what was expected.
         """
         path = self._path(name)
-        with self._lock:
+        with self._held():
             self.read(name)
             self._check(name, expected)
             path.unlink()
 
     def prune(self, most: int) -> None:
         """Delete all but the ``most`` newest documents."""
-        with self._lock:
+        with self._held():
             for old in self.entries()[most:]:
                 self._path(old["name"]).unlink(missing_ok=True)
 
+    @contextmanager
+    def _held(self) -> Iterator[None]:
+        """Hold the folder: no thread and no other process changes what is in it.
+
+        Raises:
+            RunError: if another process does not let go of it.
+            OSError: if there are no locks on its disk.
+        """
+        try:
+            with self._threads, self._processes.acquire(timeout=_PATIENCE):
+                yield
+        except Timeout:
+            raise RunError(
+                f"another program holds {self.folder}; end it, or give another --projects."
+            ) from None
+
     def _path(self, name: str) -> Path:
-        return self.folder / f"{check_name(name)}{SUFFIX}"
+        """Return the file of a document, also if its name is in Unicode's decomposed form, as of macOS."""
+        name = check_name(name)
+        path = self.folder / f"{name}{SUFFIX}"
+        if not name.isascii() and not path.exists():
+            for other in self.folder.glob(f"*{SUFFIX}"):
+                if unicodedata.normalize("NFC", other.stem) == name:
+                    return other
+        return path
 
     def _check(self, name: str, expected: Expected) -> None:
         if isinstance(expected, Anything):

@@ -21,6 +21,12 @@ class MissingError(RefusedError):
     status = 404
 
 
+class TooSlowError(RefusedError):
+    """The body did not come in in time."""
+
+    status = 408
+
+
 class ChangedError(RefusedError):
     """Somebody else has saved in between."""
 
