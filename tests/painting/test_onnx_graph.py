@@ -3,11 +3,12 @@
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnxruntime
 import pytest
-from onnx import GraphProto, ModelProto, NodeProto, TensorProto, helper, numpy_helper
+from onnx import GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto, helper, numpy_helper
 
 from normalgan.errors import InputError
 from normalgan.painting import session
@@ -18,7 +19,7 @@ from onnx_models import write_model
 SIZE = 16
 
 
-def value(name: str, *shape: int | str, kind: int = TensorProto.FLOAT) -> "helper.ValueInfoProto":
+def value(name: str, *shape: int | str, kind: int = TensorProto.FLOAT) -> ValueInfoProto:
     return helper.make_tensor_value_info(name, kind, shape)
 
 
@@ -40,7 +41,7 @@ def constant(name: str, numbers: object, kind: type = np.float32) -> TensorProto
     return numpy_helper.from_array(np.asarray(numbers, kind), name)
 
 
-def node(operator: str, inputs: str, outputs: str = "normal", **attributes: object) -> NodeProto:
+def node(operator: str, inputs: str, outputs: str = "normal", **attributes: Any) -> NodeProto:
     return helper.make_node(operator, inputs.split(), outputs.split(), **attributes)
 
 
