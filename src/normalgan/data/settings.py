@@ -6,8 +6,10 @@ from lightning.pytorch import LightningDataModule
 
 from normalgan.animals import herd
 from normalgan.data.augmentation import Augmentation
+from normalgan.data.groups import MeshGroup
 from normalgan.data.local_cache import LocalCache
-from normalgan.data.sources import find_sources, join_variants, pose, split_sources
+from normalgan.data.sources import join_variants, split_sources
+from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
 from normalgan.rendering.hand import Hand
@@ -23,6 +25,8 @@ class DataSettings(LightningDataModule):
     Args:
         meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
             embedded procedural animals.
+        groups: kinds of meshes that are read, posed and split each in its own way, besides ``meshes`` or in
+            place of them.
         animals: how many embedded animals there are, if no meshes are given.
         extra_animals: embedded animals that join the training meshes that are given; those to validate and
             test stay as they are.
@@ -66,6 +70,7 @@ class DataSettings(LightningDataModule):
     def __init__(
         self,
         meshes: str | list[str] | None = None,
+        groups: list[MeshGroup] = [],  # noqa: B006  # never changed
         animals: int = 24,
         extra_animals: int = 0,
         species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
@@ -103,7 +108,7 @@ class DataSettings(LightningDataModule):
         for name, number in {"animals": animals, "batch_size": batch_size}.items():
             if number < 1:
                 raise InputError(f"data.{name} must be 1 or more, not {number}.")
-        if extra_animals and meshes is None:
+        if extra_animals and meshes is None and not groups:
             raise InputError(
                 "data.extra_animals join meshes of yours, and data.meshes names none; data.animals says how "
                 "many animals there are without."
@@ -113,6 +118,7 @@ class DataSettings(LightningDataModule):
             if number < 0:
                 raise InputError(f"data.{name} must be 0 or more, not {number}.")
         self.meshes = meshes
+        self.groups = groups
         self.animals = animals
         self.extra_animals = extra_animals
         self.species = species
@@ -145,14 +151,23 @@ class DataSettings(LightningDataModule):
         Raises:
             InputError: if a mesh, the split or the orientation cannot be used.
         """
-        found = find_sources(
-            self.meshes, self.animals, self.species, self.seed, self.orientation, self.crease_angle
-        )
-        split = split_sources(found, self.split_file, self.fractions, self.split_seed)
-        # After the split: poses and variants of one mesh are too much alike to be on both sides of it.
-        posed = {name: pose(part, self.poses) for name, part in split.items()}
+        kinds = [each.sources(self.fractions, self.split_seed, self.variation) for each in self.groups]
+        if self.meshes is not None or not self.groups:
+            kinds = [self._ungrouped(), *kinds]
         extra = herd(self.extra_animals, self.seed, self.species) if self.extra_animals else []
-        return posed | {"train": [*join_variants(posed["train"], self.variation, self.variants), *extra]}
+        joined = {split: [mesh for kind in kinds for mesh in kind[split]] for split in SPLITS}
+        return joined | {"train": [*joined["train"], *extra]}
+
+    def _ungrouped(self) -> dict[str, list[MeshSource]]:
+        """Return the meshes that belong to no group, or the embedded animals, by split."""
+        if self.meshes is not None:
+            alone = MeshGroup(
+                *(self.meshes, self.orientation, self.crease_angle, self.poses, self.variants, self.split_file)
+            )
+            return alone.sources(self.fractions, self.split_seed, self.variation)
+        animals = [*herd(self.animals, self.seed, self.species)]
+        split = split_sources(animals, self.split_file, self.fractions, self.split_seed)
+        return split | {"train": join_variants(split["train"], self.variation, self.variants)}
 
     @property
     def kept(self) -> dict[str, list[MeshSource]]:

@@ -3,38 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from normalgan.animals import herd
 from normalgan.data.splits import SPLITS, split_by_file, split_by_fractions
-from normalgan.rendering import MeshFile, MeshSource, find_meshes
+from normalgan.rendering import MeshFile, MeshSource
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
-
-
-def find_sources(
-    meshes: str | list[str] | None,
-    animals: int,
-    species: Sequence[str],
-    seed: int,
-    orientation: str | None,
-    crease_angle: float | None,
-) -> list[MeshSource]:
-    """Return the user's meshes, or the embedded animals if there are none.
-
-    Args:
-        meshes: a folder, a glob or a list of mesh files; None for the animals.
-        animals: how many animals.
-        species: groups and species that the animals are of, in turn.
-        seed: of the animals.
-        orientation: file that says how the meshes are turned upright.
-        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-
-    Raises:
-        InputError: if nothing is found, names clash, there is no such species, or the orientation cannot be
-            used.
-    """
-    if meshes is None:
-        return [*herd(animals, seed, species)]
-    return [*find_meshes(meshes, orientation, crease_angle)]
 
 
 def split_sources(

@@ -1,6 +1,8 @@
 """UniformHints: points anywhere on the object, as in Sketch2Normal."""
 
+import math
 from dataclasses import dataclass
+from typing import Literal
 
 import torch
 from torch import Tensor
@@ -22,13 +24,16 @@ class UniformHints(HintSampler):
 
     Args:
         minimum: fewest hints a sample gets.
-        maximum: most hints a sample gets; every number between is equally likely.
+        maximum: most hints a sample gets.
+        numbers: how the number is drawn between them: ``even``, every one equally likely, or ``log``, every
+            doubling equally likely, so that few hints are as usual as many.
         none: share of the samples that get no hint at all, for a generator that is to do without them too.
     """
 
     minimum: int = 10
     maximum: int = 50
     none: float = 0.0
+    numbers: Literal["even", "log"] = "even"
 
     def __post_init__(self) -> None:
         if not 0 <= self.minimum <= self.maximum:
@@ -38,6 +43,10 @@ class UniformHints(HintSampler):
             )
         if not 0 <= self.none <= 1:
             raise InputError(f"UniformHints was given none={self.none}; it is a share, from 0 to 1.")
+        if self.numbers == "log" and self.minimum < 1:
+            raise InputError(
+                f"UniformHints was given minimum={self.minimum}; with numbers: log it is 1 or more."
+            )
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
@@ -47,7 +56,7 @@ class UniformHints(HintSampler):
         """
         count = len(normal)
         device = normal.device
-        numbers = torch.randint(self.minimum, self.maximum + 1, (count, 1), generator=rng, device=device)
+        numbers = self._draw_numbers(count, rng, device)
         if self.none > 0:
             numbers *= torch.rand((count, 1), generator=rng, device=device) >= self.none
         on_object = mask.flatten(1) > 0.5
@@ -58,3 +67,10 @@ class UniformHints(HintSampler):
         chosen = (torch.arange(best.shape[1], device=device) < numbers) & (best >= 0)
         where = torch.zeros_like(scores, dtype=normal.dtype).scatter_(1, pixels, chosen.to(normal.dtype))
         return where.view_as(mask)
+
+    def _draw_numbers(self, count: int, rng: torch.Generator, device: torch.device) -> Tensor:
+        if self.numbers == "even":
+            return torch.randint(self.minimum, self.maximum + 1, (count, 1), generator=rng, device=device)
+        span = math.log((self.maximum + 1) / self.minimum)
+        shares = torch.rand((count, 1), generator=rng, device=device)
+        return (self.minimum * torch.exp(span * shares)).long().clamp(max=self.maximum)
