@@ -14,6 +14,7 @@ from torch.optim.lr_scheduler import LRScheduler
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.hints import HintSampler
+from normalgan.hints.noise import turn_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
@@ -46,6 +47,7 @@ class NormalGAN(NormalPainter):
         reconstruction: what the generator is to be right about, pixel by pixel.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
+        hint_noise: mean angle in degrees, of the worst sample of a batch, by which hints are turned in training.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
 
@@ -66,6 +68,7 @@ class NormalGAN(NormalPainter):
         reconstruction: Reconstruction = L1AndHints(),  # noqa: B008  # frozen
         gradient_clip: float | None = None,
         n_critic: int = 5,
+        hint_noise: float = 0.0,
         noise_at_test: bool = False,
         seed: int = 0,
     ) -> None:
@@ -76,6 +79,8 @@ class NormalGAN(NormalPainter):
             raise InputError(f"gradient_clip must be greater than 0, or null, not {gradient_clip}.")
         if adversarial_weight < 0:
             raise InputError(f"adversarial_weight must be 0 or more, not {adversarial_weight}.")
+        if not 0 <= hint_noise <= 90:
+            raise InputError(f"hint_noise must be 0 to 90 degrees, not {hint_noise}.")
         if discriminator is not None:
             objective.check(discriminator)
         with warnings.catch_warnings():
@@ -92,6 +97,7 @@ class NormalGAN(NormalPainter):
         self.reconstruction = reconstruction
         self.gradient_clip = gradient_clip
         self.n_critic = n_critic
+        self.hint_noise = hint_noise
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Step the discriminator, and with every n-th batch the generator."""
@@ -99,12 +105,15 @@ class NormalGAN(NormalPainter):
         seed = derive_seed("train", self.seed, step, self.global_rank)
         torch.manual_seed(seed)
         hints = self.training_hints(batch, seed)
+        if self.hint_noise:
+            hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
         condition = make_condition(batch["sketch"], hints)
         generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
         with torch.set_grad_enabled(generates):
             preds = self.generator.predict(condition)
-        fake = paste_hints(preds.normal, hints).to(condition.dtype)
+        fake: Tensor | None = None  # nothing is done with whole maps that nobody looks at
         if self.discriminator is not None:
+            fake = paste_hints(preds.normal, hints).to(condition.dtype)
             self._step_discriminator(self.discriminator, condition, batch, fake.detach())
         if generates:
             terms = self.reconstruction.terms(
@@ -129,10 +138,12 @@ class NormalGAN(NormalPainter):
             self.objective.after_discriminator_step(discriminator)
         self.log("train/discriminator", loss.detach(), prog_bar=True)
 
-    def _step_generator(self, condition: Tensor, terms: dict[str, Term], fake: Tensor, batch: Batch) -> None:
+    def _step_generator(
+        self, condition: Tensor, terms: dict[str, Term], fake: Tensor | None, batch: Batch
+    ) -> None:
         optimizer = self._optimizers()[0]
         with self.toggled_optimizer(optimizer):
-            if self.discriminator is not None:
+            if self.discriminator is not None and fake is not None:
                 score = self.objective.generator_loss(self.discriminator(condition, fake))
                 terms = {**terms, "adversarial": Term(score, self.adversarial_weight)}
             self._check_losses({name: term.value for name, term in terms.items()}, batch)

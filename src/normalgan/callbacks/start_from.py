@@ -7,9 +7,12 @@ from typing import Any
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
 from torch import Tensor
+from torch.nn import Module
 
 from normalgan.checkpoints import read_settings
 from normalgan.errors import InputError
+from normalgan.models import ResidualUNetGenerator
+from normalgan.models.growth import grow
 from normalgan.weights.file import SHIPPED_NAME, SUFFIX, find_weights, read_weights
 
 _PREFIX = "generator."
@@ -23,10 +26,13 @@ class StartFrom(Callback):
     Args:
         weights: a file of safetensors, a checkpoint, or ``shipped`` for what comes with the package; its
             generator is of the same class and settings as the run's.
+        grow: whether it is a smaller one, of half the resolution and perhaps fewer channels, which the run's
+            begins by painting like; see `normalgan.models.growth`.
     """
 
-    def __init__(self, weights: str = SHIPPED_NAME) -> None:
+    def __init__(self, weights: str = SHIPPED_NAME, grow: bool = False) -> None:
         self.weights = weights
+        self.grow = grow
         self._resumed = False
 
     def state_dict(self) -> dict[str, Any]:
@@ -46,6 +52,9 @@ class StartFrom(Callback):
         if self._resumed:
             return
         path = find_weights(self.weights)
+        if self.grow:
+            _grow(path, pl_module.get_submodule("generator"))
+            return
         tensors = read_weights(path).tensors if path.suffix.lower() == SUFFIX else _of_checkpoint(path)
         network = pl_module.get_submodule("generator")
         own = {name: tensor.shape for name, tensor in network.state_dict().items()}
@@ -55,6 +64,15 @@ class StartFrom(Callback):
                 "same class and settings."
             )
         network.load_state_dict(dict(tensors))
+
+
+def _grow(path: Path, network: Module) -> None:
+    small = read_weights(path).generator()
+    if not isinstance(small, ResidualUNetGenerator) or not isinstance(network, ResidualUNetGenerator):
+        raise InputError(
+            f"StartFrom was given {path} to grow from, but only a ResidualUNetGenerator grows, into another."
+        )
+    grow(small, network)
 
 
 def _of_checkpoint(path: Path) -> Mapping[str, Tensor]:

@@ -15,7 +15,7 @@ from normalgan.models.residual import residual_blocks
 from normalgan.predictions import Predictions
 
 _HEADS = 5  # a direction, the presence of an object, the confidence
-_DETAIL = 16  # channels of the two layers at full resolution, which take up the lines' exact place
+_DETAIL = 16  # channels between the two last layers, which take up the lines' exact place
 
 
 @GENERATORS.register
@@ -30,6 +30,8 @@ class ResidualUNetGenerator(Generator):
         widths: channels of each level, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
         patch: side of the squares of pixels that are folded into channels, a power of two.
+        detail: side of the squares that are folded in the last two layers, which see the lines as fine as this;
+            a power of two, at most ``patch``. Layers of few channels on every pixel take as long as all others.
         norm: of the residual blocks. With batch norm it learns from fewer images; without, what is painted in
             training too does not depend on the other pictures of a batch.
 
@@ -47,11 +49,13 @@ class ResidualUNetGenerator(Generator):
         widths: tuple[int, ...] = (32, 64, 128, 192, 256),
         blocks: tuple[int, ...] = (1, 1, 2, 2, 2),
         patch: int = 2,
+        detail: int = 1,
         norm: Literal["batch", "none"] = "none",
     ) -> None:
         super().__init__()
-        _check(widths, blocks, patch)
+        _check(widths, blocks, patch, detail)
         self.patch = patch
+        self.fold = detail
         self.norm = norm
         self.factor = patch * 2 ** (len(widths) - 1)
         pairs = list(pairwise(widths))
@@ -67,7 +71,9 @@ class ResidualUNetGenerator(Generator):
         )
         self.heads = nn.Conv2d(widths[0], _HEADS * patch**2, 3, padding=1)
         self.detail = nn.Sequential(
-            nn.Conv2d(_HEADS + 5, _DETAIL, 3, padding=1), nn.SiLU(), nn.Conv2d(_DETAIL, _HEADS, 3, padding=1)
+            nn.Conv2d((_HEADS + 5) * detail**2, _DETAIL, 3, padding=1),
+            nn.SiLU(),
+            nn.Conv2d(_DETAIL, _HEADS * detail**2, 3, padding=1),
         )
         # The layout that convolutions are fastest in; weights in another are laid out anew at every step.
         self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]  # missing in torch's types
@@ -106,8 +112,9 @@ class ResidualUNetGenerator(Generator):
         ink = (1 - condition[:, :1]) / 2 * (1 - where)
         given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
         features = F.silu(self._body(given, hints))
-        coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch)
-        heads = coarse + float32_output(self.detail, torch.cat([coarse, given], dim=1))
+        coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch // self.fold)
+        fine = torch.cat([coarse, F.pixel_unshuffle(given, self.fold)], dim=1)
+        heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.fold)
         direction = F.normalize(heads[:, :3], dim=1, eps=1e-6)
         return Predictions(direction, heads[:, 3:4], 1.01 + F.elu(heads[:, 4:]))
 
@@ -128,7 +135,7 @@ class ResidualUNetGenerator(Generator):
         return features
 
 
-def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int) -> None:
+def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int, detail: int) -> None:
     if len(widths) != len(blocks) or len(widths) < 2 or min(*widths, *blocks) < 1:
         raise InputError(
             "ResidualUNetGenerator needs a width and a number of blocks for each of two or more levels, "
@@ -136,3 +143,7 @@ def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int) -> None
         )
     if patch < 1 or patch & (patch - 1):
         raise InputError(f"the patch of ResidualUNetGenerator is a power of two, not {patch}.")
+    if not 1 <= detail <= patch or detail & (detail - 1):
+        raise InputError(
+            f"the detail of ResidualUNetGenerator is a power of two up to its patch of {patch}, not {detail}."
+        )

@@ -1,0 +1,127 @@
+"""Growth: a larger generator that begins by painting what a smaller one has learnt to."""
+
+from typing import cast
+
+import torch
+from torch import Tensor, nn
+
+from normalgan.errors import InputError
+from normalgan.models.residual_generator import ResidualUNetGenerator
+
+_HEARD = torch.tensor([0.25, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean over pixels, a hint lies in one
+
+
+@torch.no_grad()
+def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
+    """Give a generator of twice the resolution and more channels the weights of a smaller one, in place.
+
+    Where no hint is, a drawing enlarged to twice the size is then painted as the smaller one paints the drawing,
+    each pixel four times. Channels that only the larger one has begin at random and unheard: the weights by
+    which others listen to them are zero, and learn.
+
+    Args:
+        small: folds squares of so many pixels.
+        large: folds squares of twice the side, in its detail layers too; as many levels and blocks, each level
+            at least as wide; of the same norm.
+
+    Raises:
+        InputError: if they do not go together so.
+
+    References:
+        Chen, Goodfellow, Shlens 2016, "Net2Net: Accelerating Learning via Knowledge Transfer".
+    """
+    _check(small, large)
+    _put(small.stem, large.stem, weight=_finer(small.stem.weight, small.patch, _HEARD))
+    first, last = (cast(nn.Conv2d, small.detail[index]) for index in (0, 2))
+    coarse, given = first.weight.tensor_split(2, dim=1)
+    listens = [_finer(coarse, small.fold, torch.tensor(0.25)), _finer(given, small.fold, _HEARD)]
+    _put(first, large.detail[0], weight=torch.cat(listens, dim=1))
+    for one, other in ((last, large.detail[2]), (small.heads, large.heads)):
+        _put(one, other, weight=_repeated(one.weight, small.fold), bias=_repeated(_bias(one), small.fold))
+    levels = zip([*small.encoder, *small.decoder], [*large.encoder, *large.decoder], strict=True)
+    for one, other in ((a, b) for level in levels for a, b in zip(*map(_layers, level), strict=True)):
+        _put(one, other)
+    for one, other in zip(small.ups, large.ups, strict=True):
+        _put(one, other)
+    # Behind the features of a level, of which there are more now, come four channels of hints.
+    for one, other in zip(small.downs, large.downs, strict=True):
+        _put(one, other, columns=_places([one.in_channels - 4, 4], [other.in_channels - 4, 4]))
+    for one, other in zip(small.merges, large.merges, strict=True):
+        few, many = one.out_channels, other.out_channels
+        _put(one, other, columns=_places([few, few, 4], [many, many, 4]))
+
+
+def _put(
+    small: nn.Module,
+    large: nn.Module,
+    weight: Tensor | None = None,
+    bias: Tensor | None = None,
+    columns: Tensor | None = None,
+) -> None:
+    """Copy a layer into the first outputs of a larger one, which then hear of the first inputs alone.
+
+    Args:
+        small: a convolution or a batch norm.
+        large: of the same kind.
+        weight: in place of that of ``small``.
+        bias: in place of that of ``small``.
+        columns: the inputs of ``large`` that those of ``small`` became.
+    """
+    if isinstance(small, nn.BatchNorm2d):
+        for name, value in small.state_dict().items():
+            of_large = cast(Tensor, getattr(large, name))
+            of_large.copy_(value) if value.ndim == 0 else of_large[: len(value)].copy_(value)
+        return
+    convolution, larger = cast(nn.Conv2d, small), cast(nn.Conv2d, large)
+    source, target = (convolution.weight if weight is None else weight), larger.weight.detach()
+    if isinstance(small, nn.ConvTranspose2d):  # its weights are kept the other way round
+        source, target = source.transpose(0, 1), target.transpose(0, 1)
+    target[: len(source)] = 0
+    target[: len(source), torch.arange(source.shape[1]) if columns is None else columns] = source
+    _bias(larger).detach()[: len(source)] = _bias(convolution) if bias is None else bias
+
+
+def _finer(weight: Tensor, side: int, share: Tensor) -> Tensor:
+    """Return weights (O, 5 × side², k, k) for inputs folded in squares of twice the side, each its share."""
+    out, _, *kernel = weight.shape
+    squares = weight.reshape(out, 5, side, side, *kernel) * share
+    return _doubled(squares, 2).reshape(out, -1, *kernel)
+
+
+def _repeated(weight: Tensor, side: int) -> Tensor:
+    """Return weights (5 × side² × R, …) for outputs unfolded to squares of twice the side."""
+    rest = weight.shape[1:]
+    return _doubled(weight.reshape(5, side, side, -1, *rest), 1).reshape(-1, *rest)
+
+
+def _doubled(squares: Tensor, axis: int) -> Tensor:
+    return squares.repeat_interleave(2, axis).repeat_interleave(2, axis + 1)
+
+
+def _places(counts: list[int], room: list[int]) -> Tensor:
+    """Return where each of several runs of channels lies, one behind the other in the room that each has."""
+    starts = torch.tensor([0, *room]).cumsum(0)
+    return torch.cat([start + torch.arange(count) for start, count in zip(starts, counts, strict=False)])
+
+
+def _layers(blocks: nn.Module) -> list[nn.Module]:
+    return [layer for layer in blocks.modules() if isinstance(layer, nn.Conv2d | nn.BatchNorm2d)]
+
+
+def _bias(layer: nn.Conv2d) -> Tensor:
+    return cast(Tensor, layer.bias)
+
+
+def _check(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
+    shapes = [
+        [network.norm, *(len(_layers(level)) for level in [*network.encoder, *network.decoder])]
+        for network in (small, large)
+    ]
+    widths = [[up.out_channels for up in network.ups] for network in (small, large)]
+    fits = shapes[0] == shapes[1] and all(few <= many for few, many in zip(*widths, strict=True))
+    if not fits or (large.patch, large.fold) != (2 * small.patch, 2 * small.fold):
+        raise InputError(
+            "a generator grows into one of the same norm, levels and blocks, at least as wide, whose patch and "
+            f"detail are twice as large: {2 * small.patch} and {2 * small.fold}, not {large.patch} and "
+            f"{large.fold}."
+        )
