@@ -47,7 +47,7 @@ class NormalGAN(NormalPainter):
         reconstruction: what the generator is to be right about, pixel by pixel.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
-        hint_noise: mean angle in degrees, of the worst sample of a batch, by which hints are turned in training.
+        hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
 

@@ -18,6 +18,19 @@ def test_every_count_between_the_bounds_comes_up_and_no_other() -> None:
     assert all(60 < count < 140 for count in counts[3:7])
 
 
+def test_numbers_even_in_their_logarithm() -> None:
+    normal, mask = (each.expand(600, -1, -1, -1) for each in sphere(32, radius=12))
+    where = UniformHints(1, 63, numbers="log").sample(normal, mask, seeded())
+    counts = where.sum((1, 2, 3))
+    assert counts.min() == 1
+    assert counts.max() <= 63
+    octaves = torch.log2(counts).floor().long().bincount(minlength=6).tolist()
+    assert len(octaves) == 6
+    assert all(70 < count < 130 for count in octaves)
+    with pytest.raises(InputError, match="with numbers: log it is 1 or more"):
+        UniformHints(0, 5, numbers="log")
+
+
 def test_every_pixel_of_the_object_has_an_equal_chance_and_no_other_has_any() -> None:
     normal, mask = sphere(10, radius=4)
     where = UniformHints(5, 5).sample(

@@ -10,7 +10,7 @@ from normalgan.models.growth import grow
 def trained(widths: tuple[int, ...], patch: int, detail: int) -> ResidualUNetGenerator:
     """Return a generator with statistics and weights that none begins with."""
     torch.manual_seed(3)
-    network = ResidualUNetGenerator(widths, (1, 1, 2), patch, detail, "batch")
+    network = ResidualUNetGenerator(widths, (1, 1, 2), patch, "batch", detail)
     for module in network.modules():
         if isinstance(module, nn.BatchNorm2d):
             nn.init.uniform_(module.running_mean, -0.3, 0.3)  # type: ignore[arg-type]
@@ -21,7 +21,7 @@ def trained(widths: tuple[int, ...], patch: int, detail: int) -> ResidualUNetGen
 @pytest.mark.parametrize(("patch", "detail"), [(2, 1), (2, 2), (1, 1)])
 def test_grown_generator_paints_an_enlarged_drawing_as_before(patch: int, detail: int) -> None:
     small = trained((4, 6, 8), patch, detail)
-    large = ResidualUNetGenerator((5, 9, 8), (1, 1, 2), 2 * patch, 2 * detail, "batch").eval()
+    large = ResidualUNetGenerator((5, 9, 8), (1, 1, 2), 2 * patch, "batch", 2 * detail).eval()
     grow(small, large)
     condition = torch.zeros(2, 4, 32, 32)
     condition[:, 0] = torch.rand(2, 32, 32) * 2 - 1
@@ -31,7 +31,7 @@ def test_grown_generator_paints_an_enlarged_drawing_as_before(patch: int, detail
 
 
 def test_what_is_new_can_learn() -> None:
-    large = ResidualUNetGenerator((5, 9, 8), (1, 1, 2), 4, 2, "batch")
+    large = ResidualUNetGenerator((5, 9, 8), (1, 1, 2), 4, "batch", 2)
     grow(trained((4, 6, 8), 2, 1), large)
     large(torch.rand(2, 4, 32, 32)).square().sum().backward()
     weight = large.heads.weight
@@ -43,10 +43,10 @@ def test_what_is_new_can_learn() -> None:
 @pytest.mark.parametrize(
     "large",
     [
-        ResidualUNetGenerator((4, 6, 8), (1, 1, 2), 2, 2, "batch"),
-        ResidualUNetGenerator((4, 6, 8), (1, 1, 1), 4, 2, "batch"),
-        ResidualUNetGenerator((4, 5, 8), (1, 1, 2), 4, 2, "batch"),
-        ResidualUNetGenerator((4, 6, 8), (1, 1, 2), 4, 2, "none"),
+        ResidualUNetGenerator((4, 6, 8), (1, 1, 2), 2, "batch", 2),
+        ResidualUNetGenerator((4, 6, 8), (1, 1, 1), 4, "batch", 2),
+        ResidualUNetGenerator((4, 5, 8), (1, 1, 2), 4, "batch", 2),
+        ResidualUNetGenerator((4, 6, 8), (1, 1, 2), 4, "none", 2),
     ],
 )
 def test_others_are_refused(large: ResidualUNetGenerator) -> None:

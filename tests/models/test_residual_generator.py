@@ -124,3 +124,16 @@ def test_settings_out_of_range_are_refused(
 ) -> None:
     with pytest.raises(InputError, match=message):
         ResidualUNetGenerator(*settings)
+
+
+def test_detail_layers_may_see_folded_squares() -> None:
+    torch.manual_seed(0)
+    network = ResidualUNetGenerator((8, 12, 16), (1, 1, 1), 4, "batch", detail=2).eval()
+    painted = network(condition())
+    assert painted.shape == (2, 4, 32, 32)
+    given = condition()
+    given[:, 0, 17, 9] = -1  # one pixel of ink is felt where it is, not only in its square of four
+    change = (network(given) - painted).abs().sum((0, 1))
+    assert change[16:18, 8:10].max() > 0
+    with pytest.raises(InputError, match="power of two up to its patch of 4, not 8"):
+        ResidualUNetGenerator((8, 12), (1, 1), 4, detail=8)

@@ -6,7 +6,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.objectives import AngularLikelihood, L1AndHints, Predictions
-from normalgan.objectives.angular_likelihood import angular_nll, smooth_angle
+from normalgan.objectives.angular_likelihood import angular_nll, relief_error, smooth_angle
 from spheres import batch
 
 
@@ -113,3 +113,37 @@ def test_negative_weights_are_refused(settings: dict[str, float], message: str) 
         AngularLikelihood(presence_weight=-1)
     with pytest.raises(InputError, match="angle_weight must be 0 or more, not -2"):
         AngularLikelihood(angle_weight=-2)
+
+
+def test_relief_is_the_mean_n_z_of_parts() -> None:
+    given = batch()
+    normal, mask = given["normal"], given["mask"]
+    assert float(relief_error(normal, normal, mask)) == 0
+    mirrored = normal * torch.tensor([-1.0, -1.0, 1.0]).view(1, 3, 1, 1)
+    assert float(relief_error(mirrored, normal, mask)) == 0  # directions are for the other terms
+    flat = torch.zeros_like(normal)
+    flat[:, 2] = 1
+    expected = float(((1 - normal[:, 2:]) * mask).sum() / mask.sum())
+    torch.testing.assert_close(float(relief_error(flat, normal, mask)), expected)
+
+
+def test_a_stride_compares_one_pixel_of_each_square() -> None:
+    given = batch()
+    normal, mask = given["normal"], given["mask"]
+    logit = (20 * (2 * mask - 1)).requires_grad_()
+    direction = torch.nn.functional.normalize(normal + 0.3, dim=1).requires_grad_()
+    preds = Predictions(direction, logit, torch.full_like(mask, 5.0))
+    values = []
+    for seed in range(40):
+        torch.manual_seed(seed)
+        terms = AngularLikelihood(angle_weight=1.0, stride=2).terms(preds, normal, mask, mask)
+        values.append(terms["angle"].value.item())
+    terms["angle"].value.backward()
+    assert direction.grad is not None
+    felt = direction.grad.abs().sum((0, 1)) > 0
+    assert {(int(y) % 2, int(x) % 2) for y, x in felt.nonzero()} == {tuple((felt.nonzero()[0] % 2).tolist())}
+    whole = AngularLikelihood(angle_weight=1.0).terms(preds, normal, mask, mask)["angle"].value.item()
+    assert len(set(values)) == 4
+    assert abs(sum(values) / len(values) - whole) < 0.03
+    with pytest.raises(InputError, match="stride must be 1 or more, not 0"):
+        AngularLikelihood(stride=0)

@@ -162,7 +162,14 @@ class DataSettings(LightningDataModule):
         """Return the meshes that belong to no group, or the embedded animals, by split."""
         if self.meshes is not None:
             alone = MeshGroup(
-                *(self.meshes, self.orientation, self.crease_angle, self.poses, self.variants, self.split_file)
+                *(
+                    self.meshes,
+                    self.orientation,
+                    self.crease_angle,
+                    self.poses,
+                    self.variants,
+                    self.split_file,
+                )
             )
             return alone.sources(self.fractions, self.split_seed, self.variation)
         animals = [*herd(self.animals, self.seed, self.species)]

@@ -11,8 +11,8 @@ from normalgan.metrics import unit_vectors
 def turn_hints(hints: Tensor, degrees: float, seed: int) -> Tensor:
     """Return hints (N, 4, H, W) whose normals are each turned at random; where they are stays.
 
-    A sample's hints are off by between nothing and ``degrees`` on average (a level a sample, evenly drawn), so
-    that a network learns both to take a hint at its word and not to trust it blindly.
+    A sample's hints are off by between nothing and ``degrees`` on average (a level a sample, evenly drawn),
+    so that a network learns both to take a hint at its word and not to trust it blindly.
 
     Args:
         hints: unit normals at the hints, 0 elsewhere, and where they are.

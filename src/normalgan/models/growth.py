@@ -8,21 +8,21 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.residual_generator import ResidualUNetGenerator
 
-_HEARD = torch.tensor([0.25, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean over pixels, a hint lies in one
+_HEARD = torch.tensor([0.25, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean, a hint lies in one pixel
 
 
 @torch.no_grad()
 def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
     """Give a generator of twice the resolution and more channels the weights of a smaller one, in place.
 
-    Where no hint is, a drawing enlarged to twice the size is then painted as the smaller one paints the drawing,
-    each pixel four times. Channels that only the larger one has begin at random and unheard: the weights by
-    which others listen to them are zero, and learn.
+    Where no hint is, a drawing enlarged to twice the size is then painted as the smaller one paints the
+    drawing, each pixel four times. Channels that only the larger one has begin at random and unheard: the
+    weights by which others listen to them are zero, and learn.
 
     Args:
         small: folds squares of so many pixels.
-        large: folds squares of twice the side, in its detail layers too; as many levels and blocks, each level
-            at least as wide; of the same norm.
+        large: folds squares of twice the side, in its detail layers too; as many levels and blocks, each
+            level at least as wide; of the same norm.
 
     Raises:
         InputError: if they do not go together so.
@@ -121,7 +121,7 @@ def _check(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
     fits = shapes[0] == shapes[1] and all(few <= many for few, many in zip(*widths, strict=True))
     if not fits or (large.patch, large.fold) != (2 * small.patch, 2 * small.fold):
         raise InputError(
-            "a generator grows into one of the same norm, levels and blocks, at least as wide, whose patch and "
-            f"detail are twice as large: {2 * small.patch} and {2 * small.fold}, not {large.patch} and "
+            "a generator grows into one of the same norm, levels and blocks, at least as wide, whose patch "
+            f"and detail are twice as large: {2 * small.patch} and {2 * small.fold}, not {large.patch} and "
             f"{large.fold}."
         )

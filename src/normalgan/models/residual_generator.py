@@ -30,10 +30,10 @@ class ResidualUNetGenerator(Generator):
         widths: channels of each level, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
         patch: side of the squares of pixels that are folded into channels, a power of two.
-        detail: side of the squares that are folded in the last two layers, which see the lines as fine as this;
-            a power of two, at most ``patch``. Layers of few channels on every pixel take as long as all others.
         norm: of the residual blocks. With batch norm it learns from fewer images; without, what is painted in
             training too does not depend on the other pictures of a batch.
+        detail: side of the squares that are folded in the last two layers, which see the lines once more; a
+            power of two, at most ``patch``. Few channels on every pixel take as long as all other layers.
 
     Raises:
         InputError: if widths and blocks are not as many, or a number cannot be used.
@@ -49,8 +49,8 @@ class ResidualUNetGenerator(Generator):
         widths: tuple[int, ...] = (32, 64, 128, 192, 256),
         blocks: tuple[int, ...] = (1, 1, 2, 2, 2),
         patch: int = 2,
-        detail: int = 1,
         norm: Literal["batch", "none"] = "none",
+        detail: int = 1,
     ) -> None:
         super().__init__()
         _check(widths, blocks, patch, detail)

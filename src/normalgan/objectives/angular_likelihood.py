@@ -42,7 +42,7 @@ def smooth_angle(one: Tensor, other: Tensor) -> Tensor:
 
 
 def relief_error(direction: Tensor, target: Tensor, mask: Tensor) -> Tensor:
-    """Return how far the mean n_z of parts of the object is off, a scalar; parts are cells of a grid of 8 × 8.
+    """Return how far the mean n_z of parts of the object is off, a scalar; parts are cells of an 8 × 8 grid.
 
     Args:
         direction: (N, 3, H, W) unit normals.
@@ -68,8 +68,8 @@ class AngularLikelihood(Reconstruction):
             alike; the likelihood then teaches the confidence alone. With 0 both learn from the likelihood, in
             which a pixel that is unsure counts less.
         relief_weight: weight of how far the mean n_z of a part of the object is off. Where a direction is
-            uncertain, the one of the least mean angle is nearer to the viewer than most of those possible; this
-            holds the surface to turning away as far as it does on average.
+            uncertain, the one of the least mean angle is nearer to the viewer than most of those possible;
+            this holds the surface to turning away as far as it does on average.
         stride: of each square of pixels of this side only one is compared, drawn anew at each step;
             neighbours say nearly the same, and whole pictures take long.
 

@@ -1,0 +1,115 @@
+"""Measures `normalgan generate` at the size of a drawing, against the truth: meshes drawn large, no hints.
+
+full_size.py MESHES… [--size 1024] [--views 2] [--line-width 3] [--crease-angle 40] [--model FILE]
+    [--picture FILE]
+
+Prints JSON: mean angular error on the object, at its rim and deep inside, how far the painted n_z is off, how
+well the object is found. The rim is what lies within 1/170 of the picture's side of the silhouette.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import cv2
+import numpy as np
+from machine import ONE_THREAD, describe
+from numpy.typing import NDArray
+
+from normalgan.normals import encode, read_png
+from normalgan.rendering import EmbreeRenderer, Views, find_meshes
+from normalgan.rendering.lines import SuggestiveContours
+from normalgan.rendering.samples import Recipe, Sample
+
+Floats = NDArray[np.float32]
+RIM, DEEP = 1 / 170, 1 / 20
+"""Shares of the side: as far from the silhouette the rim reaches, and what lies deep inside begins."""
+
+
+def main(arguments: list[str]) -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("meshes", nargs="+")
+    parser.add_argument("--size", type=int, default=1024)
+    parser.add_argument("--views", type=int, default=2)
+    parser.add_argument("--line-width", type=float, default=3.0)
+    parser.add_argument("--crease-angle", type=float)
+    parser.add_argument("--orientation")
+    parser.add_argument("--model")
+    parser.add_argument("--picture", type=Path)
+    given = parser.parse_args(arguments)
+    lines = SuggestiveContours(line_width=given.line_width, interior_width=0.7 * given.line_width)
+    recipe = Recipe(Views(), EmbreeRenderer(), lines, given.size, seed=11)
+    sources = find_meshes(given.meshes, given.orientation, given.crease_angle)
+    samples = {
+        f"{source.name}_{view}": recipe.render(mesh, view)
+        for source in sources
+        for mesh in [source.load()]
+        for view in range(given.views)
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        painted = _paint(samples, Path(folder), given.model)
+    rows = {name: _measure(samples[name], *painted[name]) for name in samples}
+    if given.picture:
+        _draw(samples, painted, given.picture)
+    means = {
+        key: round(float(np.mean([row[key] for row in rows.values()])), 4)
+        for key in next(iter(rows.values()))
+    }
+    report = {"drawings": len(rows), **means, "each": rows}
+    print(json.dumps({**report, "machine": describe("numpy", "onnxruntime")}, indent=1))
+
+
+def _paint(samples: dict[str, Sample], folder: Path, model: str | None) -> dict[str, tuple[Floats, Floats]]:
+    """Return the normals (H, W, 3) and the opacity (H, W) that the command makes of each sketch."""
+    (folder / "in").mkdir()
+    for name, sample in samples.items():
+        cv2.imwrite(str(folder / "in" / f"{name}.png"), 255 - sample.sketch)
+    command = ["-m", "normalgan", "generate", folder / "in", "-o", folder / "out", "--bits", "16", "--alpha"]
+    more = ["--model", model] if model else []
+    subprocess.run(
+        [sys.executable, *command, *more], check=True, stdout=sys.stderr, env={**os.environ, **ONE_THREAD}
+    )
+    return {name: read_png(folder / "out" / f"{name}_normal.png") for name in samples}
+
+
+def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, float]:
+    """Return the figures of one drawing; angles are means over the true object, where it was found."""
+    mask, found = sample.mask, opacity > 0.5
+    truth = sample.normal.astype(np.float32)
+    across = np.linalg.norm(np.cross(normals, truth), axis=-1)
+    angle = np.degrees(np.arctan2(across, (normals * truth).sum(-1)))
+    depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) / mask.shape[0]
+    both = mask & found
+    inside = {"rim": both & (depth <= RIM), "deep": both & (depth > DEEP)}
+    return {
+        "degrees": float(angle[both].mean()),
+        **{f"degrees_{name}": float(angle[where].mean()) for name, where in inside.items() if where.any()},
+        "n_z_true": float(truth[..., 2][both].mean()),
+        "n_z_off": float((normals[..., 2] - truth[..., 2])[both].mean()),
+        "mask_iou": float(both.sum() / (mask | found).sum()),
+    }
+
+
+def _draw(samples: dict[str, Sample], painted: dict[str, tuple[Floats, Floats]], path: Path) -> None:
+    """Write rows of sketch, painted map, true map; and both lit from the upper left."""
+    light = np.array([-0.5, 0.6, 0.62], np.float32)
+    rows = []
+    for name, sample in samples.items():
+        ink = np.repeat(255 - sample.sketch[..., None], 3, axis=-1)
+        columns = [ink]
+        maps = (painted[name][0], painted[name][1] > 0.5), (sample.normal.astype(np.float32), sample.mask)
+        for normals, mask in maps:
+            colours = np.asarray(encode(normals * mask[..., None]), np.uint8)
+            lit = np.where(mask, np.clip(normals @ light, 0.05, 1), 1)[..., None] * np.float32(255)
+            columns += [colours, np.repeat(lit, 3, axis=-1).astype(np.uint8)]
+        rows.append(np.concatenate(columns, axis=1))
+    cv2.imwrite(str(path), np.concatenate(rows)[..., ::-1])
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
