@@ -39,16 +39,15 @@ def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
     for one, other in ((last, large.detail[2]), (small.heads, large.heads)):
         _put(one, other, weight=_repeated(one.weight, small.fold), bias=_repeated(_bias(one), small.fold))
     levels = zip([*small.encoder, *small.decoder], [*large.encoder, *large.decoder], strict=True)
-    for one, other in ((a, b) for level in levels for a, b in zip(*map(_layers, level), strict=True)):
-        _put(one, other)
-    for one, other in zip(small.ups, large.ups, strict=True):
-        _put(one, other)
+    for blocks, more_blocks in levels:
+        for layer, wider in zip(_layers(blocks), _layers(more_blocks), strict=True):
+            _put(layer, wider)
+    for up, wider in zip(small.ups, large.ups, strict=True):
+        _put(up, wider)
     # Behind the features of a level, of which there are more now, come four channels of hints.
-    for one, other in zip(small.downs, large.downs, strict=True):
-        _put(one, other, columns=_places([one.in_channels - 4, 4], [other.in_channels - 4, 4]))
-    for one, other in zip(small.merges, large.merges, strict=True):
-        few, many = one.out_channels, other.out_channels
-        _put(one, other, columns=_places([few, few, 4], [many, many, 4]))
+    for level, (few, many) in enumerate(zip(_widths(small)[:-1], _widths(large)[:-1], strict=True)):
+        _put(small.downs[level], large.downs[level], columns=_places([few, 4], [many, 4]))
+        _put(small.merges[level], large.merges[level], columns=_places([few, few, 4], [many, many, 4]))
 
 
 def _put(
@@ -108,6 +107,12 @@ def _layers(blocks: nn.Module) -> list[nn.Module]:
     return [layer for layer in blocks.modules() if isinstance(layer, nn.Conv2d | nn.BatchNorm2d)]
 
 
+def _widths(network: ResidualUNetGenerator) -> list[int]:
+    """Return the channels of each level."""
+    ups = [cast(nn.ConvTranspose2d, up) for up in network.ups]
+    return [*(up.out_channels for up in ups), ups[-1].in_channels]
+
+
 def _bias(layer: nn.Conv2d) -> Tensor:
     return cast(Tensor, layer.bias)
 
@@ -117,8 +122,8 @@ def _check(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
         [network.norm, *(len(_layers(level)) for level in [*network.encoder, *network.decoder])]
         for network in (small, large)
     ]
-    widths = [[up.out_channels for up in network.ups] for network in (small, large)]
-    fits = shapes[0] == shapes[1] and all(few <= many for few, many in zip(*widths, strict=True))
+    widths = zip(_widths(small), _widths(large), strict=False)
+    fits = shapes[0] == shapes[1] and all(few <= many for few, many in widths)
     if not fits or (large.patch, large.fold) != (2 * small.patch, 2 * small.fold):
         raise InputError(
             "a generator grows into one of the same norm, levels and blocks, at least as wide, whose patch "
