@@ -51,7 +51,7 @@ def test_entry_points_register_and_broken_ones_are_left_out(
         EntryPoint("bad", "no_such_module:Circle", "normalgan.shapes"),
         EntryPoint("good", f"{__name__}:Square", "normalgan.shapes"),
     ]
-    monkeypatch.setattr("normalgan.registry.entry_points", lambda group: entries)
+    monkeypatch.setattr("normalgan.registry.offered", lambda group: entries)
     with pytest.warns(UserWarning, match="'bad' .* is left out: ModuleNotFoundError"):
         registry.load_entry_points()
     assert registry.names() == ["Square"]

@@ -63,6 +63,15 @@ def test_a_broken_plugin_is_left_out_and_the_rest_goes_on(module: str, site: Pat
     assert HINT_SAMPLERS.package("NoHints").startswith("normalgan ")
 
 
+def test_a_package_that_is_installed_later_is_found(site: Path) -> None:
+    HINT_SAMPLERS.discover()
+    assert "LateHints" not in HINT_SAMPLERS.names()
+    late = SAMPLER.format(name="LateHints", summary="Came later.")
+    install(site, "foreign", {"late": late}, {GROUP: {"LateHints": "late:LateHints"}})
+    HINT_SAMPLERS.discover()
+    assert "LateHints" in HINT_SAMPLERS.names()
+
+
 def test_ctrl_c_while_plugins_are_imported_is_not_swallowed(site: Path) -> None:
     install(site, "foreign", {"stops": "raise KeyboardInterrupt"}, {GROUP: {"A": "stops:A"}})
     with pytest.raises(KeyboardInterrupt):
