@@ -25,7 +25,7 @@ def angular_error(preds: Tensor, target: Tensor) -> Tensor:
 
     Example:
         >>> up, right = torch.eye(3)[1].view(1, 3, 1, 1), torch.eye(3)[0].view(1, 3, 1, 1)
-        >>> angular_error(up + right, right).item()
+        >>> round(angular_error(up + right, right).item(), 3)
         45.0
     """
     preds, target = (_of_unit_size(vectors) for vectors in _checked(preds, target))

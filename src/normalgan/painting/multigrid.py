@@ -20,7 +20,7 @@ class Solver:
 
     Example:
         >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
-        >>> Solver().solve(matrix, np.array([0.0, 3.0]), np.zeros(2)).round(6).tolist()
+        >>> Solver().solve(matrix, np.array([0.0, 3.0]), np.zeros(2)).round(3).tolist()
         [1.0, 2.0]
     """
 

@@ -89,7 +89,7 @@ def look_at_origin(azimuth: float, elevation: float, roll: float) -> Doubles:
         roll: degrees by which the picture is turned counter-clockwise.
 
     Example:
-        >>> look_at_origin(90, 0, 0).round() @ [1, 0, 0]  # from +X, +X points at the viewer
+        >>> (look_at_origin(90, 0, 0) @ [1, 0, 0]).round(6) + 0.0  # from +X, +X points at the viewer
         array([0., 0., 1.])
     """
     a, e, r = np.deg2rad([azimuth, elevation, roll])
