@@ -27,11 +27,13 @@ def offered(group: str) -> EntryPoints:
     It takes a tenth of a second to read those of a few hundred packages, so all groups are read at once, and
     again only when the path or a folder on it has changed.
     """
-    return _all_offered(tuple((folder, _changed(folder)) for folder in sys.path)).select(group=group)
+    state = tuple((folder, _changed(folder)) for folder in sys.path)
+    selected: EntryPoints = _all_offered(state).select(group=group)
+    return selected
 
 
 @lru_cache(maxsize=1)
-def _all_offered(_path: tuple[tuple[str, int], ...]) -> EntryPoints:
+def _all_offered(_state: tuple[tuple[str, int], ...]) -> Any:  # of another type in Python 3.11 than later
     return entry_points()
 
 

@@ -34,8 +34,9 @@ BAD: dict[str, tuple[Callable[[Path, Path], object], str]] = {
 }
 
 
-@pytest.mark.parametrize("kind", BAD)
-@pytest.mark.parametrize("command", ["fit", "test"])
+@pytest.mark.parametrize(
+    ("command", "kind"), [*(("test", kind) for kind in BAD), ("fit", "truncated"), ("fit", "plug-in gone")]
+)
 def test_a_bad_checkpoint_is_refused(
     bench: Bench, trained: Path, tmp_path: Path, command: str, kind: str
 ) -> None:

@@ -169,7 +169,7 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
     checkpoint = tmp_path / "run" / "checkpoints" / "last.ckpt"
     checkpoint.parent.mkdir(parents=True)
     save(checkpoint, "ResidualUNetGenerator")
-    arguments = ["export", str(checkpoint), "-o", str(tmp_path / "m.pt2"), "--format", "pt2"]
+    arguments = ["export", str(checkpoint), "-o", str(tmp_path / "m.pt"), "--format", "torchscript"]
     assert main(arguments) == 2
     assert "does not say the size of its pictures" in capsys.readouterr().err
     (tmp_path / "run" / "config.yaml").write_text("data: {size: 24}\n")
@@ -196,7 +196,7 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
         (["good.ckpt", "--licence", "two\nlines"], "--licence is one line"),
         (["good.ckpt", "--halve"], "there is no setting halve"),
         (["old.ckpt"], "cannot be built here"),
-        (["good.ckpt", "-o", "text.ckpt/m.onnx"], "text.ckpt"),
+        (["good.ckpt", "-o", "text.ckpt/m.safetensors", "--format", "safetensors"], "text.ckpt"),
     ],
 )
 def test_what_cannot_be_exported_is_refused_in_a_sentence(
