@@ -43,6 +43,7 @@ DIFFER = {
         "model.hint_sampler.class_path",
         "model.generator_optimizer.init_args.lr",
         "model.discriminator_optimizer.init_args.lr",
+        "model.reconstruction.init_args.composited",
         "model.noise_at_test",
     },
     "pix2pix": {

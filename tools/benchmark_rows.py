@@ -10,13 +10,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from normalgan.benchmark.table import figure_cell
+from normalgan.benchmark.measure import OWN
+from normalgan.benchmark.table import figure_cell, spread_of
 
 COLUMNS = (
     *(("0", "angular_mean"), ("15", "angular_mean"), ("50", "angular_mean")),
-    *(("15", "angular_median"), ("15", "below_11_25")),
+    *(("15", "angular_median"), ("15", "below_11_25"), (OWN, "angular_mean")),
 )
-"""Hints given, and the figure: means with none, 15 and 50; median and share below 11.25° with 15."""
+"""Hints given, and the figure: means with none, 15 and 50; median and share below 11.25° with 15; its own."""
 
 
 def rows(results: Mapping[str, Any]) -> list[str]:
@@ -34,6 +35,7 @@ def rows(results: Mapping[str, Any]) -> list[str]:
 def _row(runs: Sequence[Any]) -> str:
     seeds = sum(run["seed"] is not None for run in runs)
     cells = [figure_cell(given, name)(runs) for given, name in COLUMNS]
+    cells.append(spread_of([runs[0]["figures"][OWN]["hints"]], 1))  # of the data, whatever the seed
     return f"| {runs[0]['label']} | {' | '.join(cells)} | {seeds or '–'} |"
 
 

@@ -2,6 +2,7 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.benchmark.cost import images_per_second
 from normalgan.benchmark.measure import measure
 from normalgan.benchmark.methods import Method, constant_method, inflation_method, mean_method
 from normalgan.hints import NoHints, UniformHints
@@ -71,3 +72,17 @@ def test_inflation_is_told_the_outline_and_nothing_else() -> None:
 def test_a_map_that_is_not_finite_has_no_figure() -> None:
     broken = Method(lambda batch, hints: torch.full_like(batch["normal"], torch.nan))
     assert measure(broken, [a_batch(["a"])], [0], 0, CPU)["0"]["angular_mean"] is None
+
+
+def test_nothing_is_measured_in_tf32() -> None:
+    allowed: list[bool] = []
+
+    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+        allowed.append(torch.backends.cudnn.allow_tf32)
+        return copycat(batch, hints)
+
+    assert torch.backends.cudnn.allow_tf32  # PyTorch's default, with which a model is trained
+    measure(Method(paint), [a_batch(["a"])], [0], 0, CPU)
+    images_per_second(Method(paint), a_batch(["a"]), CPU, 0)
+    assert set(allowed) == {False}
+    assert torch.backends.cudnn.allow_tf32

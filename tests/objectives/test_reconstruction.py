@@ -26,6 +26,24 @@ def test_l1_and_hints_are_weighted_apart() -> None:
     torch.testing.assert_close(terms["hint"].value, given["normal"][:, :, 16, 16].abs().sum(1).mean())
 
 
+def test_on_the_composited_map_l1_is_0_at_the_hints_and_the_hint_loss_stays() -> None:
+    given = batch()
+    normal, mask = given["normal"], given["mask"]
+    where = torch.zeros_like(mask)
+    where[:, :, 14:18, 16] = 1
+    preds = torch.full_like(normal, 0.25).requires_grad_()
+    raw, composited = (
+        L1AndHints(composited=c).terms(Predictions(preds), normal, mask, where) for c in (False, True)
+    )
+    outside = (0.25 - normal).abs() * (1 - where)  # independent of how the map is composited
+    torch.testing.assert_close(composited["l1"].value, outside.sum() / normal.numel())
+    assert composited["l1"].value < raw["l1"].value
+    assert composited["hint"].value == raw["hint"].value > 0
+    (gradient,) = torch.autograd.grad(composited["l1"].value, preds)
+    assert not (gradient * where).any()
+    assert (gradient * (1 - where)).any()
+
+
 @pytest.mark.parametrize("confidence", [0.5, 3.0, 40.0])
 def test_the_likelihood_is_a_density_over_the_sphere(confidence: float) -> None:
     """∫ exp(-nll) dω is the same for every κ: what is left out is a constant."""
@@ -108,7 +126,7 @@ def test_a_generator_without_confidence_is_refused() -> None:
 )
 def test_negative_weights_are_refused(settings: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        L1AndHints(**settings)
+        L1AndHints(**settings)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="presence_weight must be 0 or more, not -1"):
         AngularLikelihood(presence_weight=-1)
     with pytest.raises(InputError, match="angle_weight must be 0 or more, not -2"):

@@ -8,7 +8,7 @@ from torch import nn
 from torch.utils.flop_counter import FlopCounterMode
 
 from normalgan.batch import Batch
-from normalgan.benchmark.measure import moved
+from normalgan.benchmark.measure import moved, true_float32
 from normalgan.benchmark.methods import Method
 
 
@@ -46,14 +46,15 @@ def images_per_second(method: Method, batch: Batch, device: torch.device, second
         seconds: how long to go on; at least one batch is painted, after one to warm up.
     """
     here = moved(batch, device)
-    method.paint(here, None)
-    _wait(device)
-    start = perf_counter()
-    for painted in count(len(batch["sketch"]), len(batch["sketch"])):
+    with true_float32():
         method.paint(here, None)
         _wait(device)
-        if (spent := perf_counter() - start) >= seconds:
-            return painted / spent
+        start = perf_counter()
+        for painted in count(len(batch["sketch"]), len(batch["sketch"])):
+            method.paint(here, None)
+            _wait(device)
+            if (spent := perf_counter() - start) >= seconds:
+                return painted / spent
     raise AssertionError("the clock went on for ever")
 
 

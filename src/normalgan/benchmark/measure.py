@@ -1,6 +1,7 @@
 """Measuring a method: with growing numbers of the common hints, and with those of its own sampler."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import cast
 
 import torch
@@ -37,6 +38,13 @@ def measure(
         seed: of the hints.
         device: where to paint and measure.
     """
+    with true_float32():
+        return _measure(method, batches, counts, seed, device)
+
+
+def _measure(
+    method: Method, batches: Iterable[Batch], counts: Sequence[int], seed: int, device: torch.device
+) -> Figures:
     metrics = {str(count): normal_map_metrics().to(device) for count in counts}
     own = normal_map_metrics().to(device)
     hints_given = samples = 0
@@ -58,6 +66,17 @@ def measure(
     figures = {given: _plain(collection.compute()) for given, collection in {**metrics, OWN: own}.items()}
     figures[OWN]["hints"] = hints_given / max(samples, 1)
     return figures
+
+
+@contextmanager
+def true_float32() -> Iterator[None]:
+    """Keep a GPU from convolving in TF32, of 10 bits, as PyTorch lets it; as on the CPU then."""
+    before = torch.backends.cudnn.allow_tf32
+    torch.backends.cudnn.allow_tf32 = False
+    try:
+        yield
+    finally:
+        torch.backends.cudnn.allow_tf32 = before
 
 
 def moved(batch: Batch, device: torch.device) -> Batch:

@@ -30,10 +30,11 @@ class CurvatureHints(HintSampler):
     is kept, and each of its points is dropped with probability 0.95. The paper does not say how normals
     become grey. The defaults are the reading that fits its text: flat is 128, concave darker, low contrast.
     One threshold alone then gives mostly the outline, and the exclusive or the single level 127: the mild
-    concavities (creases, junctions of limbs). At 256 × 256 some 5 to 140 points are left of a four-legged
-    animal, the more the finer its surface is modelled (median 20 of smooth ones, 63 of the paper's FourLegs);
-    a convex object gets none. With `rounding` ``floor`` flat is 127, and the same rule selects all that is
-    flat: with `object_only` off, the whole background.
+    concavities, such as where limbs go over into the body; a crease is several levels darker and is left out.
+    At 256 × 256, 20 to 275 points are left of a view of the paper's FourLegs (median 90), 8 to 274 of the
+    embedded animals (median 55), the more the finer the surface; a convex object gets none. With `rounding`
+    ``floor`` flat is 127, and the same rule selects all that is flat: with `object_only` off, the whole
+    background.
 
     Only the curvature is quantised to 8 bit, never the normals.
 

@@ -17,9 +17,9 @@ class UniformHints(HintSampler):
     """Give a random number of points, each pixel of the object with equal chance.
 
     After Su et al., "Interactive Sketch-Based Normal Map Generation with Deep Neural Networks" (I3D 2018),
-    who place hints at random; how many they used in training is not published. The default spans what
-    `CurvatureHints` leaves of four-legged animals at 256 × 256 (median 20 of smooth ones, 63 of Kalogerakis's
-    FourLegs); set both bounds near its number on your data to compare where hints lie, not how many.
+    who place hints at random; how many they used in training is not published. `CurvatureHints` leaves
+    another number of points at each size and on each surface: to compare where hints lie, not how many, give
+    both the same number.
     An object of fewer pixels than the number drawn is hinted everywhere.
 
     Args:

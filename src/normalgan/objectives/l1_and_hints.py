@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import torch
 from torch import Tensor
 
 from normalgan.errors import InputError
@@ -17,7 +18,9 @@ class L1AndHints(Reconstruction):
 
     Args:
         l1_weight: weight of the L1 loss (a mean over pixels and channels).
-        hint_weight: weight of the hint loss (a mean over hints, a sum over channels).
+        hint_weight: weight of the hint loss (a mean over hints, a sum over channels), always on the raw map.
+        composited: take the L1 loss on the map with the truth pasted in at the hints, where it is then 0, as
+            Su et al. do. On the raw map otherwise.
 
     Raises:
         InputError: if a weight is negative.
@@ -25,6 +28,7 @@ class L1AndHints(Reconstruction):
 
     l1_weight: float = 500.0
     hint_weight: float = 15.0
+    composited: bool = False
 
     def __post_init__(self) -> None:
         for name, weight in (("l1", self.l1_weight), ("hint", self.hint_weight)):
@@ -33,7 +37,8 @@ class L1AndHints(Reconstruction):
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return the L1 loss and the hint loss; see `Reconstruction.terms`."""
+        compared = torch.where(where > 0.5, target, preds.normal) if self.composited else preds.normal
         return {
-            "l1": Term(l1_loss(preds.normal, target), self.l1_weight),
+            "l1": Term(l1_loss(compared, target), self.l1_weight),
             "hint": Term(hint_loss(preds.normal, target, where), self.hint_weight),
         }

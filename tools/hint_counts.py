@@ -1,0 +1,40 @@
+"""Prints how many hints CurvatureHints leaves of views of meshes: fewest, median, most, and by mesh.
+
+tools/hint_counts.py 'meshes/*.off' [SIZE [VIEWS [ORIENTATION]]]
+`animals` in place of meshes takes 20 embedded ones.
+"""
+
+import sys
+from statistics import median
+
+import torch
+
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.hints import CurvatureHints
+from normalgan.hints.draw import draw_hints_by_name
+from normalgan.rendering.renderers.embree import EmbreeRenderer
+from normalgan.rendering.samples import sample_rng
+from normalgan.rendering.views import Views
+
+
+def main(meshes: str, size: int = 256, views: int = 10, orientation: str | None = None) -> None:
+    """Render the maps of so many views of each mesh, seed 0, and count."""
+    given = None if meshes == "animals" else meshes
+    data = MeshDataModule(given, animals=20, orientation=orientation, fractions=(1.0, 0.0, 0.0), size=size)
+    every: list[int] = []
+    for source in data.sources["train"]:
+        mesh, counts = source.load(), []
+        for index in range(views):
+            camera = Views().camera(mesh, sample_rng(0, mesh.name, index, "views"))
+            maps = EmbreeRenderer().render(mesh, camera, size)
+            normal = torch.from_numpy(maps.normal).permute(2, 0, 1)[None].float()
+            mask = torch.from_numpy(maps.mask)[None, None].float()
+            hints = draw_hints_by_name(CurvatureHints(), normal, mask, [f"{mesh.name}/{index}"], 0)
+            counts.append(int(hints[:, 3].sum()))
+        print(f"{mesh.name}: {min(counts)}, {median(counts):g}, {max(counts)}", flush=True)
+        every += counts
+    print(f"all {len(every)} views: {min(every)}, {median(every):g}, {max(every)}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], *map(int, sys.argv[2:4]), *sys.argv[4:5])
