@@ -11,8 +11,15 @@ from torch.optim.lr_scheduler import ExponentialLR
 
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
-from normalgan.hints import NoHints, UniformHints
-from normalgan.models import PatchDiscriminator, ResidualUNetGenerator, UNetDiscriminator, UNetGenerator
+from normalgan.hints import NoHints, UniformHints, WorstErrorHints
+from normalgan.metrics import angular_error
+from normalgan.models import (
+    Discriminator,
+    PatchDiscriminator,
+    ResidualUNetGenerator,
+    UNetDiscriminator,
+    UNetGenerator,
+)
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.objectives import (
     AngularLikelihood,
@@ -280,3 +287,59 @@ def test_bf16_trains_and_measures_in_full_precision(tmp_path: Path) -> None:
 def test_settings_are_checked(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         make(**settings)
+
+
+class Mean(Discriminator):
+    """Scores a map by the mean of its numbers, times a weight."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.weight = nn.Parameter(torch.ones(()))
+
+    def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
+        return (self.weight * normal.mean((1, 2, 3)),)
+
+
+@pytest.mark.parametrize("weight", [1.0, 100.0])
+def test_the_share_of_the_adversarial_gradient_is_that_of_the_formula(tmp_path: Path, weight: float) -> None:
+    """Of a mean and of L1 the gradients are the same number at every pixel, here 0.01 and 500 a count."""
+    gan = make(
+        discriminator=Mean(),
+        hint_sampler=NoHints(),
+        objective=Wasserstein(weight_clip=0.01),
+        reconstruction=L1AndHints(500.0, 0.0),
+        adversarial_weight=weight,
+        share_every=1,
+    )
+    run = trainer(tmp_path, max_steps=2)
+    run.fit(gan, loader())
+    share = run.callback_metrics["train/adversarial_share_output"]
+    assert float(share) == pytest.approx(weight * 0.01 / 500, rel=1e-4)
+    assert 0 < float(run.callback_metrics["train/adversarial_share"]) < 0.1
+
+
+def test_a_share_that_is_logged_changes_nothing(tmp_path: Path) -> None:
+    logged, plain = make(share_every=2), make()
+    for gan in (logged, plain):
+        trainer(tmp_path).fit(gan, loader())
+    assert same(weights(logged), weights(plain))
+    with pytest.raises(InputError, match=r"share_every must be 0 or more steps, not -1"):
+        make(share_every=-1)
+
+
+def test_the_worst_places_are_those_of_the_generator_and_looking_changes_nothing() -> None:
+    gan = make(generator=UNetGenerator(size=64, width=4), hint_sampler=WorstErrorHints(4), noise_at_test=True)
+    given, before = batch(size=64), weights(gan)
+    gan.train()
+    modes = {name: module.training for name, module in gan.named_modules()}
+    for name, module in gan.generator.named_modules():  # as noise at test leaves them
+        module.train("drop" in name.lower() or isinstance(module, nn.Dropout))
+        modes[f"generator.{name}".rstrip(".")] = module.training
+    hints = gan.training_hints(given, 0)
+    assert {name: module.training for name, module in gan.named_modules()} == modes
+    assert same(weights(gan), before)  # statistics of norms too
+    gan.eval()
+    error = angular_error(gan(given["sketch"]), given["normal"])
+    wanted = WorstErrorHints(4).sample_by_error(error, given["mask"], torch.Generator())
+    assert torch.equal(hints[:, 3:], wanted)
+    assert torch.equal(gan.measured_hints(given)[:, 3:], wanted)

@@ -23,6 +23,13 @@ from normalgan.objectives.finite import loss_error, not_finite
 from normalgan.painter import NormalPainter
 from normalgan.seeds import derive_seed
 
+SHARE = "train/adversarial_share"
+"""Length of the adversarial gradient beside that of the reconstruction, at the generator's weights."""
+
+
+def _weighted(terms: dict[str, Term]) -> Tensor:
+    return torch.stack([term.weight * term.value for term in terms.values()]).sum()
+
 
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
@@ -48,6 +55,10 @@ class NormalGAN(NormalPainter):
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
         hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
+        share_every: log how long the adversarial gradient is beside that of the reconstruction at every so
+            many steps of the generator, as ``train/adversarial_share`` (at its weights) and
+            ``train/adversarial_share_output`` (at what it paints); 0 logs none. Such a step takes two passes
+            backward more.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
 
@@ -69,6 +80,7 @@ class NormalGAN(NormalPainter):
         gradient_clip: float | None = None,
         n_critic: int = 5,
         hint_noise: float = 0.0,
+        share_every: int = 0,
         noise_at_test: bool = False,
         seed: int = 0,
     ) -> None:
@@ -77,6 +89,8 @@ class NormalGAN(NormalPainter):
             raise InputError(f"n_critic must be 1 or more, not {n_critic}.")
         if gradient_clip is not None and gradient_clip <= 0:
             raise InputError(f"gradient_clip must be greater than 0, or null, not {gradient_clip}.")
+        if share_every < 0:
+            raise InputError(f"share_every must be 0 or more steps, not {share_every}.")
         if adversarial_weight < 0:
             raise InputError(f"adversarial_weight must be 0 or more, not {adversarial_weight}.")
         if not 0 <= hint_noise <= 90:
@@ -98,6 +112,7 @@ class NormalGAN(NormalPainter):
         self.gradient_clip = gradient_clip
         self.n_critic = n_critic
         self.hint_noise = hint_noise
+        self.share_every = share_every
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Step the discriminator, and with every n-th batch the generator."""
@@ -119,7 +134,7 @@ class NormalGAN(NormalPainter):
             terms = self.reconstruction.terms(
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
-            self._step_generator(condition, terms, fake, batch)
+            self._step_generator(condition, terms, preds.normal, fake, batch)
 
     def _step_discriminator(
         self, discriminator: Discriminator, condition: Tensor, batch: Batch, fake: Tensor
@@ -139,20 +154,39 @@ class NormalGAN(NormalPainter):
         self.log("train/discriminator", loss.detach(), prog_bar=True)
 
     def _step_generator(
-        self, condition: Tensor, terms: dict[str, Term], fake: Tensor | None, batch: Batch
+        self, condition: Tensor, terms: dict[str, Term], painted: Tensor, fake: Tensor | None, batch: Batch
     ) -> None:
         optimizer = self._optimizers()[0]
         with self.toggled_optimizer(optimizer):
             if self.discriminator is not None and fake is not None:
                 score = self.objective.generator_loss(self.discriminator(condition, fake))
-                terms = {**terms, "adversarial": Term(score, self.adversarial_weight)}
+                adversarial = Term(score, self.adversarial_weight)
+                if self._logs_share():
+                    self._log_share(_weighted(terms), _weighted({"": adversarial}), painted)
+                terms = {**terms, "adversarial": adversarial}
             self._check_losses({name: term.value for name, term in terms.items()}, batch)
             optimizer.zero_grad()
-            self.manual_backward(torch.stack([term.weight * term.value for term in terms.values()]).sum())
+            self.manual_backward(_weighted(terms))
             optimizer.step()
         self.log_dict({f"train/{name}": term.value.detach() for name, term in terms.items()})
         first = next(iter(terms))
         self.log(first, terms[first].value.detach(), prog_bar=True, logger=False)
+
+    def _logs_share(self) -> bool:
+        step = self.trainer.fit_loop.total_batch_idx // self.n_critic
+        return self.share_every > 0 and step % self.share_every == 0
+
+    def _log_share(self, reconstruction: Tensor, adversarial: Tensor, painted: Tensor) -> None:
+        """Log how long the gradient of one loss is beside that of the other, both weighted."""
+        for name, inputs in ((SHARE, list(self.generator.parameters())), (f"{SHARE}_output", [painted])):
+            lengths = [
+                torch.stack([g.float().square().sum() for g in gradients if g is not None]).sum().sqrt()
+                for gradients in (
+                    torch.autograd.grad(loss, inputs, retain_graph=True, allow_unused=True)
+                    for loss in (adversarial, reconstruction)
+                )
+            ]
+            self.log(name, lengths[0] / lengths[1])
 
     def _check_losses(self, losses: dict[str, Tensor], batch: Batch) -> None:
         """Stop before a step that would make all weights NaN; in every process, lest the others wait."""

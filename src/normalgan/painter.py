@@ -2,13 +2,14 @@
 
 from abc import ABC
 
+import torch
 from lightning.pytorch import LightningModule
 from torch import Tensor, nn
 
 from normalgan.batch import Batch, Sketches
-from normalgan.hints import HintSampler
+from normalgan.hints import ErrorHintSampler, HintSampler
 from normalgan.hints.draw import draw_hints, draw_hints_by_name
-from normalgan.metrics import StageMetrics, without_hints
+from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Generator
 from normalgan.models.condition import make_condition
 
@@ -44,16 +45,20 @@ class NormalPainter(LightningModule, ABC):
         Returns:
             (N, 3, H, W) in [-1, 1], of about unit length on the object and of none off it.
         """
+        return self.paint_with_confidence(sketch, hints)[:, :3]
+
+    def paint_with_confidence(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
+        """Return what `forward` does, (N, 3, H, W), or (N, 4, H, W) if the generator paints a confidence."""
         if hints is None:
             hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
         painted: Tensor = self.generator(make_condition(sketch, hints))
-        return painted[:, :3]
+        return painted
 
     def training_hints(self, batch: Batch, seed: int) -> Tensor:
         """Return the hints (N, 4, H, W) of a batch: its own, or else the sampler's under a seed."""
         if "hints" in batch:
             return batch["hints"]
-        return draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed)
+        return draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
 
     def measured_hints(self, batch: Batch) -> Tensor:
         """Return the hints (N, 4, H, W) that validation and testing give with a batch.
@@ -63,7 +68,23 @@ class NormalPainter(LightningModule, ABC):
         if "hints" in batch:
             return batch["hints"]
         names = batch.get("name") or [str(i) for i in range(len(batch["normal"]))]
-        return draw_hints_by_name(self.hint_sampler, batch["normal"], batch["mask"], names, self.seed)
+        given = batch["normal"], batch["mask"], names, self.seed, self._error(batch)
+        return draw_hints_by_name(self.hint_sampler, *given)
+
+    @torch.no_grad()
+    def _error(self, batch: Batch) -> Tensor | None:
+        """Return the error without hints (N, 1, H, W), for a sampler that asks for it.
+
+        It is painted as in testing, so that statistics of norms stay as they are and no noise is drawn.
+        """
+        if not isinstance(self.hint_sampler, ErrorHintSampler):
+            return None
+        modes = {module: module.training for module in self.generator.modules()}
+        self.generator.eval()
+        painted = self._paint(batch, None)
+        for module, training in modes.items():
+            module.training = training
+        return angular_error(painted, batch["normal"])
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, the same ones every epoch, and with none."""

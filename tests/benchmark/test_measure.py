@@ -3,7 +3,7 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 from normalgan.benchmark.cost import images_per_second
-from normalgan.benchmark.measure import measure
+from normalgan.benchmark.measure import HintTests, measure
 from normalgan.benchmark.methods import Method, constant_method, inflation_method, mean_method
 from normalgan.hints import NoHints, UniformHints
 from normalgan.metrics import angular_error
@@ -29,8 +29,8 @@ def copycat(batch: Batch, hints: Tensor | None) -> Tensor:
 def test_hinted_pixels_count_for_no_method() -> None:
     batches = [a_batch(["a/0", "a/1"]), a_batch(["a/2"])]
     sampler = UniformHints(minimum=5, maximum=5)
-    constant = measure(constant_method(), batches, [0, 5, 20], 0, CPU)
-    copied = measure(Method(copycat, sampler), batches, [0, 5, 20], 0, CPU)
+    constant = measure(constant_method(), batches, HintTests([0, 5, 20]), CPU).figures
+    copied = measure(Method(copycat, sampler), batches, HintTests([0, 5, 20]), CPU).figures
     for count in ("0", "5", "20"):
         assert copied[count] == constant[count]
     assert constant["0"] != constant["5"]  # other pixels
@@ -45,16 +45,16 @@ def test_a_method_that_takes_none_is_given_none() -> None:
         given.append(hints)
         return copycat(batch, hints)
 
-    measure(Method(paint, NoHints()), [a_batch(["a"])], [0, 5], 0, CPU)
+    measure(Method(paint, NoHints()), [a_batch(["a"])], HintTests([0, 5]), CPU)
     assert given == [None]
-    measure(Method(paint, UniformHints()), [a_batch(["a"])], [0, 5], 0, CPU)
+    measure(Method(paint, UniformHints()), [a_batch(["a"])], HintTests([0, 5]), CPU)
     assert [None if hints is None else int(hints[:, 3].sum()) for hints in given[1:3]] == [None, 5]
 
 
 def test_figures_are_those_of_the_pixels() -> None:
     batch = a_batch(["a"])
     mean_map = torch.nn.functional.normalize(torch.ones(3, 16, 16), dim=0)
-    figures = measure(mean_method(mean_map), [batch], [0], 0, CPU)["0"]
+    figures = measure(mean_method(mean_map), [batch], HintTests([0]), CPU).figures["0"]
     angles = angular_error(mean_map[None], batch["normal"])[batch["mask"] > 0]
     assert figures["angular_mean"] is not None
     assert abs(figures["angular_mean"] - angles.mean().item()) < 1e-3
@@ -71,7 +71,11 @@ def test_inflation_is_told_the_outline_and_nothing_else() -> None:
 
 def test_a_map_that_is_not_finite_has_no_figure() -> None:
     broken = Method(lambda batch, hints: torch.full_like(batch["normal"], torch.nan))
-    assert measure(broken, [a_batch(["a"])], [0], 0, CPU)["0"]["angular_mean"] is None
+    measured = measure(broken, [a_batch(["a"])], HintTests([0]), CPU)
+    assert measured.figures["0"]["angular_mean"] is None
+    assert measured.figures["0"]["nz_bias"] is None
+    assert measured.meshes["0"]["a"]["angular_mean"] is None
+    assert measured.views["0"]["angular_mean"] == [None]
 
 
 def test_nothing_is_measured_in_tf32() -> None:
@@ -82,7 +86,25 @@ def test_nothing_is_measured_in_tf32() -> None:
         return copycat(batch, hints)
 
     assert torch.backends.cudnn.allow_tf32  # PyTorch's default, with which a model is trained
-    measure(Method(paint), [a_batch(["a"])], [0], 0, CPU)
+    measure(Method(paint), [a_batch(["a"])], HintTests([0]), CPU)
     images_per_second(Method(paint), a_batch(["a"]), CPU, 0)
     assert set(allowed) == {False}
     assert torch.backends.cudnn.allow_tf32
+
+
+def test_figures_by_mesh_and_view_are_those_of_the_mesh_alone() -> None:
+    batches = [a_batch(["a/0", "b/0", "a/1"]), a_batch(["b/1"])]
+    measured = measure(constant_method(), batches, HintTests([5]), CPU)
+    assert measured.names == ["a/0", "b/0", "a/1", "b/1"]
+    assert measured.meshes["5"].keys() == {"a", "b"}
+    first: Batch = {
+        "sketch": batches[0]["sketch"][[0, 2]],
+        "normal": batches[0]["normal"][[0, 2]],
+        "mask": batches[0]["mask"][[0, 2]],
+        "name": ["a/0", "a/1"],
+    }
+    alone = measure(constant_method(), [first], HintTests([5]), CPU)
+    assert {**alone.figures["5"], "pixels": 2 * (12 * 12 - 5)} == measured.meshes["5"]["a"]
+    assert measured.views["5"]["pixels"] == [12 * 12 - 5] * 4
+    pooled = sum(measured.views["5"]["angular_mean"]) / 4  # views of equally many pixels
+    assert abs(pooled - (measured.figures["5"]["angular_mean"] or 0)) < 1e-3

@@ -70,6 +70,9 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
         (plan(checkpoint="first"), ["checkpoint", "first"]),
         (plan(reference="theirs"), ["the plan has no row theirs; it has mean, paper"]),
         (plan(rows=3), ["are no list of settings"]),
+        (plan(placements=["best"], placement_counts=[3]), ["no placement 'best'", "uniform, curvature"]),
+        (plan(placements=["worst"]), ["placements if and only if it has placement_counts"]),
+        (plan(noise_degrees=[-3]), ["noise_degrees must all be 0 or more"]),
         (plan(rows=[]), ["a plan needs rows"]),
         (plan(rows=[{"name": "a", "label": "A"}]), ["row a", "must have either configs or classical"]),
         (plan(rows=[{"name": "a", "label": "A", "classical": "median"}]), ["row a", "classical", "median"]),
@@ -92,6 +95,38 @@ def test_a_mistake_is_answered_by_a_sentence(tmp_path: Path, wrong: Any, words: 
     assert "\n" not in str(caught.value)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_the_names_of_placements_are_those_that_there_are() -> None:
+    from normalgan.benchmark import placements, plan
+
+    assert tuple(placements._SAMPLERS) == plan.PLACEMENTS
+
+
+def test_the_matrix_trains_each_placement_at_each_count() -> None:
+    read = read_plan(PLANS / "placement.yaml")
+    assert read.seeds == [0, 1, 2]
+    assert read.placement_counts == [3, 10, 17, 30, 60]
+    counts = {row.name: row.changes.get("model.hint_sampler", {}) for row in read.rows if row.configs}
+    for name in read.placements:
+        for count in read.placement_counts:
+            arguments = counts[f"paper-{name}-{count}"]["init_args"]
+            assert set(arguments.values()) == {count}
+
+
+def test_the_critics_are_as_wide_as_the_generators() -> None:
+    read = read_plan(PLANS / "critic.yaml")
+    weights: dict[str, set[float]] = {}
+    for row in read.rows:
+        if row.name.startswith(("clip", "penalty")):
+            settings = {**row.changes, **row.settings}
+            widths = {
+                settings[f"model.{network}.init_args.width"] for network in ("generator", "discriminator")
+            }
+            assert len(widths) == 1
+            assert settings["model.share_every"] > 0
+            weights.setdefault(row.name.split("-")[0], set()).add(settings["model.adversarial_weight"])
+    assert weights == {kind: {1.0, 10.0, 100.0, 1000.0} for kind in ("clip", "penalty")}
 
 
 def test_a_missing_plan_is_named(tmp_path: Path) -> None:

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,9 @@ from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.plan import Plan, Row
 from normalgan.benchmark.scale import Scale
-from normalgan.benchmark.table import FIGURES, markdown
+from normalgan.benchmark.table import FIGURES, markdown, mesh_table
 from normalgan.gallery import Row as Sample
+from normalgan.gan import SHARE
 
 ROWS = [
     Row("mean", "the mean", group="Simple", classical="mean"),
@@ -79,7 +81,7 @@ def test_what_is_missing_is_left_out_and_what_has_no_figure_is_a_dash() -> None:
 def test_every_line_of_a_table_has_as_many_cells() -> None:
     text = markdown(PLAN, Scale("cpu"), {row.name: [result(0, 20.0)] for row in ROWS})
     tables = [part for part in text.split("\n\n") if part.startswith("|")]
-    assert len(tables) == 5
+    assert len(tables) == 8
     for table in tables:
         assert len({line.count("|") for line in table.splitlines()}) == 1
         assert (
@@ -149,3 +151,42 @@ def test_a_long_curve_is_thinned_out(tmp_path: Path) -> None:
     assert (curve[0]["images"], curve[-1]["images"]) == (0, 999)
     assert "val/l1" not in curve[0]
     assert len(read_curve(tmp_path, most=2000)) == 1000
+
+
+def test_what_a_plan_tests_besides_has_tables_of_its_own() -> None:
+    plan = replace(
+        PLAN,
+        placements=["uniform", "worst"],
+        placement_counts=[3, 17],
+        noise_degrees=[0, 10],
+        noise_pixels=[2],
+        pins=3,
+    )
+    one = result(0, 20.0)
+    for i, given in enumerate(("uniform-3", "worst-3", "uniform-17", "worst-17", "degrees-10", "pixels-2")):
+        one["figures"][given] = {"angular_mean": 10.0 + i}
+    one["pins"] = {"worst": [9.0, 8.0, 7.0, 6.0], "suggested": [9.0, 8.5, 8.25, 8.0]}
+    one["curve"][0][SHARE], one["curve"][1][SHARE] = 2e-5, 3e-4
+    text = markdown(plan, Scale("cpu"), {"ours": [one], "paper": [result(0, 20.0)]})
+    assert line(text, "Where hints lie: mean error with 3 hints", "ours") == ["10.00°", "11.00°"]
+    assert line(text, "Where hints lie: mean error with 17 hints", "ours") == ["12.00°", "13.00°"]
+    assert line(text, "Where hints lie: mean error with 17 hints", "the paper") == ["–", "–"]
+    assert line(text, "Hints that are off: mean error with 15 hints turned", "ours") == ["18.00°", "14.00°"]
+    assert line(text, "Hints that are off: mean error with 15 hints moved", "ours") == ["18.00°", "15.00°"]
+    suggested = "One pin after the other, where the studio suggests"
+    assert line(text, suggested, "ours") == ["9.00°", "8.50°", "8.25°", "8.00°"]
+    assert line(text, "Adversarial gradient", "ours") == ["2.0e-05", "3.0e-04"]
+    assert line(text, "Adversarial gradient", "the paper") == ["–", "–"]
+
+
+def test_intervals_and_figures_by_mesh_stand_in_tables() -> None:
+    def with_meshes(*errors: float) -> dict[str, Any]:
+        meshes = {f"m{i}": {"angular_mean": e, "pixels": 10, "nz_bias": 0.05} for i, e in enumerate(errors)}
+        return result(0, 20.0, meshes={"0": meshes, "15": meshes, OWN: meshes})
+
+    text = markdown(PLAN, Scale("cpu"), {"paper": [with_meshes(20, 22)], "ours": [with_meshes(15, 18)]})
+    cells = line(text, "Table 3", "ours")
+    assert cells[:2] == ["16.50° [15.00, 18.00]", "-4.50° [-5.00, -4.00]"]
+    assert line(text, "Table 3", "the paper")[1] == "+0.00° [+0.00, +0.00]"
+    by_mesh = mesh_table(with_meshes(15, 18), 15).splitlines()
+    assert by_mesh[-1] == "| m1 | 18.00° | +0.050 | – | – | – | 18.00° | +0.050 |"

@@ -6,7 +6,8 @@ import pytest
 import torch
 
 from normalgan.batch import Batch
-from normalgan.benchmark.measure import Figures, measure
+from normalgan.benchmark.accumulator import Figure
+from normalgan.benchmark.measure import HintTests, measure
 from normalgan.benchmark.methods import model_method
 from normalgan.benchmark.saved import saved_method
 from normalgan.errors import InputError
@@ -32,8 +33,8 @@ def a_batch(size: int) -> Batch:
     return {"sketch": sketch, "normal": normal * mask, "mask": mask, "name": ["a/0", "a/1"]}
 
 
-def figures_of(name: str, size: int) -> Figures:
-    return measure(saved_method(name, size, CPU), [a_batch(size)], [0, 5, 20], 0, CPU)
+def figures_of(name: str, size: int) -> dict[str, Figure]:
+    return measure(saved_method(name, size, CPU), [a_batch(size)], HintTests([0, 5, 20]), CPU).figures
 
 
 def test_the_shipped_files_measure_the_same() -> None:
@@ -61,7 +62,7 @@ def test_noise_sampler_and_weights_come_from_the_file(tmp_path: Path) -> None:
     path = tmp_path / "m.safetensors"
     path.write_bytes(Weights(notes, generator.state_dict()).to_bytes())
     model = NormalGAN(generator, None, sampler, Wasserstein(), noise_at_test=True)
-    wanted = measure(model_method(model), [a_batch(32)], [0, 5, 20], 0, CPU)
+    wanted = measure(model_method(model), [a_batch(32)], HintTests([0, 5, 20]), CPU).figures
     assert figures_of(str(path), 32) == wanted
     assert wanted["own"]["hints"] == 4
 

@@ -58,7 +58,9 @@ def test_a_broken_plugin_is_left_out_and_the_rest_goes_on(module: str, site: Pat
     (left,) = HINT_SAMPLERS.left_out
     assert (left.entry, left.value, left.package) == ("Aa", f"{module}:Dots", "foreign 1.5")
     assert left.reason == reason
-    assert set(HINT_SAMPLERS.names()) == {"CurvatureHints", "GoodHints", "NoHints", "UniformHints"}
+    assert set(HINT_SAMPLERS.names()) == {
+        *("CurvatureHints", "FarthestPointHints", "GoodHints", "NoHints", "UniformHints", "WorstErrorHints")
+    }
     assert HINT_SAMPLERS.package("GoodHints") == "foreign 1.5"
     assert HINT_SAMPLERS.package("NoHints").startswith("normalgan ")
 

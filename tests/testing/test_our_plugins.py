@@ -7,7 +7,14 @@ import pytest
 import torch
 from opengl_here import needs_opengl
 
-from normalgan.hints import HINT_SAMPLERS, CurvatureHints, NoHints, UniformHints
+from normalgan.hints import (
+    HINT_SAMPLERS,
+    CurvatureHints,
+    FarthestPointHints,
+    NoHints,
+    UniformHints,
+    WorstErrorHints,
+)
 from normalgan.models import (
     DISCRIMINATORS,
     GENERATORS,
@@ -58,6 +65,9 @@ OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
         [
             CurvatureHints(),
             CurvatureHints(dropout=0.0),
+            CurvatureHints(count=7),
+            FarthestPointHints(7),
+            WorstErrorHints(7),
             NoHints(),
             UniformHints(3, 20),
             UniformHints(none=0.5),

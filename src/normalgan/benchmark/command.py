@@ -25,11 +25,12 @@ def run(arguments: list[str]) -> int:
     with warnings.catch_warnings():
         filter_warnings()
         if options.evaluate is not None:
-            return evaluate(plan, scale, options.evaluate)
+            return evaluate(plan, scale, options.evaluate, Path(options.output) if options.output else None)
         chosen = options.rows.split(",") if options.rows else [row.name for row in plan.rows]
         for name in chosen:
             plan.row(name)
-        return compare(plan, scale, Path(options.output), chosen, _seeds(options.seeds) or plan.seeds)
+        out = Path(options.output or "runs/benchmark")
+        return compare(plan, scale, out, chosen, _seeds(options.seeds) or plan.seeds)
 
 
 def build_parser() -> LightParser:
@@ -46,7 +47,13 @@ def build_parser() -> LightParser:
         type=str,
         help="the plan, which has rows, and overlays of `normalgan fit`, which make the scale; repeats",
     )
-    parser.add_argument("-o", "--output", default="runs/benchmark", help="where runs and report go")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=str | None,
+        help="where runs and report go, runs/benchmark if null; with --evaluate the folder of "
+        "evaluation.json, which null does not write",
+    )
     parser.add_argument("--rows", type=str | None, help="names of rows, with commas; null takes all")
     parser.add_argument("--seeds", type=str, nargs="+", help="seeds in place of the plan's")
     parser.add_argument("--images", type=int | None, help="images each generator learns from, not the plan's")
@@ -105,18 +112,20 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
     return 1 if failures else 0
 
 
-def evaluate(plan: Plan, scale: Scale, name: str) -> int:
+def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> int:
     """Measure a model on the plan's test split, print its tables, and return the exit code.
 
     Args:
         plan: in what way.
         scale: at which.
         name: of the model's file, or ``shipped``.
+        out: folder of ``evaluation.json``, which has all figures; None writes none.
     """
     from normalgan.benchmark.evaluation import Evaluation
     from normalgan.benchmark.runs import shared_settings
     from normalgan.benchmark.saved import saved_method
-    from normalgan.benchmark.table import markdown
+    from normalgan.benchmark.table import markdown, mesh_table
+    from normalgan.benchmark.training import write_json
 
     evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
     method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)
@@ -124,6 +133,11 @@ def evaluate(plan: Plan, scale: Scale, name: str) -> int:
     model = Row("model", name, configs=["–"])
     one = Plan(plan.name, plan.images, [model], hints=plan.hints, hint_counts=plan.hint_counts)
     _say(markdown(one, scale, {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}))
+    _say(mesh_table(figures, plan.hints))
+    if out is not None:
+        head = {"plan": plan.name, "scale": scale.name, "changed": scale.changed, "model": name}
+        write_json(out / "evaluation.json", {**head, "size": evaluation.data.recipe.size, **figures})
+        _say(f"Figures: {(out / 'evaluation.json').resolve()}")
     return 0
 
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from io import BytesIO
 from pathlib import Path
@@ -14,7 +14,7 @@ import torch
 from normalgan.batch import Batch
 from normalgan.benchmark.cost import flops, images_per_second, parameters
 from normalgan.benchmark.machine import commit, describe_machine, describe_versions
-from normalgan.benchmark.measure import measure, moved
+from normalgan.benchmark.measure import HintTests, measure, moved, true_float32
 from normalgan.benchmark.methods import (
     Method,
     constant_method,
@@ -22,6 +22,8 @@ from normalgan.benchmark.methods import (
     mean_method,
     trained_method,
 )
+from normalgan.benchmark.pins import STRATEGIES, Strategy, pin_curve, pin_one_by_one
+from normalgan.benchmark.placements import placements
 from normalgan.benchmark.plan import Plan, Settings
 from normalgan.benchmark.points import hint_points
 from normalgan.benchmark.runs import Run, build_data
@@ -30,10 +32,12 @@ from normalgan.benchmark.training import Result, best_checkpoint
 from normalgan.callbacks.rows import spread
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.items import collate
+from normalgan.gan import SHARE
 from normalgan.hints import hints_at
 from normalgan.normals import Floats, write_bytes
 
 _BATCH = 16  # of all methods alike: noise that is kept at test depends on it
+_VERSION = 2  # raise it when a result holds more, or other figures: models are measured anew then
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,9 @@ class Evaluation:
         plan = self.plan
         return digest(
             {"counts": plan.counts, "seed": plan.hint_seed, "which": plan.checkpoint}
-            | {"shown": plan.gallery, "hints": plan.hints, "batch": _BATCH}
+            | {"placements": plan.placements, "at": plan.placement_counts, "pins": plan.pins}
+            | {"degrees": plan.noise_degrees, "pixels": plan.noise_pixels}
+            | {"shown": plan.gallery, "hints": plan.hints, "batch": _BATCH, "version": _VERSION}
         )
 
     @cached_property
@@ -100,7 +106,9 @@ class Evaluation:
     def of_method(self, method: Method) -> dict[str, Any]:
         """Return the figures of a method, what it costs, and on what machine."""
         plan, device = self.plan, self.device
-        figures = measure(method, self.batches(), plan.counts, plan.hint_seed, device)
+        measured = asdict(measure(method, self.batches(), self.tests, device))
+        if plan.pins and method.takes_hints:
+            measured["pins"] = {strategy: self._pins(method, strategy) for strategy in STRATEGIES}
         network, size = method.generator, self.data.recipe.size
         cost = {
             "parameters": parameters(network) if network else 0,
@@ -108,7 +116,20 @@ class Evaluation:
             "images_per_second": images_per_second(method, next(self.batches()), device),
         }
         where = {"machine": describe_machine(device), "versions": describe_versions(), "commit": commit()}
-        return {"figures": figures, "cost": cost, **where}
+        return {**measured, "cost": cost, **where}
+
+    @property
+    def tests(self) -> HintTests:
+        """What hints every method is tested with."""
+        plan = self.plan
+        placed = placements(plan.placements, plan.placement_counts)
+        return HintTests(plan.counts, plan.hint_seed, placed, plan.noise, plan.hints)
+
+    def _pins(self, method: Method, strategy: Strategy) -> list[float]:
+        """Return the mean errors after 0, 1, … pins that a simulated user gives."""
+        with true_float32():
+            batches = (moved(batch, self.device) for batch in self.batches())
+            return pin_curve([pin_one_by_one(method, one, strategy, self.plan.pins) for one in batches])
 
     def paint_shown(self, method: Method) -> Floats:
         """Return what a method paints of the gallery's samples with the hints of table 1, (K, 3, H, W)."""
@@ -117,7 +138,7 @@ class Evaluation:
         if method.takes_hints:
             where = hint_points(batch["mask"], batch["name"], self.plan.hint_seed, self.plan.hints)
             hints = hints_at(batch["normal"], where)
-        painted: Floats = method.paint(batch, hints).cpu().numpy()
+        painted: Floats = method.paint(batch, hints)[:, :3].cpu().numpy()
         return painted
 
     def batches(self) -> Iterator[Batch]:
@@ -143,7 +164,8 @@ def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
         most: records; the first and the last are kept.
     """
     records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))
-    kept = ("images", "epoch", "seconds", "val/hints/angular_mean", "val/no_hints/angular_mean")
+    kept = ["images", "epoch", "seconds", "val/hints/angular_mean", "val/no_hints/angular_mean"]
+    kept += [SHARE] if all(SHARE in record for record in records) else []
     return [{name: records[i][name] for name in kept} for i in spread(len(records), most)]
 
 

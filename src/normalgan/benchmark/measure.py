@@ -1,30 +1,73 @@
 """Measuring a method: with growing numbers of the common hints, and with those of its own sampler."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import cast
+from dataclasses import dataclass, field
+from typing import Any, cast
 
 import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.benchmark.accumulator import Accumulator, Figure
+from normalgan.benchmark.hint_noise import noisy_hints
 from normalgan.benchmark.methods import Method
 from normalgan.benchmark.points import hint_points
-from normalgan.hints import hints_at
+from normalgan.hints import HintSampler, hints_at
 from normalgan.hints.draw import draw_hints_by_name
-from normalgan.metrics import normal_map_metrics, without_hints
-
-Figures = dict[str, dict[str, float | None]]
-"""Figures by what was given (``15`` hints, ``own``) and by their own name, such as ``angular_mean``; None if
-nothing was measured, or a map was not finite."""
+from normalgan.metrics import angular_error
+from normalgan.metrics.contour import distance_from_contour
 
 OWN = "own"
 """Stands for the hints of the method's own sampler."""
 
 
-def measure(
-    method: Method, batches: Iterable[Batch], counts: Sequence[int], seed: int, device: torch.device
-) -> Figures:
+@dataclass(frozen=True)
+class Measured:
+    """What was measured, by what was given: ``15`` hints, or ``own``.
+
+    Args:
+        figures: over all samples, such as ``angular_mean``; None where there is none or a map was not finite.
+        names: of the samples, ``mesh/view``.
+        meshes: figures by mesh.
+        views: pixels that count, mean errors and n_z biases, each a list in the order of the names.
+        distance: errors by distance from the contour; see `Accumulator.by_distance`.
+        calibration: curve of the confidence; None if there is none.
+    """
+
+    figures: dict[str, Figure]
+    names: list[str]
+    meshes: dict[str, dict[str, Figure]]
+    views: dict[str, dict[str, list[Any]]]
+    distance: dict[str, dict[str, list[Figure]]]
+    calibration: dict[str, list[dict[str, float]] | None]
+
+
+@dataclass(frozen=True)
+class HintTests:
+    """What hints a method is tested with, besides those of its own sampler.
+
+    Args:
+        counts: numbers of common hints, uniform on the object.
+        seed: of all hints.
+        placements: samplers by what their figures are called.
+        noise: degrees and pixels that hints are off by, by what their figures are called.
+        noisy: how many common hints these are.
+    """
+
+    counts: Sequence[int]
+    seed: int = 0
+    placements: Mapping[str, HintSampler] = field(default_factory=dict)
+    noise: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    noisy: int = 15
+
+    @property
+    def names(self) -> list[str]:
+        """What the figures are called."""
+        return [*map(str, self.counts), *self.placements, *self.noise, OWN]
+
+
+def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: torch.device) -> Measured:
     """Return the figures of a method on the samples.
 
     A hinted pixel counts for no method, even if it takes no hints, so that all are measured on the same
@@ -34,38 +77,48 @@ def measure(
     Args:
         method: what is measured.
         batches: the samples; each is taken once.
-        counts: numbers of common hints.
-        seed: of the hints.
+        tests: with what hints.
         device: where to paint and measure.
     """
-    with true_float32():
-        return _measure(method, batches, counts, seed, device)
-
-
-def _measure(
-    method: Method, batches: Iterable[Batch], counts: Sequence[int], seed: int, device: torch.device
-) -> Figures:
-    metrics = {str(count): normal_map_metrics().to(device) for count in counts}
-    own = normal_map_metrics().to(device)
+    gathered = {given: Accumulator(device) for given in tests.names}
     hints_given = samples = 0
-    for batch in batches:
-        here = moved(batch, device)
-        target, mask, names = here["normal"], here["mask"], here["name"]
-        bare = method.paint(here, None)
-        for count in counts:
-            where = hint_points(mask, names, seed, count)
-            given = method.takes_hints and count > 0
-            preds = method.paint(here, hints_at(target, where)) if given else bare
-            metrics[str(count)].update(preds, target, without_hints(mask, where))
-        # On the CPU: another device would draw others.
-        hints = draw_hints_by_name(method.sampler, batch["normal"], batch["mask"], names, seed).to(device)
-        preds = method.paint(here, hints) if method.takes_hints else bare
-        own.update(preds, target, without_hints(mask, hints[:, 3:]))
-        hints_given += int(hints[:, 3].sum())
-        samples += len(names)
-    figures = {given: _plain(collection.compute()) for given, collection in {**metrics, OWN: own}.items()}
+    with true_float32():
+        for batch in batches:
+            here = moved(batch, device)
+            target, mask, names = here["normal"], here["mask"], here["name"]
+            distance = distance_from_contour(batch["mask"])
+            bare = method.paint(here, None)
+            error = angular_error(bare[:, :3], target).cpu()
+            for given, told in _hints(method.sampler, batch, error, tests):
+                hints, where = told.to(device), told[:, 3:].to(device)
+                paints = method.takes_hints and bool(where.any())
+                painted = method.paint(here, hints) if paints else bare
+                gathered[given].update(painted, target, mask, where, distance, names)
+                if given == OWN:
+                    hints_given += int(where.sum())
+            samples += len(names)
+    figures = {given: one.figures() for given, one in gathered.items()}
     figures[OWN]["hints"] = hints_given / max(samples, 1)
-    return figures
+    return Measured(
+        figures,
+        names=gathered[OWN].names,
+        meshes={given: one.by_mesh() for given, one in gathered.items()},
+        views={given: one.by_view() for given, one in gathered.items()},
+        distance={given: one.by_distance() for given, one in gathered.items()},
+        calibration={given: one.calibration() for given, one in gathered.items()},
+    )
+
+
+def _hints(own: HintSampler, batch: Batch, error: Tensor, tests: HintTests) -> Iterator[tuple[str, Tensor]]:
+    """Yield by name the hints (N, 4, H, W), on the CPU: another device would draw others."""
+    normal, mask, names, seed = batch["normal"], batch["mask"], batch["name"], tests.seed
+    for count in tests.counts:
+        yield str(count), hints_at(normal, hint_points(mask, names, seed, count))
+    for name, sampler in {**tests.placements, OWN: own}.items():
+        yield name, draw_hints_by_name(sampler, normal, mask, names, seed, error)
+    where = hint_points(mask, names, seed, tests.noisy)
+    for name, (degrees, pixels) in tests.noise.items():
+        yield name, noisy_hints(normal, mask, where, names, seed, degrees, pixels)
 
 
 @contextmanager
@@ -82,7 +135,3 @@ def true_float32() -> Iterator[None]:
 def moved(batch: Batch, device: torch.device) -> Batch:
     """Return the batch on a device."""
     return cast(Batch, {k: v.to(device) if isinstance(v, Tensor) else v for k, v in batch.items()})
-
-
-def _plain(figures: dict[str, Tensor]) -> dict[str, float | None]:
-    return {name: float(v) if v.isfinite() else None for name, v in sorted(figures.items())}

@@ -15,7 +15,7 @@ from normalgan.hints import HintSampler, NoHints
 from normalgan.seeds import derive_seed
 
 Paint = Callable[[Batch, Tensor | None], Tensor]
-"""From a batch and hints (N, 4, H, W), or none, to normals (N, 3, H, W)."""
+"""From a batch and hints (N, 4, H, W), or none, to normals (N, 3, H, W), or with confidence (N, 4, H, W)."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def model_method(model: NormalGAN) -> Method:
         devices = [] if batch["sketch"].device.type == "cpu" else [batch["sketch"].device]
         with torch.random.fork_rng(devices), torch.no_grad():
             torch.manual_seed(derive_seed("noise", *batch["name"]))
-            painted: Tensor = model(batch["sketch"], hints)
+            painted = model.paint_with_confidence(batch["sketch"], hints)
         return painted.float()
 
     return Method(paint, model.hint_sampler, model.generator)

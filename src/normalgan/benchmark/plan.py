@@ -14,6 +14,8 @@ from normalgan.errors import InputError
 from normalgan.parser_errors import check_config, did_you_mean, refusal
 
 Settings = dict[str, Any]
+PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
+"""See `normalgan.benchmark.placements`, which needs torch."""
 Part = TypeVar("Part", "Plan", "Row")
 
 
@@ -69,6 +71,11 @@ class Plan:
         checkpoint: which one is measured: the ``best`` on the validation split, or the ``last``.
         gallery: test samples in the gallery.
         reference: name of the row that every panel of the curves shows.
+        placements: ways of placing hints that all methods are tested with, at equal counts.
+        placement_counts: these.
+        noise_degrees: by how much hints of table 1 are turned, in tests of hints that are off.
+        noise_pixels: by how much they are moved.
+        pins: how many pins a simulated user gives one after the other; 0 tests none.
     """
 
     name: str
@@ -82,22 +89,38 @@ class Plan:
     checkpoint: Literal["best", "last"] = "best"
     gallery: int = 4
     reference: str | None = None
+    placements: list[str] = field(default_factory=list)
+    placement_counts: list[int] = field(default_factory=list)
+    noise_degrees: list[float] = field(default_factory=list)
+    noise_pixels: list[float] = field(default_factory=list)
+    pins: int = 0
 
     def __post_init__(self) -> None:
-        for name, least in {"images": 1, "hints": 1, "gallery": 1, "hint_seed": 0}.items():
+        for name, least in {"images": 1, "hints": 1, "gallery": 1, "hint_seed": 0, "pins": 0}.items():
             if getattr(self, name) < least:
                 raise InputError(f"{name} must be {least} or more in a plan, not {getattr(self, name)}.")
         for name in ("rows", "seeds"):
             if not getattr(self, name):
                 raise InputError(f"a plan needs {name}, but its list of them is empty.")
-        for name in ("seeds", "hint_counts"):
+        for name in ("seeds", "hint_counts", "placement_counts", "noise_degrees", "noise_pixels"):
             if min(getattr(self, name), default=0) < 0:
                 raise InputError(f"{name} must all be 0 or more in a plan, not {getattr(self, name)}.")
+        unknown = [name for name in self.placements if name not in PLACEMENTS]
+        if unknown:
+            raise InputError(f"there is no placement {unknown[0]!r} in a plan; use {', '.join(PLACEMENTS)}.")
+        if bool(self.placements) != bool(self.placement_counts):
+            raise InputError("a plan has placements if and only if it has placement_counts.")
         twice = [name for name, times in Counter(row.name for row in self.rows).items() if times > 1]
         if twice:
             raise InputError(f"two rows of the plan are named {twice[0]}; each needs a name of its own.")
         if self.reference is not None:
             self.row(self.reference)
+
+    @property
+    def noise(self) -> dict[str, tuple[float, float]]:
+        """Degrees and pixels that hints are off by, by what the figures are called."""
+        turned = {f"degrees-{degrees:g}": (degrees, 0.0) for degrees in self.noise_degrees}
+        return turned | {f"pixels-{pixels:g}": (0.0, pixels) for pixels in self.noise_pixels}
 
     @property
     def counts(self) -> list[int]:

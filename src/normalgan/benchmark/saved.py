@@ -11,6 +11,7 @@ from normalgan.checkpoints import check_size, check_sizes, read_settings
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import HINT_SAMPLERS
+from normalgan.normals import Floats
 from normalgan.objectives import Wasserstein
 from normalgan.painting.session import Model, find_model
 from normalgan.weights.file import SUFFIX, find_weights, read_weights
@@ -63,7 +64,13 @@ def _onnx_method(path: Path, size: int) -> Method:
     def paint(batch: Batch, hints: Tensor | None) -> Tensor:
         given = [None] * len(batch["sketch"]) if hints is None else list(hints.cpu().numpy())
         sketches = batch["sketch"][:, 0].cpu().numpy()
-        painted = [model.paint(sketch, hint)[0] for sketch, hint in zip(sketches, given, strict=True)]
-        return torch.stack([torch.from_numpy(one).permute(2, 0, 1) for one in painted]).to(batch["sketch"])
+        painted = [_channels(*model.paint(*one)) for one in zip(sketches, given, strict=True)]
+        return torch.stack(painted).to(batch["sketch"])
 
     return Method(paint, sampler)
+
+
+def _channels(normal: Floats, confidence: Floats | None) -> Tensor:
+    """Return normals (S, S, 3) and confidence (S, S), if there is one, as (3 or 4, S, S)."""
+    channels = torch.from_numpy(normal).permute(2, 0, 1)
+    return channels if confidence is None else torch.cat([channels, torch.from_numpy(confidence)[None]])

@@ -133,8 +133,18 @@ def best_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a file whole or not at all."""
-    write_bytes(path, (json.dumps(content, indent=1) + "\n").encode())
+    """Write a file whole or not at all; a list of numbers or names takes one line."""
+    write_bytes(path, (_dumped(content) + "\n").encode())
+
+
+def _dumped(content: Any, depth: int = 0) -> str:
+    inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
+    if isinstance(content, dict) and content:
+        items = [f"{json.dumps(str(key))}: {_dumped(value, depth + 1)}" for key, value in content.items()]
+        return "{" + inner + f",{inner}".join(items) + outer + "}"
+    if isinstance(content, list | tuple) and any(isinstance(value, dict | list) for value in content):
+        return "[" + inner + f",{inner}".join(_dumped(value, depth + 1) for value in content) + outer + "]"
+    return json.dumps(content)
 
 
 def _write(run: Run, trained: bool) -> None:

@@ -8,16 +8,17 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
-from normalgan.gan import NormalGAN
+from normalgan.gan import SHARE, NormalGAN
 from normalgan.normals import write_bytes
 
 
 class LearningCurve(Callback):
     """Writes ``curve.json`` in the folder of the run, a record for each validation.
 
-    A record holds ``images``, ``epoch``, ``seconds`` of training so far, and the validation figures. Images
-    are those of the batches with which the generator stepped, on all processes; a batch for the
-    discriminator alone does not count. The records lie in the checkpoint: a run that is resumed goes on.
+    A record holds ``images``, ``epoch``, ``seconds`` of training so far, the validation figures, and the
+    adversarial gradient's share if it is logged. Images are those of the batches with which the generator
+    stepped, on all processes; a batch for the discriminator alone does not count. The records lie in the
+    checkpoint: a run that is resumed goes on.
     """
 
     def __init__(self) -> None:
@@ -47,7 +48,7 @@ class LearningCurve(Callback):
         figures = {
             name: float(value) if value.isfinite() else None  # JSON has no nan
             for name, value in trainer.callback_metrics.items()
-            if name.startswith("val/")
+            if name.startswith("val/") or name == SHARE
         }
         now = {"images": self.images, "epoch": trainer.current_epoch, "seconds": round(self._spent(), 1)}
         self.records.append({**now, **figures})

@@ -1,18 +1,23 @@
 """Where the true normal is given away: hint samplers, each a plug-in, and hints as tensors."""
 
-from normalgan.hints.base import HINT_SAMPLERS, HintSampler
+from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler, HintSampler
 from normalgan.hints.curvature import CurvatureHints
 from normalgan.hints.divergence import curvature_map
 from normalgan.hints.encode import hints_at
+from normalgan.hints.farthest import FarthestPointHints
 from normalgan.hints.none import NoHints
 from normalgan.hints.uniform import UniformHints
+from normalgan.hints.worst import WorstErrorHints
 
 __all__ = [
     "HINT_SAMPLERS",
     "CurvatureHints",
+    "ErrorHintSampler",
+    "FarthestPointHints",
     "HintSampler",
     "NoHints",
     "UniformHints",
+    "WorstErrorHints",
     "curvature_map",
     "hints_at",
 ]

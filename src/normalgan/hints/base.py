@@ -24,4 +24,26 @@ class HintSampler(ABC):
         """
 
 
+class ErrorHintSampler(HintSampler):
+    """Base of the samplers that look at what the generator gets wrong without hints."""
+
+    @abstractmethod
+    def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
+        """Return where the hints are: (N, 1, H, W) of the error's type, 1 at a hinted pixel and 0 elsewhere.
+
+        Args:
+            error: (N, 1, H, W), 0 or more, larger where the painted normal is farther off.
+            mask: (N, 1, H, W), 1 on the object.
+            rng: source of all randomness, on the device of ``error``.
+        """
+
+    def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
+        """Return where the hints are, as if what faces the viewer everywhere had been painted.
+
+        So it is where there is no generator, as in a picture of the sampler; in training and testing
+        `sample_by_error` is asked.
+        """
+        return self.sample_by_error((1 - normal[:, 2:3]).clamp(min=0), mask, rng)
+
+
 HINT_SAMPLERS: Registry[HintSampler] = Registry(HintSampler, "normalgan.hint_samplers")  # type: ignore[type-abstract]

@@ -50,7 +50,10 @@ class CurvatureHints(HintSampler):
         thresholds: the two levels, each 0…255, that cut the curvature map, in any order.
         comparison: a level passes a threshold if ``greater`` or if ``greater_equal``.
         object_only: keep only points on the object; off it, hints would give away the zero normal.
-        dropout: probability that a selected point is dropped, 0…1.
+        dropout: probability that a selected point is dropped, 0…1; not used with a count.
+        count: so many points are kept of each sample, in place of the drop-out, at random among the selected;
+            where these are too few, points of the nearest grey levels follow. For comparing where hints lie
+            at equal numbers.
     """
 
     estimator: Estimator = "central"
@@ -64,6 +67,7 @@ class CurvatureHints(HintSampler):
     comparison: Comparison = "greater"
     object_only: bool = True
     dropout: float = 0.95
+    count: int | None = None
 
     def __post_init__(self) -> None:
         self._check_choice("estimator", get_args(Estimator))
@@ -74,6 +78,7 @@ class CurvatureHints(HintSampler):
         self._check(0 < self.gain < math.inf, "gain", "a positive number")
         self._check(0 <= self.offset <= 1, "offset", "a grey from 0 to 1")
         self._check(0 <= self.dropout <= 1, "dropout", "a probability from 0 to 1")
+        self._check(self.count is None or self.count >= 0, "count", "0 or more points, or null")
         levels = set(range(256)).intersection(self.thresholds)
         self._check(
             len(self.thresholds) == len(levels) == 2, "thresholds", "two different levels from 0 to 255"
@@ -92,9 +97,25 @@ class CurvatureHints(HintSampler):
         A sample's hints depend on its own normals and mask, its place in the batch, the shape of the batch
         and the state of ``rng``, and on nothing else of the other samples.
         """
+        if self.count is not None:
+            return self._nearest(normal, mask, rng, self.count)
         selected = self.select(normal, mask)
         kept = torch.rand(selected.shape, generator=rng, device=normal.device) >= self.dropout
         return (selected & kept).to(normal.dtype)
+
+    def _nearest(self, normal: Tensor, mask: Tensor, rng: torch.Generator, count: int) -> Tensor:
+        """Return ``count`` points, of the levels nearest to the selected ones, at random among equals."""
+        low, high = sorted(self.thresholds)
+        first, last = (low + 1, high) if self.comparison == "greater" else (low, high - 1)
+        levels = self.levels(normal)
+        away = (first - levels).clamp(min=0) + (levels - last).clamp(min=0)
+        # Less than a whole level: chance decides among equals alone.
+        scores = torch.rand(levels.shape, generator=rng, device=normal.device).to(levels.dtype) - away
+        if self.object_only:
+            scores = scores.masked_fill(mask <= 0.5, -math.inf)
+        best, pixels = scores.flatten(1).topk(min(count, scores[0].numel()), dim=1)
+        where = torch.zeros_like(scores).flatten(1).scatter(1, pixels, best.isfinite().to(scores.dtype))
+        return where.view_as(mask).to(normal.dtype)
 
     def select(self, normal: Tensor, mask: Tensor) -> Tensor:
         """Return the raw mask before the dropout: (N, 1, H, W), True at the selected points."""

@@ -5,12 +5,14 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
-from normalgan.hints.base import HintSampler
+from normalgan.hints.base import ErrorHintSampler, HintSampler
 from normalgan.hints.encode import hints_at
 from normalgan.seeds import derive_seed
 
 
-def draw_hints(sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int) -> Tensor:
+def draw_hints(
+    sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, error: Tensor | None = None
+) -> Tensor:
     """Return the hints (N, 4, H, W) that a sampler gives a batch under a seed.
 
     Args:
@@ -18,13 +20,21 @@ def draw_hints(sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int) ->
         normal: (N, 3, H, W) true unit normals, 0 off the object.
         mask: (N, 1, H, W), 1 on the object.
         seed: of all randomness.
+        error: (N, 1, H, W), for an `ErrorHintSampler`, of what the generator paints without hints.
     """
     rng = torch.Generator(device=normal.device).manual_seed(seed)
+    if error is not None and isinstance(sampler, ErrorHintSampler):
+        return hints_at(normal, sampler.sample_by_error(error.to(normal.dtype), mask, rng))
     return hints_at(normal, sampler.sample(normal, mask, rng))
 
 
 def draw_hints_by_name(
-    sampler: HintSampler, normal: Tensor, mask: Tensor, names: Sequence[str], seed: int
+    sampler: HintSampler,
+    normal: Tensor,
+    mask: Tensor,
+    names: Sequence[str],
+    seed: int,
+    error: Tensor | None = None,
 ) -> Tensor:
     """Return the hints (N, 4, H, W) of samples by name: the same in whatever batch and process they come.
 
@@ -34,6 +44,9 @@ def draw_hints_by_name(
         mask: (N, 1, H, W), 1 on the object.
         names: of the samples, N of them.
         seed: another seed gives other hints.
+        error: as in `draw_hints`.
     """
-    singles = zip(normal.split(1), mask.split(1), names, strict=True)
-    return torch.cat([draw_hints(sampler, n, m, derive_seed("hints", seed, name)) for n, m, name in singles])
+    errors = [None] * len(names) if error is None else error.split(1)
+    singles = zip(normal.split(1), mask.split(1), errors, names, strict=True)
+    drawn = [draw_hints(sampler, n, m, derive_seed("hints", seed, name), e) for n, m, e, name in singles]
+    return torch.cat(drawn)

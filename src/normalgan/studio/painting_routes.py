@@ -13,13 +13,13 @@ from starlette.routing import Route
 
 from normalgan.normals import encode
 from normalgan.painting.painting import Painted
+from normalgan.painting.suggestion import suggest
 from normalgan.studio.bodies import gone, read_fields
 from normalgan.studio.drawing import Drawing, take_drawing
 from normalgan.studio.exports import take_wish
 from normalgan.studio.fields import Fields, take_integer, take_text
 from normalgan.studio.painter import Painter
 from normalgan.studio.request_queue import RequestQueue
-from normalgan.studio.suggestion import suggest
 
 T = TypeVar("T")
 _LARGEST = 2**53

@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from normalgan.studio.suggestion import Point, doubt, suggest
+from normalgan.painting.suggestion import Point, doubt, suggest
 
 NONE = np.empty((0, 2), np.float32)
 Floats = NDArray[np.float32]

@@ -1,0 +1,219 @@
+"""Accumulator: all figures of what a method paints, over the whole split, by mesh and by view."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torchmetrics import MetricCollection
+
+from normalgan.metrics import angular_error, normal_map_metrics, without_hints
+from normalgan.metrics.calibration import Calibration, expected_angle
+from normalgan.metrics.relief import depth_difference, total_variation
+
+PICTURE = 170
+"""The side of a picture in the units in which distances from the contour are also given."""
+RIM, DEEP = 1, 10
+"""In these units: up to the first from the contour is the rim, farther than the second is deep inside."""
+EDGES = (0, 1, 2, 3, 4, 6, 8, 10, 16, 24, math.inf)
+"""Edges of the bins of distance, in pixels and in 170ths of the picture; a bin has its lower edge."""
+
+_LAST = len(EDGES) - 2  # number of the last bin
+
+Figure = dict[str, float | None]
+Sums = dict[str, NDArray[np.float64]]
+_BACKGROUND = 0.5  # a painted vector shorter than this says that there is no object
+
+
+class Accumulator:
+    """Takes what was painted batch by batch, and gives the figures.
+
+    Besides those of `normal_map_metrics`: ``nz_bias``, mean n_z painted - true (above 0 is too flat);
+    ``gradient_ratio``, how much the painted normals change from pixel to pixel in proportion to the true ones
+    (below 1 is too smooth); ``angular_rim`` and ``angular_deep``, mean errors in the outer 1/170 of the
+    picture along the contour and farther than 10/170 from it; ``nz_bias_rim``; ``mask_iou``, intersection
+    over union of where an object is painted and where it is; ``calibration_error`` in degrees, if there is a
+    confidence. The rim has at least the outermost pixels, also where they are wider than that.
+
+    Args:
+        device: where maps are compared.
+
+    Attributes:
+        names: of the samples so far.
+    """
+
+    def __init__(self, device: torch.device) -> None:
+        self._device = device
+        self._all = self._metrics()
+        self._by_mesh: dict[str, MetricCollection] = {}
+        self._calibration: Calibration | None = None
+        self.names: list[str] = []
+        self._sums: dict[str, list[NDArray[np.float64]]] = {}
+
+    def update(
+        self,
+        painted: Tensor,
+        target: Tensor,
+        mask: Tensor,
+        where: Tensor,
+        distance: Tensor,
+        names: Sequence[str],
+    ) -> None:
+        """Count a batch.
+
+        Args:
+            painted: (N, 3 or 4, H, W) normals, as long as an object is probable, and perhaps confidence.
+            target: (N, 3, H, W) true unit normals.
+            mask: (N, 1, H, W), 1 on the object.
+            where: (N, 1, H, W), 1 at the hints, which do not count.
+            distance: (N, 1, H, W) pixels from the contour.
+            names: of the samples, ``mesh/view``.
+        """
+        preds, counted = painted[:, :3], without_hints(mask, where)
+        self._all.update(preds, target, counted)
+        meshes = [mesh_of(name) for name in names]
+        for mesh in dict.fromkeys(meshes):
+            rows = [i for i, other in enumerate(meshes) if other == mesh]
+            metrics = self._by_mesh.setdefault(mesh, self._metrics())
+            metrics.update(preds[rows], target[rows], counted[rows])
+        angle = angular_error(preds, target)
+        if painted.shape[1] > 3:
+            self._calibration = self._calibration or Calibration()
+            self._calibration.update(expected_angle(painted[:, 3:4]), angle, counted)
+        self.names += names
+        for name, sums in _view_sums(preds, target, mask, counted, angle, distance).items():
+            self._sums.setdefault(name, []).append(sums)
+
+    def figures(self) -> Figure:
+        """Return the figures over all samples; None where there is none, or a map was not finite."""
+        error = {} if self._calibration is None else {"calibration_error": _plain(self._calibration.error())}
+        return {**self._of(self._all, np.arange(len(self.names))), **error}
+
+    def by_mesh(self) -> dict[str, Figure]:
+        """Return the figures of each mesh but for the calibration error."""
+        meshes = np.array([mesh_of(name) for name in self.names])
+        return {
+            mesh: {
+                **self._of(metrics, np.flatnonzero(meshes == mesh)),
+                "pixels": self._pixels(meshes == mesh),
+            }
+            for mesh, metrics in self._by_mesh.items()
+        }
+
+    def by_view(self) -> dict[str, list[Any]]:
+        """Return lists with an entry for each view: pixels that count, mean error and n_z bias."""
+        sums = self._joined()
+        return {
+            "pixels": [int(count) for count in sums["pixels"]],
+            "angular_mean": [_rounded(v) for v in _divided(sums["angle"], sums["pixels"])],
+            "nz_bias": [_rounded(v) for v in _divided(sums["nz"], sums["pixels"])],
+        }
+
+    def by_distance(self) -> dict[str, list[Figure]]:
+        """Return error and n_z bias in bins of distance from the contour, in ``pixels`` and ``170ths``."""
+        sums = self._joined()
+        return {unit: _profile(sums, unit) for unit in ("pixels", "170ths")}
+
+    def calibration(self) -> list[dict[str, float]] | None:
+        """Return the calibration curve; None if no confidence was painted."""
+        return None if self._calibration is None else self._calibration.curve()
+
+    def _metrics(self) -> MetricCollection:
+        return normal_map_metrics().to(self._device)
+
+    def _joined(self) -> Sums:
+        return {name: np.concatenate(parts) for name, parts in self._sums.items()}
+
+    def _pixels(self, chosen: NDArray[np.bool_]) -> int:
+        return int(self._joined()["pixels"][chosen].sum())
+
+    def _of(self, metrics: MetricCollection, views: NDArray[np.intp]) -> Figure:
+        total = {name: sums[views].sum(0) for name, sums in self._joined().items()}
+        figures = {
+            "nz_bias": _ratio(total["nz"], total["pixels"]),
+            "nz_bias_rim": _ratio(total["rim_nz"], total["rim_pixels"]),
+            "angular_rim": _ratio(total["rim_angle"], total["rim_pixels"]),
+            "angular_deep": _ratio(total["deep_angle"], total["deep_pixels"]),
+            "gradient_ratio": _ratio(total["variation"], total["true_variation"]),
+            "mask_iou": _ratio(total["intersection"], total["union"]),
+        }
+        known = {name: float(value) for name, value in metrics.compute().items()}
+        return {name: _plain(value) for name, value in sorted({**known, **figures}.items())}
+
+
+def mesh_of(name: str) -> str:
+    """Return the mesh of a sample.
+
+    >>> mesh_of("animals/horse/12"), mesh_of("horse")
+    ('animals/horse', 'horse')
+    """
+    return name.rpartition("/")[0] or name
+
+
+def _view_sums(
+    preds: Tensor, target: Tensor, mask: Tensor, counted: Tensor, angle: Tensor, distance: Tensor
+) -> Sums:
+    """Return sums over the pixels of each view, (N,), and over those of each bin of distance, (N, bins)."""
+    inside, nz = counted > 0.5, depth_difference(preds, target)
+    painted = preds.square().sum(1, keepdim=True).sqrt() > _BACKGROUND
+    there = mask > 0.5
+    of_all = {
+        "pixels": inside.double(),
+        "angle": torch.where(inside, angle, 0.0).double(),
+        "nz": torch.where(inside, nz, 0.0).double(),
+    }
+    unit = max(mask.shape[2:]) / PICTURE
+    near = distance.to(mask.device)
+    parts = {"rim": near <= max(RIM * unit, 0.5), "deep": near > DEEP * unit}
+    sums = {name: values.sum((1, 2, 3)) for name, values in of_all.items()}
+    for part, chosen in parts.items():
+        sums |= {f"{part}_{name}": (values * chosen).sum((1, 2, 3)) for name, values in of_all.items()}
+    sums["variation"] = total_variation(preds, counted)
+    sums["true_variation"] = total_variation(target, counted)
+    sums["intersection"] = (painted & there).sum((1, 2, 3))
+    sums["union"] = (painted | there).sum((1, 2, 3))
+    plain = {name: values.double().cpu().numpy() for name, values in sums.items()}
+    values = {name: summed.cpu().numpy() for name, summed in of_all.items()}
+    for name_of_unit, length in (("pixels", 1.0), ("170ths", unit)):
+        bins = np.searchsorted(EDGES, distance.numpy() / length, side="right") - 1
+        bins = np.minimum(bins, _LAST)
+        for name, of_name in values.items():
+            views = zip(bins, of_name, strict=True)
+            plain[f"{name}_{name_of_unit}"] = np.stack(
+                [np.bincount(bin_of.ravel(), one.ravel(), _LAST + 1) for bin_of, one in views]
+            )
+    return plain
+
+
+def _profile(sums: Sums, unit: str) -> list[Figure]:
+    count, angle, nz = (sums[f"{name}_{unit}"].sum(0) for name in ("pixels", "angle", "nz"))
+    return [
+        {
+            "from": float(EDGES[i]),
+            "to": _plain(float(EDGES[i + 1])),
+            "pixels": int(count[i]),
+            "angular_mean": _rounded(angle[i] / count[i]),
+            "nz_bias": _rounded(nz[i] / count[i]),
+        }
+        for i in range(_LAST + 1)
+        if count[i]
+    ]
+
+
+def _divided(sums: NDArray[np.float64], counts: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0)
+
+
+def _ratio(sums: NDArray[np.float64], counts: NDArray[np.float64]) -> float:
+    return float(sums / counts) if counts > 0 else math.nan
+
+
+def _rounded(value: float) -> float | None:
+    return round(float(value), 4) if math.isfinite(value) else None
+
+
+def _plain(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,115 @@
+"""Bootstrap over meshes: how far a figure would move with other test meshes."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.benchmark.training import Result
+
+DRAWS = 10_000
+LEVEL = 0.95
+
+Table = NDArray[np.float64]
+
+
+class Interval(NamedTuple):
+    """A figure and where it may lie."""
+
+    value: float
+    low: float
+    high: float
+
+
+def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | None:
+    """Return a figure of a method with its interval over the meshes; None if it has none for each mesh.
+
+    The figure is pooled over pixels, as those of the tables are, in each run, and the mean over the runs.
+    Meshes are drawn with replacement, all views of one together; the seeds stay.
+
+    Args:
+        runs: of one method, a seed each.
+        given: the hints, ``15`` or ``own``.
+        name: of the figure, such as ``angular_mean``: one that is a mean over pixels.
+    """
+    tables = _tables(runs, given, name)
+    if tables is None:
+        return None
+    _, values, pixels = tables
+    return _interval(
+        pooled(values, pixels, draws_of(len(pixels))), float(pooled(values, pixels, _all(pixels))[0])
+    )
+
+
+def difference_interval(
+    runs: Sequence[Result], reference: Sequence[Result], given: str, name: str
+) -> Interval | None:
+    """Return how much larger a method's figure is than the reference's, with its interval over the meshes.
+
+    Paired: both are measured on the same drawn meshes, so that what makes a mesh hard for both falls out.
+    None if they have not the same meshes.
+
+    Args:
+        runs: of the method.
+        reference: of the other one.
+        given: the hints, ``15`` or ``own``.
+        name: of the figure; one that is a mean over pixels.
+    """
+    one, other = _tables(runs, given, name), _tables(reference, given, name)
+    if one is None or other is None or one[0] != other[0]:
+        return None
+    draws = draws_of(len(one[0]))
+    whole = _all(one[2])
+    drawn = pooled(*one[1:], draws) - pooled(*other[1:], draws)
+    return _interval(drawn, float((pooled(*one[1:], whole) - pooled(*other[1:], whole))[0]))
+
+
+def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> NDArray[np.int64]:
+    """Return which of ``count`` meshes each draw takes, (draws, count), with replacement.
+
+    All that there are, each once, if these are no more than ``most``; else so many at random.
+
+    >>> draws_of(2).tolist()
+    [[0, 0], [0, 1], [1, 0], [1, 1]]
+    >>> draws_of(20).shape
+    (10000, 20)
+    """
+    if count**count <= most:
+        return np.array(list(product(range(count), repeat=count)))
+    return np.random.default_rng(seed).integers(0, count, (most, count))
+
+
+def pooled(values: Table, pixels: Table, draws: NDArray[np.int64]) -> Table:
+    """Return the mean over the pixels of the drawn meshes, averaged over the runs, (draws,).
+
+    Args:
+        values: (meshes, runs) means over each mesh's pixels.
+        pixels: (meshes, runs) how many these are.
+        draws: (draws, meshes) which meshes.
+    """
+    sums, counts = (values * pixels)[draws].sum(1), pixels[draws].sum(1)
+    return np.asarray((sums / counts).mean(-1))
+
+
+def _interval(drawn: Table, value: float) -> Interval:
+    low, high = np.quantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    return Interval(value, float(low), float(high))
+
+
+def _all(pixels: Table) -> NDArray[np.int64]:
+    return np.arange(len(pixels))[None]
+
+
+def _tables(runs: Sequence[Result], given: str, name: str) -> tuple[list[str], Table, Table] | None:
+    """Return the names of the meshes, and values and pixels as `pooled` takes them."""
+    found: list[Mapping[str, Mapping[str, float | None]]] = [
+        run.get("meshes", {}).get(given, {}) for run in runs
+    ]
+    meshes = sorted(found[0]) if found else []
+    if not meshes or any(sorted(one) != meshes for one in found):
+        return None
+    values = np.array([[one[mesh][name] for one in found] for mesh in meshes], float)
+    pixels = np.array([[one[mesh]["pixels"] for one in found] for mesh in meshes], float)
+    return (meshes, values, pixels) if np.isfinite(values).all() else None

@@ -1,0 +1,81 @@
+"""Hints with noise: as a person gives them, in a direction or at a place that is not quite right."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from normalgan.seeds import derive_seed
+
+_TRIES = 16  # directions in which a hint is moved before it stays where it is
+
+
+def noisy_hints(
+    normal: Tensor,
+    mask: Tensor,
+    where: Tensor,
+    names: Sequence[str],
+    seed: int,
+    degrees: float,
+    pixels: float,
+) -> Tensor:
+    """Return hints (N, 4, H, W) that are off by an angle and by a distance, each in a direction of its own.
+
+    Every hint is turned by exactly so many degrees, never away from the viewer, and lies so many pixels
+    from the place whose normal it tells, rounded, on the object; if there is no such place it stays.
+
+    Args:
+        normal: (N, 3, H, W) true unit normals.
+        mask: (N, 1, H, W), 1 on the object.
+        where: (N, 1, H, W), 1 where the hints would be without noise.
+        names: of the samples.
+        seed: another seed gives other directions.
+        degrees: by how much each is turned.
+        pixels: by how much each is moved.
+    """
+    hints = torch.zeros(len(normal), 4, *normal.shape[2:], dtype=normal.dtype)
+    for i, name in enumerate(names):
+        rng = np.random.default_rng(derive_seed("hint noise", seed, name))
+        inside = mask[i, 0].cpu().numpy() > 0.5
+        points = np.argwhere(where[i, 0].cpu().numpy() > 0.5)
+        true = normal[i].cpu().double().numpy()[:, points[:, 0], points[:, 1]].T
+        turned = turn(true, degrees, rng.uniform(0, 2 * np.pi, len(points)))
+        for vector, point in zip(turned, points, strict=True):
+            row, column = _moved(point, pixels, inside, rng)
+            hints[i, :3, row, column] = torch.from_numpy(vector).to(hints)
+            hints[i, 3, row, column] = 1
+    return hints.to(normal.device)
+
+
+def turn(normals: NDArray[np.float64], degrees: float, azimuths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return unit normals (K, 3), z to the viewer, turned by so many degrees, each in its own direction.
+
+    Azimuths (K,) around the normals, in radians, say in which. One that would face away is turned the
+    other way.
+
+    >>> turned = turn(np.array([[0.0, 0.0, 1.0]]), 90.0, np.array([0.0]))
+    >>> round(float(turned[0, 2]), 6)
+    0.0
+    """
+    helper = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    across = np.cross(normals, helper)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    along = np.cross(normals, across)
+    aside = across * np.cos(azimuths)[:, None] + along * np.sin(azimuths)[:, None]
+    angle = np.radians(degrees)
+    turned = normals * np.cos(angle) + aside * np.sin(angle)
+    other = normals * np.cos(angle) - aside * np.sin(angle)
+    return np.asarray(np.where(turned[:, 2:] < np.minimum(0, other[:, 2:]), other, turned))
+
+
+def _moved(
+    point: NDArray[np.int64], pixels: float, inside: NDArray[np.bool_], rng: np.random.Generator
+) -> tuple[int, int]:
+    start = rng.uniform(0, 2 * np.pi)
+    for azimuth in start + np.arange(_TRIES) * 2 * np.pi / _TRIES:
+        row, column = np.rint(point + pixels * np.array([np.sin(azimuth), np.cos(azimuth)])).astype(int)
+        if 0 <= row < inside.shape[0] and 0 <= column < inside.shape[1] and inside[row, column]:
+            return int(row), int(column)
+    return int(point[0]), int(point[1])

@@ -1,0 +1,48 @@
+"""FarthestPointHints: points that lie as far apart as they can."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.hints.base import HINT_SAMPLERS, HintSampler
+
+
+@HINT_SAMPLERS.register
+@dataclass(frozen=True)
+class FarthestPointHints(HintSampler):
+    """Give a number of points, the first anywhere on the object, each next farthest from those before.
+
+    Distances are straight in the picture. An object of fewer pixels than the number is hinted everywhere.
+
+    Args:
+        count: points of each sample.
+
+    References:
+        Eldar, Lindenbaum, Porat, Zeevi 1997, "The Farthest Point Strategy for Progressive Image Sampling".
+    """
+
+    count: int = 15
+
+    def __post_init__(self) -> None:
+        if self.count < 0:
+            raise InputError(f"FarthestPointHints was given count={self.count}; use 0 or more points.")
+
+    def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
+        """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`."""
+        number, _, height, width = normal.shape
+        on_object = mask.flatten(1) > 0.5
+        first = torch.rand(on_object.shape, generator=rng, device=normal.device)
+        far = float(height**2 + width**2)
+        # Farther than any point can be until there is a first, at random.
+        distance = torch.where(on_object, far * (1 + first), -torch.ones_like(first))
+        pixels = torch.arange(height * width, device=normal.device)
+        rows, columns = pixels // width, pixels % width
+        where = torch.zeros_like(first)
+        for _ in range(min(self.count, height * width)):
+            best, chosen = distance.max(1, keepdim=True)
+            where = where.scatter(1, chosen, torch.where(best > 0, 1.0, where.gather(1, chosen)))
+            away = (rows - rows[chosen]).square() + (columns - columns[chosen]).square()
+            distance = torch.minimum(distance, away.to(distance.dtype))
+        return where.to(normal.dtype).view(number, 1, height, width)

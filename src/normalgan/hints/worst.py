@@ -1,0 +1,56 @@
+"""WorstErrorHints: points where the generator is most wrong, as only an oracle knows."""
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler
+
+_CROWDED = 1e4  # more than any error
+
+
+@HINT_SAMPLERS.register
+@dataclass(frozen=True)
+class WorstErrorHints(ErrorHintSampler):
+    """Give a number of points, each where the error is greatest of what is not near to one before.
+
+    The error is that of what the generator paints without hints. No user knows it: it is an oracle to compare
+    others with. Points keep a distance, as the pixels next to the worst are nearly as bad and a hint mends
+    them too. An object on which they find no more room gets the rest where the error is greatest.
+
+    Args:
+        count: points of each sample.
+        spacing: least distance of two points, in sides of the square that is a point's share of the object.
+    """
+
+    count: int = 15
+    spacing: float = 0.5
+
+    def __post_init__(self) -> None:
+        if self.count < 0:
+            raise InputError(f"WorstErrorHints was given count={self.count}; use 0 or more points.")
+        if not 0 <= self.spacing < math.inf:
+            raise InputError(f"WorstErrorHints was given spacing={self.spacing}; use 0 or more.")
+
+    def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
+        """Return where the hints are, (N, 1, H, W) of the error's type; ``rng`` is left as it is."""
+        number, _, height, width = error.shape
+        on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # ranks reach beyond half precision
+        shares = on_object.sum(1, keepdim=True) / max(self.count, 1)
+        reach = self.spacing * shares.sqrt()
+        # Ranks: the errors, then those of what is near to a point, then what is taken or off the object.
+        crowded = torch.where(on_object, flat.clamp(min=0) - _CROWDED, -math.inf)
+        ranks = torch.where(on_object, flat.clamp(min=0), -math.inf)
+        pixels = torch.arange(height * width, device=error.device)
+        rows, columns = pixels // width, pixels % width
+        where = torch.zeros_like(flat)
+        for _ in range(min(self.count, height * width)):
+            best, chosen = ranks.max(1, keepdim=True)
+            where = where.scatter(1, chosen, torch.where(best.isfinite(), 1.0, where.gather(1, chosen)))
+            away = (rows - rows[chosen]).square() + (columns - columns[chosen]).square()
+            near = away.to(reach.dtype) < reach.square()
+            ranks = torch.where(near, torch.minimum(ranks, crowded), ranks).scatter(1, chosen, -math.inf)
+        return where.to(error.dtype).view(number, 1, height, width)

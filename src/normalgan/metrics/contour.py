@@ -1,0 +1,35 @@
+"""Errors by their distance from the contour of the object."""
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from torch import Tensor
+
+
+def distance_from_contour(mask: Tensor) -> Tensor:
+    """Return how far inside the object each pixel lies, in pixels; 0 off the object.
+
+    The contour runs half-way between a pixel of the object and its neighbour off it, so that the outermost
+    pixels lie at 0.5. Where the picture's border cuts the object there is no contour.
+
+    Args:
+        mask: (N, 1, H, W), 1 on the object.
+
+    Returns:
+        (N, 1, H, W) in float32, on the CPU; infinite where the object fills the whole picture.
+
+    Example:
+        >>> distance_from_contour(torch.tensor([0.0, 1, 1, 1]).view(1, 1, 1, 4))[0, 0, 0].tolist()
+        [0.0, 0.5, 1.5, 2.5]
+    """
+    inside = mask[:, 0].cpu().numpy() > 0.5
+    distances = [_of_one(one) for one in inside]
+    return torch.from_numpy(np.stack(distances)).float()[:, None]
+
+
+def _of_one(inside: NDArray[np.bool_]) -> NDArray[np.float64]:
+    if inside.all():
+        return np.full(inside.shape, np.inf)
+    distance = np.asarray(distance_transform_edt(inside))
+    return np.where(inside, distance - 0.5, 0.0)
