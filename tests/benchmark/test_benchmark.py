@@ -23,6 +23,11 @@ PLAN: dict[str, Any] = {
     "hints": 5,
     "hint_counts": [0, 20],
     "gallery": 2,
+    "placements": ["uniform", "curvature", "farthest", "worst"],
+    "placement_counts": [3],
+    "noise_degrees": [10],
+    "noise_pixels": [2],
+    "pins": 2,
     "data": {
         "size": 32,
         "animals": 3,
@@ -37,6 +42,15 @@ PLAN: dict[str, Any] = {
     "rows": [
         {"name": "inflation", "label": "inflation", "classical": "inflation"},
         {"name": "broken", "label": "broken", "configs": [str(ROOT / "configs" / "paper.yaml")]},
+        {
+            "name": "worst",
+            "label": "worst",
+            "configs": [str(ROOT / "configs" / "paper.yaml")],
+            "changes": {
+                "model.hint_sampler": {"class_path": "WorstErrorHints", "init_args": {"count": 3}},
+                "model.share_every": 1,
+            },
+        },
         {"name": "pix2pix", "label": "pix2pix", "configs": [str(ROOT / "configs" / "pix2pix.yaml")]},
     ],
 }
@@ -58,7 +72,7 @@ def figures(printed: str, heading: str) -> list[str]:
     return re.findall(r"\d+\.\d+", table.strip().splitlines()[-1])
 
 
-@pytest.mark.slow  # trains twice in other processes, which import lightning
+@pytest.mark.slow  # trains thrice in other processes, which import lightning
 def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan, overlay, out = tmp_path / "plan.yaml", tmp_path / "tiny.yaml", tmp_path / "out"
     plan.write_text(yaml.safe_dump(PLAN), encoding="utf-8")
@@ -73,8 +87,18 @@ def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert (results["plan"], results["scale"], results["size"], results["seeds"]) == ("Tiny", "tiny", 32, [0])
     assert str(tmp_path) not in json.dumps(results)
     by_row = {run["row"]: run for run in results["runs"]}
-    assert by_row.keys() == {"inflation", "pix2pix"}
-    assert by_row["pix2pix"]["figures"].keys() == {"0", "5", "20", "own"}
+    assert by_row.keys() == {"inflation", "pix2pix", "worst"}
+    placed = {f"{name}-3" for name in ("uniform", "curvature", "farthest", "worst")}
+    asked = {"0", "5", "20", "own", *placed, "degrees-10", "pixels-2"}
+    for run in by_row.values():
+        assert run["figures"].keys() == run["meshes"].keys() == run["views"].keys() == asked
+        assert len(run["names"]) == len(run["views"]["0"]["angular_mean"]) == 3
+    assert by_row["worst"]["figures"]["own"] == {**by_row["worst"]["figures"]["worst-3"], "hints": 3}
+    assert {name: len(curve) for name, curve in by_row["worst"]["pins"].items()} == {
+        "worst": 3,
+        "suggested": 3,
+    }
+    assert all(0 < record["train/adversarial_share"] < 1 for record in by_row["worst"]["curve"])
     assert by_row["pix2pix"]["images"] == 8
     assert [record["images"] for record in by_row["pix2pix"]["curve"]] == [4, 8]
     assert by_row["inflation"]["figures"]["0"]["angular_mean"] < 45  # of an animal a silhouette tells much
@@ -83,7 +107,7 @@ def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[s
     }
 
     written = (out / "pix2pix" / "seed0" / "result.json").stat().st_mtime_ns
-    assert main([*given, "--rows", "inflation,pix2pix"]) == 0
+    assert main([*given, "--rows", "inflation,pix2pix,worst"]) == 0
     assert "pix2pix, seed 0: done already" in capsys.readouterr().out
     assert (out / "pix2pix" / "seed0" / "result.json").stat().st_mtime_ns == written
 
@@ -96,6 +120,8 @@ def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[s
         capsys.readouterr()
         # In a cache of its own: only the test views are rendered.
         assert main([*given, "--set", f"data.cache={tmp_path / 'alone'}", "--evaluate", str(model)]) == 0
+        written_too = json.loads((out / "evaluation.json").read_text(encoding="utf-8"))
+        assert written_too["meshes"] == by_row["pix2pix"]["meshes"]
         printed = capsys.readouterr().out
         for heading in ("Table 1: 5 hints", "Table 1, without hints", "Table 2", "Mean angular error"):
             assert figures(printed, heading) == figures(table, heading)

@@ -186,7 +186,7 @@ def test_intervals_and_figures_by_mesh_stand_in_tables() -> None:
 
     text = markdown(PLAN, Scale("cpu"), {"paper": [with_meshes(20, 22)], "ours": [with_meshes(15, 18)]})
     cells = line(text, "Table 3", "ours")
-    assert cells[:2] == ["16.50° [15.00, 18.00]", "-4.50° [-5.00, -4.00]"]
+    assert cells[:2] == ["16.50° [15.11, 17.89]", "-4.50° [-4.96, -4.04]"]
     assert line(text, "Table 3", "the paper")[1] == "+0.00° [+0.00, +0.00]"
     by_mesh = mesh_table(with_meshes(15, 18), 15).splitlines()
     assert by_mesh[-1] == "| m1 | 18.00° | +0.050 | – | – | – | 18.00° | +0.050 |"
