@@ -1,10 +1,14 @@
-"""Times `normalgan studio` in Chromium: from a stroke's end to the map on show.
+"""Times `normalgan studio` in Chromium at a person's pace.
 
-studio.py MODEL [SIDE] [STROKES]: a model by `normalgan export`, the drawing's side in pixels, and how
-many strokes are drawn after the outline. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM.
-Prints JSON.
+studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0]: a model by `normalgan export`. For each
+side of the drawing: strokes with pauses between them, from a stroke's end to its map on show; scribbling,
+four strokes a second, with the longest time without a new map; a pin turned by its ball, in maps a second.
+`--memory 500` then draws so many strokes and tells how much memory the page takes more than after the first
+twenty. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints JSON.
 """
 
+import argparse
+import itertools
 import json
 import math
 import os
@@ -14,63 +18,187 @@ import shutil
 import statistics
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from machine import describe
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import CDPSession, Page, sync_playwright
 
 WATCH = """() => {
-  window.times = [];
-  let end = 0;
-  addEventListener("pointerup", (event) => { end = event.timeStamp; }, true);
+  window.events = [];
+  const note = (kind, at) => events.push([kind, at]);
+  addEventListener("pointerdown", (event) => note("down", event.timeStamp), true);
+  addEventListener("pointerup", (event) => note("up", event.timeStamp), true);
+  const result = document.getElementById("result");
   // The map is on the screen with the frame after the one in which the viewer draws it.
-  new MutationObserver(() => requestAnimationFrame(() => requestAnimationFrame(() => {
-    if (end) times.push(performance.now() - end);
-    end = 0;
-  }))).observe(document.getElementById("result"), { attributeFilter: ["data-painted"] });
+  new MutationObserver(() => {
+    // Not busy: the map is of all that was drawn, and as fine as it will be.
+    const kind = result.ariaBusy === "false" ? "whole" : "map";
+    requestAnimationFrame(() => requestAnimationFrame(() => note(kind, performance.now())));
+  }).observe(result, { attributeFilter: ["data-painted"] });
 }"""
+FRAME = 1 / 60
+PAUSES = (0.5, 1.5)
+"""Seconds between a person's strokes."""
+Point = tuple[float, float]
+Event = tuple[str, float]
 
 
-def draw(page: Page, points: list[tuple[float, float]]) -> None:
-    """Draw a stroke through points of the screen and wait until its map is on show."""
-    count = page.evaluate("times.length")
-    page.mouse.move(*points[0])
-    page.mouse.down()
-    for point in points[1:]:
-        page.mouse.move(*point)
-    page.mouse.up()
-    page.wait_for_function("count => times.length > count", arg=count)
+class Hand:
+    """A person's hand on the mouse.
 
+    Args:
+        page: the studio, with a new drawing.
+    """
 
-def measure(page: Page, side: int, strokes: int) -> list[float]:
-    """Return the milliseconds of each stroke; the first, which starts everything, is left out."""
-    page.locator("#new").click()
-    page.locator("#new-width").fill(str(side))
-    page.locator("#new-height").fill(str(side))
-    page.locator("#new-dialog button.strong").click()
-    page.evaluate(WATCH)
-    box = page.locator("#board").bounding_box()
-    assert box is not None
-    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    reach = 0.33 * min(box["width"], box["height"])
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        box = page.locator("#board").bounding_box()
+        assert box is not None
+        self.middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.reach = 0.33 * min(box["width"], box["height"])
+        self.chance = random.Random(1)
 
-    def around(angle: float, radius: float) -> tuple[float, float]:
+    def around(self, angle: float, radius: float) -> Point:
+        """Return a point of the screen, on a bent circle about the middle."""
         wave = 1 + 0.15 * math.sin(3 * angle)
-        return middle[0] + wave * radius * math.cos(angle), middle[1] + radius * math.sin(angle)
+        return self.middle[0] + wave * radius * math.cos(angle), self.middle[1] + radius * math.sin(angle)
 
-    draw(page, [around(math.tau * i / 48, reach) for i in range(49)])
-    hand = random.Random(1)
-    for _ in range(strokes):
-        start, radius = hand.uniform(0, math.tau), hand.uniform(0.2, 0.8) * reach
-        draw(page, [around(start + 0.1 * i, radius) for i in range(8)])
-    times: list[float] = page.evaluate("times")
-    return times[1:]
+    def arc(self, count: int) -> list[Point]:
+        """Return points of a stroke inside the outline."""
+        start = self.chance.uniform(0, math.tau)
+        radius = self.chance.uniform(0.2, 0.8) * self.reach
+        return [self.around(start + 0.05 * i, radius) for i in range(count)]
+
+    def outline(self) -> None:
+        """Draw the object's outline, and wait for its map."""
+        self.stroke([self.around(math.tau * i / 60, self.reach) for i in range(61)])
+        self.rest()
+
+    def stroke(self, points: list[Point]) -> None:
+        """Draw through points, one in each frame of the screen."""
+        self.page.mouse.move(*points[0])
+        self.page.mouse.down()
+        self.follow(points[1:])
+        self.page.mouse.up()
+
+    def follow(self, points: list[Point]) -> None:
+        """Move through points, one in each frame of the screen."""
+        end = time.perf_counter()
+        for point in points:
+            self.page.mouse.move(*point)
+            end += FRAME
+            time.sleep(max(0.0, end - time.perf_counter()))
+
+    def rest(self) -> None:
+        """Wait until all that was drawn is on show."""
+        self.page.wait_for_function(
+            "() => Number(document.getElementById('result').dataset.painted ?? 0) > 0"
+            " && document.getElementById('result').ariaBusy === 'false'"
+        )
+        self.page.wait_for_timeout(300)
+
+    def events(self) -> list[Event]:
+        """Return what has happened since this was asked last."""
+        found: list[Event] = self.page.evaluate("() => events.splice(0)")
+        return found
 
 
-def main(model: Path, side: int = 256, strokes: int = 40) -> None:
-    """Print the figures."""
-    chromium = shutil.which(os.environ.get("NORMALGAN_CHROMIUM") or "chromium")
+def strokes(hand: Hand, count: int) -> dict[str, Any]:
+    """Return the milliseconds from the end of strokes, with pauses between them, to their map."""
+    hand.events()
+    for _ in range(count):
+        hand.stroke(hand.arc(24))
+        time.sleep(hand.chance.uniform(*PAUSES))
+    hand.rest()
+    times, end = [], None
+    for kind, at in hand.events():
+        if kind == "up":
+            end = at
+        elif kind == "whole" and end is not None:
+            times.append(at - end)
+            end = None
+    cuts = statistics.quantiles(times, n=20, method="inclusive")
+    return {"count": len(times), "p50": round(cuts[9]), "p95": round(cuts[18]), "worst": round(max(times))}
+
+
+def scribble(hand: Hand, seconds: float) -> dict[str, Any]:
+    """Return how many maps are shown while a hand scribbles, and the longest time (ms) without a new one."""
+    hand.events()
+    end, count = time.perf_counter() + seconds, 0
+    while time.perf_counter() < end:
+        start = time.perf_counter()
+        hand.stroke(hand.arc(9))
+        time.sleep(max(0.0, start + 0.25 - time.perf_counter()))
+        count += 1
+    hand.rest()
+    events = hand.events()
+    begin = next(at for kind, at in events if kind == "down")
+    last = max(at for kind, at in events if kind == "up")
+    maps = [at for kind, at in events if kind in {"map", "whole"} and at < last]
+    gaps = [after - before for before, after in itertools.pairwise([begin, *maps, last])]
+    return {"strokes": count, "maps": len(maps), "longest_gap_ms": round(max(gaps))}
+
+
+def turn(hand: Hand, seconds: float) -> dict[str, Any]:
+    """Return how many maps a second are shown while a pin is turned."""
+    page = hand.page
+    page.locator("#tool-hint").click()
+    page.mouse.click(*hand.around(1, 0.4 * hand.reach))
+    page.wait_for_selector("#point:not([hidden])")
+    hand.rest()
+    box = page.locator("#ball").bounding_box()
+    assert box is not None
+    middle, radius = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2), 0.3 * box["width"]
+    page.mouse.move(middle[0] + radius, middle[1])
+    page.mouse.down()
+    hand.events()
+    count = round(seconds / FRAME)
+    start = time.perf_counter()
+    hand.follow(
+        [(middle[0] + radius * math.cos(i / 20), middle[1] + radius * math.sin(i / 20)) for i in range(count)]
+    )
+    took = time.perf_counter() - start
+    maps = sum(kind in {"map", "whole"} for kind, _ in hand.events())
+    page.mouse.up()
+    hand.rest()
+    page.locator("#point-remove").click()
+    page.locator("#tool-pen").click()
+    return {"maps_a_second": round(maps / took, 1)}
+
+
+def memory(hand: Hand, session: CDPSession, renderers: list[int], count: int) -> dict[str, Any]:
+    """Return how much memory (MB) the page takes more after so many strokes than after the first twenty."""
+
+    def measured() -> dict[str, float]:
+        session.send("HeapProfiler.collectGarbage")
+        values = {each["name"]: each["value"] for each in session.send("Performance.getMetrics")["metrics"]}
+        found = {"heap": values["JSHeapUsedSize"] / 2**20}
+        pages = [Path(f"/proc/{pid}/status") for pid in renderers]
+        if all(page.is_file() for page in pages):  # elsewhere than on Linux, the heap has to do
+            kept = [re.search(r"RssAnon:\s+(\d+) kB", page.read_text()) for page in pages]
+            found["process"] = sum(int(each[1]) for each in kept if each) / 1024
+        return found
+
+    session.send("Performance.enable")
+    before: dict[str, float] = {}
+    for number in range(count):
+        if number == 20:
+            before = measured()
+        hand.stroke(hand.arc(12))
+        time.sleep(0.05)
+    hand.rest()
+    after = measured()
+    return {"strokes": count, "growth_mb": {key: round(after[key] - before[key], 1) for key in after}}
+
+
+@contextmanager
+def serving(model: Path) -> Iterator[str]:
+    """Run the studio and give its address."""
     with TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "normalgan", "studio", "--no-browser", "--port", "0"]
         server = subprocess.Popen(
@@ -80,37 +208,56 @@ def main(model: Path, side: int = 256, strokes: int = 40) -> None:
             assert server.stdout is not None
             address = re.search(r"http://\S+/", server.stdout.readline())
             assert address
-            with sync_playwright() as playwright:
-                browser = playwright.chromium.launch(
-                    executable_path=chromium, args=["--no-sandbox", "--disable-gpu"]
-                )
-                page = browser.new_page(viewport={"width": 1280, "height": 800})
-                inside: list[float] = []
-                page.on(
-                    "response",
-                    lambda r: (
-                        inside.append(1000 * float(r.headers["x-seconds"]))
-                        if "x-seconds" in r.headers
-                        else None
-                    ),
-                )
-                page.goto(address[0])
-                page.wait_for_selector("html[data-ready]")
-                times = measure(page, side, strokes)
-                browser.close()
+            yield address[0]
         finally:
             server.terminate()
             server.wait()
-    cuts = statistics.quantiles(times, n=20)
-    figures = {
-        "drawing_pixels": side,
-        "strokes": len(times),
-        "stroke_to_map_ms": {"p50": statistics.median(times), "p95": cuts[18], "worst": max(times)},
-        "server_ms": {"p50": statistics.median(inside), "worst": max(inside)},
-        "machine": describe("onnxruntime", "starlette", "playwright"),
-    }
-    print(json.dumps(figures, indent=1))
+
+
+def main() -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("model", type=Path)
+    parser.add_argument("--sides", type=int, nargs="+", default=[256, 512, 1024])
+    parser.add_argument("--strokes", type=int, default=20)
+    parser.add_argument("--memory", type=int, default=0)
+    given = parser.parse_args()
+    chromium = shutil.which(os.environ.get("NORMALGAN_CHROMIUM") or "chromium")
+    figures: dict[str, Any] = {}
+    with serving(given.model) as address, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        for side in given.sides:
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            inside: list[float] = []
+            page.on(
+                "response",
+                lambda r, kept=inside: (  # type: ignore[misc]
+                    kept.append(1000 * float(r.headers["x-seconds"])) if "x-seconds" in r.headers else None
+                ),
+            )
+            page.goto(address)
+            page.wait_for_selector("html[data-ready]")
+            page.locator("#new").click()
+            page.locator("#new-width").fill(str(side))
+            page.locator("#new-height").fill(str(side))
+            page.locator("#new-dialog button.strong").click()
+            page.evaluate(WATCH)
+            hand = Hand(page)
+            hand.outline()
+            inside.clear()
+            found = {"stroke_to_map_ms": strokes(hand, given.strokes)}
+            found["server_ms"] = {"p50": round(statistics.median(inside)), "worst": round(max(inside))}
+            found |= {"scribble": scribble(hand, 10), "turn": turn(hand, 5)}
+            if given.memory:
+                processes = browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
+                renderers = [int(each["id"]) for each in processes if each["type"] == "renderer"]
+                session = page.context.new_cdp_session(page)
+                found["memory"] = memory(hand, session, renderers, given.memory)
+            figures[str(side)] = found
+            page.close()
+        browser.close()
+    print(json.dumps({**figures, "machine": describe("onnxruntime", "starlette", "playwright")}, indent=1))
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), *map(int, sys.argv[2:4]))
+    main()
