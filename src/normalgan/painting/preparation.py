@@ -1,6 +1,6 @@
 """Preparation: a drawing as far as it gets without the model: cleaned, framed, its mask found."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,9 +70,6 @@ def prepare(
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
     cleaned: Cleaned = clean(picture.resized(worked))
     frame = Frame.around(cleaned.ink, size)
-    given = None
-    if hints is not None:
-        given = frame.cut_points(hints.points * (worked[1] / picture.shape[1]), hints.normals)
     alpha, closed, guessed = None, 1.0, False
     if mask is not None:
         mask = resize(mask.astype(np.float32), worked) > 0.5
@@ -82,4 +79,19 @@ def prepare(
         outline = fill_outline(cleaned.ink)
         mask, closed, guessed = outline.mask, outline.closed, outline.guessed
     seen = show(cleaned.ink, frame)
-    return Prepared(shape, cleaned.ink, mask, alpha, frame, seen, given, closed, guessed)
+    prepared = Prepared(shape, cleaned.ink, mask, alpha, frame, seen, None, closed, guessed)
+    return prepared if hints is None else hinted(prepared, hints, picture.shape)
+
+
+def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> Prepared:
+    """Return a prepared drawing with other hints: all else stays, which takes most of the time.
+
+    Args:
+        prepared: as `prepare` gives it.
+        hints: in pixels of the drawing; None for none.
+        shape: (H, W) of the drawing.
+    """
+    if hints is None:
+        return replace(prepared, hints=None)
+    points = hints.points * (prepared.ink.shape[1] / shape[1])
+    return replace(prepared, hints=prepared.frame.cut_points(points, hints.normals))

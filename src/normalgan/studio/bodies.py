@@ -4,7 +4,6 @@ import asyncio
 
 from starlette.requests import Request
 
-from normalgan.studio.fields import Fields, parse_fields
 from normalgan.studio.refusals import TooLargeError, TooSlowError, WrongTypeError
 
 MOST_BYTES = 20 * 2**20
@@ -63,15 +62,6 @@ async def read_json(request: Request) -> bytes:
     """
     check_type(request, "application/json")
     return await read_body(request)
-
-
-async def read_fields(request: Request) -> Fields:
-    """Return the JSON object that a request brings.
-
-    Raises:
-        InputError: if it brings none.
-    """
-    return parse_fields(await read_json(request))
 
 
 def check_type(request: Request, *prefixes: str) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,50 +28,72 @@ class Drawing:
     """A drawing as it came, not decoded yet.
 
     Args:
-        picture: PNG.
+        picture: PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
         hints: list of x, y and normal.
         mask: PNG, white on the object; None if there is none.
         source: where the mask comes from if there is none, as for `normalgan.painting.preparation.prepare`.
     """
 
-    picture: bytes
+    picture: bytes | NDArray[np.uint8]
     hints: Any
     mask: bytes | None
     source: str | None
 
     def digest(self) -> bytes:
         """Return what is the same for the same drawings and for no others."""
-        parts = (self.picture, json.dumps(self.hints).encode(), self.mask or b"", str(self.source).encode())
+        return hashlib.sha256(self.lines_digest() + json.dumps(self.hints).encode()).digest()
+
+    def lines_digest(self) -> bytes:
+        """Return what is the same for drawings that differ in their hints alone, and for no others."""
         whole = hashlib.sha256()
-        for part in parts:
-            whole.update(len(part).to_bytes(8, "little") + part)
+        if isinstance(self.picture, bytes):
+            parts: tuple[bytes | memoryview, ...] = (b"PNG", self.picture)
+        else:
+            parts = (str(self.picture.shape).encode(), np.ascontiguousarray(self.picture).data.cast("B"))
+        for part in (*parts, self.mask or b"", str(self.source).encode()):
+            whole.update(len(part).to_bytes(8, "little"))
+            whole.update(part)
         return whole.digest()
 
-    def read(self) -> tuple[Picture, Hints | None, NDArray[np.bool_] | None]:
-        """Return the picture, the hints and the mask (H, W).
+    def read_lines(self) -> tuple[Picture, NDArray[np.bool_] | None]:
+        """Return the picture and the mask (H, W).
 
         Raises:
             InputError: if they cannot be used or do not go together.
         """
-        picture = read_png("picture", self.picture)
-        mask = None
-        if self.mask is not None:
-            given = read_png("mask", self.mask)
-            if given.shape != picture.shape:
-                raise InputError(
-                    f"the mask is {given.shape[1]} × {given.shape[0]} pixels, but the drawing "
-                    f"{picture.shape[1]} × {picture.shape[0]}."
-                )
-            opacity = 1 if given.alpha is None else given.alpha
-            mask = given.colour.mean(-1) * opacity > 0.5
-            if not mask.any():
-                raise InputError("the mask is empty; paint the object white.")
-        hints = parse_hints(self.hints, "the request", picture.shape)
-        return picture, hints if len(hints.points) else None, mask
+        picture = (
+            read_png("picture", self.picture) if isinstance(self.picture, bytes) else to_picture(self.picture)
+        )
+        if self.mask is None:
+            return picture, None
+        given = read_png("mask", self.mask)
+        if given.shape != picture.shape:
+            raise InputError(
+                f"the mask is {given.shape[1]} × {given.shape[0]} pixels, but the drawing "
+                f"{picture.shape[1]} × {picture.shape[0]}."
+            )
+        opacity = 1 if given.alpha is None else given.alpha
+        mask = given.colour.mean(-1) * opacity > 0.5
+        if not mask.any():
+            raise InputError("the mask is empty; paint the object white.")
+        return picture, mask
+
+    def read_hints(self, shape: tuple[int, int]) -> Hints | None:
+        """Return the hints of the drawing, which has (H, W) pixels; None if there are none.
+
+        Raises:
+            InputError: if one cannot be used.
+        """
+        hints = parse_hints(self.hints, "the request", shape)
+        return hints if len(hints.points) else None
 
 
-def take_drawing(fields: Fields) -> Drawing:
+def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Drawing:
     """Return the drawing in a request.
+
+    Args:
+        fields: of the request.
+        picture: (H, W, 1 or 4), what came as pixels; None takes the PNG from the fields.
 
     Raises:
         InputError: if a field cannot be used.
@@ -81,11 +104,20 @@ def take_drawing(fields: Fields) -> Drawing:
     if len(hints) > MOST_HINTS:
         raise InputError(f"there are {len(hints)} hints; a drawing has at most {MOST_HINTS}.")
     return Drawing(
-        take_bytes(fields, "picture"),
+        take_bytes(fields, "picture") if picture is None else picture,
         hints,
         None if fields.get("mask") is None else take_bytes(fields, "mask"),
         take_choice(fields, "source", (None, OUTLINE, MODEL)),
     )
+
+
+def to_picture(pixels: NDArray[np.uint8]) -> Picture:
+    """Return pixels (H, W, 1), grey, or (H, W, 4), with opacity, as a picture."""
+    values = np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
+    if pixels.shape[-1] == 1:
+        return Picture(np.asarray(cv2.merge([values[..., 0]] * 3), np.float32), None)
+    alpha = values[..., 3]
+    return Picture(values[..., :3], alpha if pixels[..., 3].min() < 255 else None)
 
 
 def read_png(name: str, content: bytes) -> Picture:

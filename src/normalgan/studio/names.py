@@ -5,6 +5,10 @@ import unicodedata
 from normalgan.errors import InputError
 
 LONGEST = 80
+_DEVICES = frozenset(
+    ["con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in "0123456789¹²³")]
+)
+"""On Windows these are no files, whatever follows after a dot."""
 _MOST_BYTES = 200  # file systems allow 255, of which a suffix and a temporary name take some
 
 
@@ -20,8 +24,8 @@ def check_name(name: str) -> str:
     name = unicodedata.normalize("NFC", name)
     if not is_name(name):
         raise InputError(
-            f"{name[:LONGEST]!r} is no name; it has 1 to {LONGEST} letters, digits, spaces, - and _, and "
-            "no space at its ends."
+            f"{name[:LONGEST]!r} is no name; it has 1 to {LONGEST} letters, digits, spaces, - and _, "
+            "no space at its ends, and is not what Windows calls a device, such as CON."
         )
     return name
 
@@ -33,19 +37,21 @@ def is_name(name: str) -> bool:
     (True, False, False)
     """
     fits = 1 <= len(name) <= LONGEST and len(name.encode(errors="replace")) <= _MOST_BYTES
+    fits = fits and name.lower() not in _DEVICES
     return fits and name == name.strip() and all(map(_is_plain, name))
 
 
 def to_name(text: str) -> str:
     """Return the name that is nearest to a text.
 
-    >>> to_name("fox (2)."), to_name("...")
-    ('fox 2', 'drawing')
+    >>> to_name("fox (2)."), to_name("..."), to_name("CON")
+    ('fox 2', 'drawing', 'CON_')
     """
     plain = "".join(filter(_is_plain, unicodedata.normalize("NFC", text)))[:LONGEST]
     while len(plain.encode()) > _MOST_BYTES:
         plain = plain[:-1]
-    return plain.strip() or "drawing"
+    plain = plain.strip() or "drawing"
+    return plain if is_name(plain) else f"{plain}_"
 
 
 def _is_plain(character: str) -> bool:

@@ -3,16 +3,23 @@
 from collections import OrderedDict
 from pathlib import Path
 from threading import Lock
+from typing import TypeVar
 
 import numpy as np
 
 from normalgan.painting.painting import Painted, paint
-from normalgan.painting.preparation import prepare
+from normalgan.painting.preparation import Prepared, hinted, prepare
 from normalgan.painting.session import Model
 from normalgan.studio.drawing import Drawing
 
+T = TypeVar("T")
+
 _REMEMBERED = 2
-"""Maps that are kept: a map, and its heights or its export, are asked for in turn. One may take 80 MB."""
+"""Maps that are kept: a map, and its heights or its export, are asked for in turn. One may take 80 MB.
+
+As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
+"""
+_Key = tuple[bytes, int | None]
 
 
 class Painter:
@@ -33,7 +40,8 @@ class Painter:
         self.confident = confidence is not None
         """Whether the model says how sure it is."""
         self._lock = Lock()
-        self._painted: OrderedDict[tuple[bytes, int | None], Painted] = OrderedDict()
+        self._painted: OrderedDict[_Key, Painted] = OrderedDict()
+        self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
 
     def paint(self, drawing: Drawing, longest: int | None = None) -> Painted:
         """Return the normal map of a drawing; it may be called by several threads.
@@ -46,14 +54,33 @@ class Painter:
             InputError: if the drawing cannot be used.
         """
         key = drawing.digest(), longest
-        with self._lock:
-            if key in self._painted:
-                self._painted.move_to_end(key)
-                return self._painted[key]
-        picture, hints, mask = drawing.read()
-        painted = paint(self.model, prepare(picture, self.model.size, mask, hints, longest, drawing.source))
-        with self._lock:
-            self._painted[key] = painted
-            while len(self._painted) > _REMEMBERED:
-                self._painted.popitem(last=False)
+        painted = self._recalled(self._painted, key)
+        if painted is None:
+            prepared, shape = self._prepare(drawing, longest)
+            painted = paint(self.model, hinted(prepared, drawing.read_hints(shape), shape))
+            self._remember(self._painted, key, painted)
         return painted
+
+    def _prepare(self, drawing: Drawing, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
+        """Return a drawing without its hints as `prepare` gives it, and its own (H, W)."""
+        key = drawing.lines_digest(), longest
+        found = self._recalled(self._prepared, key)
+        if found is None:
+            picture, mask = drawing.read_lines()
+            prepared = prepare(picture, self.model.size, mask, None, longest, drawing.source)
+            found = prepared, picture.shape
+            self._remember(self._prepared, key, found)
+        return found
+
+    def _recalled(self, kept: OrderedDict[_Key, T], key: _Key) -> T | None:
+        with self._lock:
+            if key not in kept:
+                return None
+            kept.move_to_end(key)
+            return kept[key]
+
+    def _remember(self, kept: OrderedDict[_Key, T], key: _Key, value: T) -> None:
+        with self._lock:
+            kept[key] = value
+            while len(kept) > _REMEMBERED:
+                kept.popitem(last=False)

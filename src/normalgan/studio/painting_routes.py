@@ -11,14 +11,17 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from normalgan.errors import InputError, RunError
 from normalgan.normals import encode
 from normalgan.painting.painting import Painted
 from normalgan.painting.suggestion import suggest
-from normalgan.studio.bodies import gone, read_fields
-from normalgan.studio.drawing import Drawing, take_drawing
+from normalgan.studio.bodies import check_type, gone, read_body
+from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, Drawing, take_drawing
 from normalgan.studio.exports import take_wish
-from normalgan.studio.fields import Fields, take_integer, take_text
+from normalgan.studio.fields import Fields, parse_fields, take_integer, take_text
 from normalgan.studio.painter import Painter
+from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
+from normalgan.studio.refusals import RefusedError
 from normalgan.studio.request_queue import RequestQueue
 
 T = TypeVar("T")
@@ -38,6 +41,7 @@ class PaintingRoutes:
         # Heights and exports take seconds; no stroke waits for them.
         self._quick, self._slow = RequestQueue(), RequestQueue()
         self._exports = 0
+        self._kept = KeptPlanes()
 
     def routes(self) -> list[Route]:
         """Return where they are asked for."""
@@ -55,30 +59,39 @@ class PaintingRoutes:
 
     async def paint(self, request: Request) -> Response:
         """Answer with the colours of the normals and the mask as alpha, W × H × 4 bytes."""
-        start, fields = time.perf_counter(), await read_fields(request)
-        drawing = take_drawing(fields)
-        map_ = await self._ordered(self._quick, request, fields, partial(self._map, drawing))
+        start = time.perf_counter()
+        fields, drawing = await self._asked(request)
+        longest = None
+        if fields.get("longest") is not None:
+            longest = take_integer(fields, "longest", LEAST_SIDE, MOST_SIDE)
+        work = partial(self._map, drawing, longest)
+        try:
+            map_ = await self._ordered(self._quick, request, fields, work)
+        except InputError as error:
+            if "planes" not in fields or isinstance(error, RunError | RefusedError):
+                raise
+            # Of a drawing that has just been begun that is no error, which a browser would log as one.
+            return _dropped(str(error))
         return _dropped() if map_ is None else _pixels(*map_, start)
 
     async def suggest(self, request: Request) -> Response:
         """Answer with places where a hint would help."""
-        fields = await read_fields(request)
-        work = partial(self._points, take_drawing(fields), take_integer(fields, "count", 1, 20, 5))
+        fields, drawing = await self._asked(request)
+        work = partial(self._points, drawing, take_integer(fields, "count", 1, 20, 5))
         points = await self._ordered(self._quick, request, fields, work)
         return _dropped() if points is None else JSONResponse({"points": points})
 
     async def height(self, request: Request) -> Response:
         """Answer with heights, W × H floats, none off the object."""
-        start, fields = time.perf_counter(), await read_fields(request)
-        heights = await self._ordered(
-            self._slow, request, fields, partial(self._heights, take_drawing(fields))
-        )
+        start = time.perf_counter()
+        fields, drawing = await self._asked(request)
+        heights = await self._ordered(self._slow, request, fields, partial(self._heights, drawing))
         return _dropped() if heights is None else _pixels(*heights, start)
 
     async def export(self, request: Request) -> Response:
         """Answer with a file as ``normalgan generate`` writes it."""
-        fields = await read_fields(request)
-        work = partial(self._file, take_drawing(fields), fields)
+        fields, drawing = await self._asked(request)
+        work = partial(self._file, drawing, fields)
         self._exports += 1  # none takes another one's place
         file = await self._ordered(self._slow, request, fields, work, f"{self._exports} ")
         if file is None:
@@ -87,6 +100,17 @@ class PaintingRoutes:
         attachment = f"attachment; filename*=UTF-8''{quote(name, safe='')}"
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
+    async def _asked(self, request: Request) -> tuple[Fields, Drawing]:
+        """Return what a request asks for, and the drawing, a PNG in JSON or raw bytes of what has changed."""
+        check_type(request, "application/json", CONTENT_TYPE)
+        body = await read_body(request)
+        if request.headers["content-type"].partition(";")[0].strip().lower() != CONTENT_TYPE:
+            fields = parse_fields(body)
+            return fields, take_drawing(fields)
+        fields, pixels = split_body(body)
+        planes = self._kept.take(take_text(fields, "tab", 64), fields, pixels)
+        return fields, take_drawing(fields, planes["ink"])
+
     async def _ordered(
         self, queue: RequestQueue, request: Request, fields: Fields, work: Callable[[], T], apart: str = ""
     ) -> T | None:
@@ -94,13 +118,14 @@ class PaintingRoutes:
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
         return await queue.do(tab, take_integer(fields, "number", 0, _LARGEST), work, partial(gone, request))
 
-    def _map(self, drawing: Drawing) -> tuple[bytes, Painted]:
-        painted = self._painter.paint(drawing)
+    def _map(self, drawing: Drawing, longest: int | None) -> tuple[bytes, Painted]:
+        painted = self._painter.paint(drawing, longest)
         alpha = np.where(painted.mask, 255, 0).astype(np.uint8)
         return np.dstack([encode(painted.normals), alpha]).tobytes(), painted
 
     def _points(self, drawing: Drawing, count: int) -> list[dict[str, object]]:
-        painted, hints = self._painter.paint(drawing), drawing.read()[1]
+        painted = self._painter.paint(drawing)
+        hints = drawing.read_hints((painted.mask.shape[0], painted.mask.shape[1]))
         taken = np.empty((0, 2), np.float32) if hints is None else hints.points
         found = suggest(painted.normals, painted.mask, painted.confidence, taken, count)
         return [
@@ -133,5 +158,5 @@ def _pixels(content: bytes, painted: Painted, start: float) -> Response:
     return Response(content, headers=headers, media_type=_OCTETS)
 
 
-def _dropped() -> Response:
-    return Response(status_code=204)
+def _dropped(warning: str = "") -> Response:
+    return Response(status_code=204, headers={"X-Warning": quote(warning)})

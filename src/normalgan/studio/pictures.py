@@ -10,11 +10,11 @@ from PIL import Image
 from normalgan.painting.picture import fitted, read_picture
 from normalgan.studio.drawing import MOST_SIDE, check_sides
 
-Imported = dict[str, str | int]
+Imported = dict[str, str | int | list[int]]
 
 
 def import_picture(content: bytes, name: str = "the picture") -> Imported:
-    """Return an image as base64 of a PNG with alpha, and its width and height.
+    """Return an image as base64 of a PNG with alpha, its width and height, and those ``given``.
 
     Args:
         content: a file as `normalgan.painting.picture.read_picture` reads it.
@@ -24,6 +24,7 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
         InputError: if it is none, or too narrow.
     """
     picture = read_picture(Path(name), content)
+    given = [picture.size[1], picture.size[0]]
     if max(picture.size) > MOST_SIDE:
         picture = picture.resized(fitted(picture.size, MOST_SIDE))
     height, width = picture.size
@@ -32,4 +33,9 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
     pixels = np.rint(255 * np.dstack([picture.colour, alpha])).astype(np.uint8)
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "PNG", compress_level=1)
-    return {"picture": base64.b64encode(file.getvalue()).decode(), "width": width, "height": height}
+    return {
+        "picture": base64.b64encode(file.getvalue()).decode(),
+        "width": width,
+        "height": height,
+        "given": given,
+    }

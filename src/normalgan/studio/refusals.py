@@ -27,6 +27,12 @@ class TooSlowError(RefusedError):
     status = 408
 
 
+class BehindError(RefusedError):
+    """It changes what the server does not have."""
+
+    status = 409
+
+
 class ChangedError(RefusedError):
     """Somebody else has saved in between."""
 

@@ -1,5 +1,10 @@
 /** The server, as functions; each fails with `Refused` (it said why) or `Away` (it does not answer). */
 
+/**
+ * @typedef {{fields: Record<string, unknown>, pixels: Uint8Array[]}} Request
+ *   about a drawing: what is asked, and the bytes of its planes, or of the boxes that have changed
+ */
+
 /** What the server says is wrong. */
 export class Refused extends Error {
   /** @param {number} status @param {string} message */
@@ -8,6 +13,9 @@ export class Refused extends Error {
     this.status = status;
   }
 }
+
+/** The drawing is not yet, or no longer, one that can be painted. */
+export class Lacking extends Error {}
 
 /** The server does not answer. */
 export class Away extends Error {}
@@ -26,8 +34,22 @@ async function ask(path, options = {}) {
   throw new Refused(response.status, answer.error ?? response.statusText);
 }
 
-const post = (path, body, signal) =>
-  ask(path, { method: "POST", body: JSON.stringify(body), headers: { "Content-Type": "application/json" }, signal });
+/**
+ * Sends a request about a drawing: the length of its fields as JSON, the JSON, then the bytes of its planes.
+ * @param {string} path @param {Request} request @param {AbortSignal} [signal]
+ */
+function post(path, { fields, pixels }, signal) {
+  const json = new TextEncoder().encode(JSON.stringify(fields));
+  const body = new Uint8Array(pixels.reduce((sum, each) => sum + each.length, 4 + json.length));
+  new DataView(body.buffer).setUint32(0, json.length, true);
+  body.set(json, 4);
+  let at = 4 + json.length;
+  for (const each of pixels) {
+    body.set(each, at);
+    at += each.length;
+  }
+  return ask(path, { method: "POST", body, headers: { "Content-Type": "application/x-normalgan-drawing" }, signal });
+}
 
 const number = (response, name) => Number(response.headers.get(name));
 const words = (response, name) => decodeURIComponent(response.headers.get(name) ?? "");
@@ -38,10 +60,17 @@ export const about = async () => (await ask("/api/about")).json();
 /** Returns what the command line named. @returns {Promise<{kind: string, name: string, [more: string]: any} | null>} */
 export const named = async () => (await ask("/api/open")).json();
 
-/** Returns a painted map, or null if a newer request came in between. */
+/**
+ * Returns a painted map, or null if a newer request came in between.
+ * @throws {Lacking} if there is nothing to be painted.
+ */
 export async function paint(request, signal) {
   const response = await post("/api/paint", request, signal);
-  if (response.status === 204) return null;
+  if (response.status === 204) {
+    const lacks = words(response, "X-Warning");
+    if (lacks) throw new Lacking(lacks);
+    return null;
+  }
   const rgba = new Uint8Array(await response.arrayBuffer());
   const [width, height] = [number(response, "X-Width"), number(response, "X-Height")];
   return { rgba, width, height, warning: words(response, "X-Warning") };
@@ -58,16 +87,16 @@ export async function height(request, signal) {
 /** @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
 export const suggest = async (request) => (await (await post("/api/suggest", request)).json()).points;
 
-/** Returns a file and what it is called. @returns {Promise<{blob: Blob, name: string}>} */
+/** Returns a file and what it is called. @param {Request} request @returns {Promise<{blob: Blob, name: string}>} */
 export async function exported(request) {
   const response = await post("/api/export", request);
   const header = response.headers.get("Content-Disposition") ?? "";
   const encoded = /filename\*=utf-8''([^;]+)/i.exec(header)?.[1];
   const name = encoded ? decodeURIComponent(encoded) : /filename="?([^";]+)/.exec(header)?.[1];
-  return { blob: await response.blob(), name: name ?? request.name };
+  return { blob: await response.blob(), name: name ?? "drawing" };
 }
 
-/** Reads an image file of any kind. @param {Blob} file @returns {Promise<{picture: string, width: number, height: number}>} */
+/** Reads an image file of any kind. @param {Blob} file @returns {Promise<{picture: string, width: number, height: number, given: [number, number]}>} */
 export async function imported(file) {
   const headers = { "Content-Type": file.type || "application/octet-stream" };
   return (await ask("/api/import", { method: "POST", body: file, headers })).json();

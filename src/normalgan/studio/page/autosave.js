@@ -15,7 +15,11 @@ export class Autosave extends EventTarget {
    */
   constructor(editor, connection, tab) {
     super();
-    Object.assign(this, { editor, connection, tab });
+    this.editor = editor;
+    this.connection = connection;
+    this.tab = tab;
+    /** @type {string | null} what the server called the project as this tab has seen it */
+    this.etag = null;
     /** The document as it was last saved or opened: nothing to keep. */
     this.clean = editor.doc;
     this.writing = false;
@@ -45,7 +49,7 @@ export class Autosave extends EventTarget {
 
   /** Drops what a tab has kept, here and on the server. @param {string} tab @param {boolean} there it is on the server */
   async drop(tab, there) {
-    await forget(tab);
+    await forget(tab, tab === this.tab);
     if (there) await autosaves.remove(tab).catch((error) => this.#failed(error));
   }
 
@@ -56,7 +60,7 @@ export class Autosave extends EventTarget {
     const doc = this.editor.history.state;
     if (!this.dirty || isEmpty(doc) || this.sent === doc || this.connection.away) return;
     try {
-      await autosaves.write(this.tab, doc);
+      await autosaves.write(this.tab, { ...doc, etag: this.etag });
       this.sent = doc;
     } catch (error) {
       this.#failed(error);
@@ -76,8 +80,8 @@ export class Autosave extends EventTarget {
     try {
       while (this.stale) {
         this.stale = false;
-        if (!this.dirty) await forget(this.tab);
-        else await keep({ tab: this.tab, changed: new Date().toISOString(), doc: this.editor.history.state });
+        if (!this.dirty) await forget(this.tab, true);
+        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, doc: this.editor.history.state });
       }
     } catch (error) {
       this.dispatchEvent(new CustomEvent("failed", { detail: error }));
@@ -93,16 +97,29 @@ export class Autosave extends EventTarget {
 }
 
 /**
+ * @typedef {{doc: unknown, etag: string | null}} Found etag: of the project it was made from, null for none
+ * @typedef {{tab: string, changed: string, name: string, there: boolean, read: () => Promise<Found>}} Left
+ *   unsaved work of a tab; there: it is on the server
+ */
+
+/**
  * Returns unsaved work of tabs that are closed, newest first; what both stores hold counts once.
  * @param {Set<string>} open tabs that live
- * @returns {Promise<{tab: string, changed: string, there: boolean, read: () => Promise<unknown>}[]>}
+ * @returns {Promise<Left[]>}
  */
 export async function unsaved(open) {
   const [here, there] = await Promise.all([kept(), autosaves.list().catch(() => [])]);
-  const found = new Map(there.map(({ name, changed }) => [name, { tab: name, changed, there: true, read: async () => (await autosaves.read(name)).doc }]));
-  for (const { tab, changed, doc } of here) {
+  /** @type {Map<string, Left>} */
+  const found = new Map(there.map(({ name: tab, changed }) => [tab, { tab, changed, name: "", there: true, read: () => fromServer(tab) }]));
+  for (const { tab, changed, etag, name, read } of here) {
     // The store holds each change at once, the server some seconds later: the store's is never older.
-    found.set(tab, { tab, changed, there: found.has(tab), read: async () => doc });
+    found.set(tab, { tab, changed, name, there: found.has(tab), read: async () => ({ doc: await read(), etag }) });
   }
   return [...found.values()].filter(({ tab }) => !open.has(tab)).sort((a, b) => (a.changed < b.changed ? 1 : -1));
+}
+
+/** @param {string} tab @returns {Promise<Found>} */
+async function fromServer(tab) {
+  const { doc } = await autosaves.read(tab);
+  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null };
 }

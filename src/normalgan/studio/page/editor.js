@@ -6,7 +6,8 @@ import { History } from "./history.js";
 /** @typedef {import("./document.js").Doc} Doc */
 
 /**
- * Events: `change` when the document differs, with `detail.live` while a gesture goes on;
+ * Events: `change` when the document differs, with `detail.live` while a gesture goes on; `drawing` when the ink has
+ * got more than the document has yet;
  * `open` when another document came; `state` when tool, choice or settings of the page changed.
  */
 export class Editor extends EventTarget {
@@ -35,9 +36,13 @@ export class Editor extends EventTarget {
     this.#changed(true);
   }
 
+  /** Tells that a stroke goes on: it is in the ink, and not yet in the document. */
+  draw() {
+    this.dispatchEvent(new Event("drawing"));
+  }
+
   /** Drops what a gesture showed. */
   drop() {
-    if (!this.draft) return;
     this.draft = null;
     this.#changed(false);
   }

@@ -29,11 +29,11 @@ export class Exporting {
       this.status.say(text.exportEmpty);
       return;
     }
-    $("export-name").value ||= this.editor.doc.settings.name;
+    $("export-name").value = this.editor.doc.settings.name;
     if (!(await open($("export-dialog")))) return;
     this.status.say(text.exporting);
     try {
-      const { blob, name } = await exported({ ...(await this.painter.request()), ...this.#wish() });
+      const { blob, name } = await this.painter.ask(exported, this.#wish());
       download(blob, name);
       this.status.say(say("exported", { name }));
     } catch (error) {

@@ -7,8 +7,6 @@ import { $, make } from "./dom.js";
 import { darkOnLight, decodeAll } from "./pictures.js";
 import { say, text } from "./text.js";
 
-/** A drawing that takes the shape of a picture has no longer side than this: more is slow to paint. */
-const LONGEST = 1024;
 const TRACED = 0.5;
 
 export class Importing {
@@ -19,7 +17,10 @@ export class Importing {
    * @param {import("./projects.js").Projects} projects
    */
   constructor(editor, board, status, projects) {
-    Object.assign(this, { editor, board, status, projects });
+    this.editor = editor;
+    this.board = board;
+    this.status = status;
+    this.projects = projects;
     this.as = "";
     $("import-file").addEventListener("change", () => {
       const [file] = $("import-file").files;
@@ -49,18 +50,21 @@ export class Importing {
   /** Imports a file. @param {File} file @param {"" | "drawing" | "traced"} as */
   async take(file, as) {
     try {
-      const { picture, width, height } = await imported(file);
-      await this.place(`data:image/png;base64,${picture}`, width, height, as, file.name);
+      const { picture, width, height, given } = await imported(file);
+      if (!(await this.place(`data:image/png;base64,${picture}`, width, height, as, file.name))) return;
+      if (given[0] === width && given[1] === height) return;
+      const [from, to] = [given, [width, height]].map(([x, y]) => say("pixels", { width: x, height: y }));
+      this.status.say(say("importedSmaller", { name: file.name, from, to }));
     } catch (error) {
       this.status.fail(error);
     }
   }
 
-  /** Puts a picture into the document. */
+  /** Puts a picture into the document. @returns {Promise<boolean>} whether it was not cancelled */
   async place(url, width, height, as, name) {
     await decodeAll([url]);
     const way = as || (await this.#ask(url));
-    if (!way) return;
+    if (!way) return false;
     const fresh = isEmpty(this.editor.doc);
     const doc = fresh ? shaped(this.editor.doc, width, height) : this.editor.doc;
     const scale = Math.min(doc.width / width, doc.height / height);
@@ -74,6 +78,7 @@ export class Importing {
     }
     if (fresh) this.board.fit();
     this.status.say(say("imported", { name }));
+    return true;
   }
 
   #ask(url) {
@@ -85,7 +90,5 @@ export class Importing {
 
 /** Returns an empty document in the shape of a picture. */
 function shaped(doc, width, height) {
-  const scale = Math.min(1, LONGEST / Math.max(width, height));
-  const side = (value) => Math.max(16, Math.round(value * scale));
-  return { ...doc, width: side(width), height: side(height) };
+  return { ...doc, width, height };
 }

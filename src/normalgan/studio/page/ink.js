@@ -1,21 +1,37 @@
 /** Ink: the strokes of a document as pixels, finer than the drawing so that zooming stays crisp. */
 
 import { decoded, hasHoles } from "./pictures.js";
+import { averaged } from "./pixels.js";
 import { boxOf, drawPiece, drawStroke, prepare } from "./strokes.js";
+
+/** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
 
 /** Finer than this many pixels a side, or than threefold, costs more than it shows. */
 const FINE = 1536;
 const MOST = 3;
+const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
+
+/** @param {Box | null} a @param {Box} b @returns {Box} */
+const united = (a, b) => a
+  ? {
+      left: Math.min(a.left, b.left), top: Math.min(a.top, b.top),
+      right: Math.max(a.right, b.right), bottom: Math.max(a.bottom, b.bottom),
+    }
+  : b;
 
 export class Ink {
-  constructor() {
+  /** @param {number} [scale] pixels of the ink for one of the drawing; 0 chooses */
+  constructor(scale = 0) {
     this.canvas = document.createElement("canvas");
     this.context = this.canvas.getContext("2d", { willReadFrequently: true });
+    this.fixed = scale;
     this.width = this.height = this.scale = 0;
     /** @type {import("./document.js").Stroke[]} */
     this.drawn = [];
     this.live = null;
     this.pieces = 0;
+    /** @type {Box | null} what has changed since `pixels` was called last */
+    this.stale = ALL;
   }
 
   /** Makes the pixels those of a document; what was drawn already is kept. @param {import("./document.js").Doc} doc */
@@ -28,7 +44,10 @@ export class Ink {
       this.live = null;
     }
     if (!begun || !sized || this.live) this.#clear(doc);
-    for (const stroke of doc.strokes.slice(this.drawn.length)) drawStroke(this.context, stroke, decoded);
+    for (const stroke of doc.strokes.slice(this.drawn.length)) {
+      drawStroke(this.context, stroke, decoded);
+      this.stale = united(this.stale, stroke.kind === "picture" ? ALL : boxOf(stroke, 0));
+    }
     this.drawn = doc.strokes;
   }
 
@@ -36,7 +55,7 @@ export class Ink {
    * Draws what a stroke has got since the last call; `sync` with it as the last stroke keeps it.
    * @param {import("./document.js").Line} line
    * @param {boolean} ended
-   * @returns {{left: number, top: number, right: number, bottom: number}} where something changed, in the drawing
+   * @returns {Box} where something changed
    */
   draw(line, ended) {
     if (this.live !== line) [this.live, this.pieces] = [line, 0];
@@ -45,33 +64,43 @@ export class Ink {
     const box = boxOf(line, Math.max(0, this.pieces - 1));
     for (; this.pieces < count - 1; this.pieces++) drawPiece(this.context, line, this.pieces, false);
     if (ended) drawPiece(this.context, line, count - 1, true);
+    this.stale = united(this.stale, box);
     return box;
   }
 
   /**
-   * Returns the drawing as a PNG in its own size: on white paper, or on none where a picture was cut out,
-   * since its opacity tells where the object is.
-   * @returns {Promise<Blob>}
+   * Returns the drawing in its own size: grey on white paper where all is pen, else in colour; without paper where
+   * a picture was cut out, since its opacity tells where the object is.
+   * @param {boolean} whole all of it, or only the box that has changed since the last call
+   * @returns {{channels: 1 | 4, box: [number, number, number, number], bytes: Uint8Array}} left, top, right, bottom
    */
-  png() {
-    const page = new OffscreenCanvas(this.width, this.height);
-    const context = page.getContext("2d", { willReadFrequently: true });
+  pixels(whole) {
     const pictures = this.drawn.filter((stroke) => stroke.kind === "picture");
-    if (!pictures.length || !pictures.every((stroke) => hasHoles(stroke.picture))) {
-      context.fillStyle = "#fff";
-      context.fillRect(0, 0, this.width, this.height);
-    }
-    context.imageSmoothingQuality = "high";
-    context.drawImage(this.canvas, 0, 0, this.width, this.height);
-    return page.convertToBlob({ type: "image/png" });
+    const channels = pictures.length ? 4 : 1;
+    const onPaper = !pictures.length || !pictures.every((stroke) => hasHoles(stroke.picture));
+    const { left, top, right, bottom } = whole ? ALL : this.stale ?? { left: 0, top: 0, right: 0, bottom: 0 };
+    this.stale = null;
+    const clamp = (value, most) => Math.max(0, Math.min(most, value));
+    const box = /** @type {[number, number, number, number]} */ ([
+      clamp(Math.floor(left), this.width), clamp(Math.floor(top), this.height),
+      clamp(Math.ceil(right), this.width), clamp(Math.ceil(bottom), this.height),
+    ]);
+    return { channels, box, bytes: averaged(this.context, box, this.scale, channels, onPaper) };
+  }
+
+  /** Returns whether there is no ink, be it that all was erased. */
+  isBlank() {
+    const { bytes, channels } = this.pixels(true);
+    return bytes.every((value, i) => (channels === 4 && i % 4 === 3) || value > 250);
   }
 
   /** @param {import("./document.js").Doc} doc */
   #clear(doc) {
     this.live = null;
     this.drawn = [];
+    this.stale = ALL;
     [this.width, this.height] = [doc.width, doc.height];
-    this.scale = Math.max(1, Math.min(MOST, Math.floor(FINE / Math.max(doc.width, doc.height))));
+    this.scale = this.fixed || Math.max(1, Math.min(MOST, Math.floor(FINE / Math.max(doc.width, doc.height))));
     // Setting the size empties the canvas and resets its state.
     [this.canvas.width, this.canvas.height] = [doc.width * this.scale, doc.height * this.scale];
     this.context.scale(this.scale, this.scale);

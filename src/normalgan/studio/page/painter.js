@@ -1,24 +1,18 @@
-/** Painter: keeps the result in step with the drawing, one request at a time, the newest only. */
+/** Painter: keeps the result in step with the drawing: one request at a time, each of the newest state. */
 
-import { Away, Refused, height, paint } from "./api.js";
+import { Away, Lacking, Refused, height, paint } from "./api.js";
 import { paintsAlike } from "./document.js";
 
 /** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
 
+/** Milliseconds after which a server that is busy is asked again. */
 const RETRY = 400;
+/** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
+const COARSE = { pen: 256, pin: 512 };
+/** The server has another drawing than the one that a change was made to. */
+const BEHIND = 409;
 
-/** Returns a blob as base64. @param {Blob} blob @returns {Promise<string>} */
-export async function base64(blob) {
-  const reader = new FileReader();
-  reader.readAsDataURL(blob);
-  await new Promise((resolve, reject) => {
-    reader.onload = resolve;
-    reader.onerror = () => reject(reader.error);
-  });
-  return String(reader.result).split(",", 2)[1];
-}
-
-/** Events: `painting`, `painted` (detail: ms), `raising`, `height`, `empty`, `failed` (detail: the error). */
+/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `empty`, `failed` (detail: the error). */
 export class Painter extends EventTarget {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -28,111 +22,190 @@ export class Painter extends EventTarget {
    */
   constructor(editor, ink, connection, tab) {
     super();
-    Object.assign(this, { editor, ink, connection, tab });
+    this.editor = editor;
+    this.ink = ink;
+    this.connection = connection;
+    this.tab = tab;
     this.number = Date.now();
-    /** @type {AbortController | null} the request that goes on */
+    /** @type {number | null} the request whose pixels the server has */
+    this.base = null;
+    /** @type {1 | 4} */
+    this.channels = 1;
+    /** @type {AbortController | null} the painting that goes on */
     this.running = null;
-    this.again = false;
-    /** @type {import("./document.js").Doc | null} */
+    /** @type {AbortController | null} the heights that are asked for */
+    this.climbing = null;
+    /** Whether something changed since the last request. */
+    this.stale = false;
+    /** @type {"pen" | "pin" | null} the gesture that goes on */
+    this.gesture = null;
+    /** @type {import("./document.js").Doc | null} the document as it was painted last, or is being painted */
     this.asked = null;
     /** @type {Painted | null} */
     this.painted = null;
+    /** Whether the map on show is of all that is drawn, and as fine as it will be. */
+    this.whole = false;
     this.wantsHeight = false;
     /** @type {{heights: Float32Array, width: number, height: number} | null} */
     this.heights = null;
-    /** @type {Painted | null} the map whose heights were asked for */
-    this.raised = null;
-    editor.addEventListener("change", (event) => this.#changed(event.detail.live));
+    editor.addEventListener("change", (event) => this.#changed(event.detail.live ? "pin" : null));
+    editor.addEventListener("drawing", () => this.#touched("pen"));
     connection.addEventListener("back", () => this.refresh());
   }
 
   /** Paints again whatever was painted before. */
   refresh() {
     this.asked = null;
-    this.#changed(false);
+    this.base = null;
+    this.#changed(null);
   }
 
   /** Says whether heights are wanted beside the map. @param {boolean} wanted */
   wantHeight(wanted) {
     this.wantsHeight = wanted;
+    if (wanted && this.connection.away) this.#failed(new Away());
     if (!this.running) this.#raise();
   }
 
-  /** Returns what a request to paint holds. */
-  async request() {
+  /**
+   * Sends a request about the drawing as it is now, of whose pixels only what has changed is sent.
+   * @template T
+   * @param {(request: import("./api.js").Request) => Promise<T>} send
+   * @param {object} [more] further fields
+   * @returns {Promise<T>}
+   */
+  async ask(send, more = {}) {
+    try {
+      return await send(this.#request(more));
+    } catch (error) {
+      if (error instanceof Lacking) throw error;
+      // Nothing is known of what the server has now.
+      this.base = null;
+      if (!(error instanceof Refused) || error.status !== BEHIND) throw error;
+      return await send(this.#request(more));
+    }
+  }
+
+  #request(more) {
     const { doc } = this.editor;
+    const { width, height } = this.ink;
     this.number += 1;
-    const { number } = this;
-    const picture = await base64(await this.ink.png());
-    return { tab: this.tab, number, picture, hints: doc.hints, mask: null, source: doc.settings.source };
+    const { channels, box, bytes } = this.ink.pixels(this.base === null);
+    // A picture came or went: the server's plane is of another kind.
+    const alike = this.base !== null && channels === this.channels;
+    const { box: all, bytes: pixels } = this.base === null || alike ? { box, bytes } : this.ink.pixels(true);
+    const fields = {
+      tab: this.tab, number: this.number, base: alike ? this.base : null,
+      planes: [{ name: "ink", width, height, channels, box: all }],
+      hints: doc.hints, source: doc.settings.source, ...more,
+    };
+    this.base = this.number;
+    this.channels = channels;
+    return { fields, pixels: [pixels] };
   }
 
-  /** @param {boolean} live */
-  #changed(live) {
+  /** @param {"pin" | null} gesture */
+  #changed(gesture) {
     const { doc } = this.editor;
-    if (this.asked && paintsAlike(this.asked, doc)) return;
+    const ended = this.gesture !== null && gesture === null;
+    this.gesture = gesture;
     if (!doc.strokes.length) {
-      this.running?.abort();
-      [this.asked, this.painted, this.heights, this.again] = [doc, null, null, false];
-      this.dispatchEvent(new Event("empty"));
+      this.#empty();
       return;
     }
-    // While a gesture goes on every answer is worth showing; after it only the last.
-    if (this.running && live) {
-      this.again = true;
-      return;
-    }
-    this.running?.abort();
-    this.#run(() => this.#paint());
+    if (!ended && this.asked && paintsAlike(this.asked, doc)) return;
+    this.#touched(gesture);
   }
 
-  /** Runs a request, and the next one after it if something changed meanwhile. */
-  async #run(work) {
+  /** @param {"pen" | "pin" | null} gesture */
+  #touched(gesture) {
+    this.gesture = gesture;
+    this.stale = true;
+    this.whole = false;
+    if (!this.running) this.#run();
+  }
+
+  #empty() {
+    this.running?.abort();
+    this.climbing?.abort();
+    this.running = this.climbing = null;
+    [this.asked, this.painted, this.heights, this.stale, this.whole] = [this.editor.doc, null, null, false, false];
+    this.dispatchEvent(new Event("empty"));
+  }
+
+  /** Paints until all that was drawn is on show: what is begun is finished, or a fast hand would never see a map. */
+  async #run() {
     const running = new AbortController();
     this.running = running;
-    this.again = false;
-    try {
-      await work();
-    } catch (error) {
-      if (error.name === "AbortError" || this.running !== running) return;
-      this.#failed(error);
+    this.climbing?.abort();
+    while (this.stale && !running.signal.aborted) {
+      try {
+        await this.#paint(running.signal);
+      } catch (error) {
+        if (running.signal.aborted) break;
+        this.#failed(error);
+      }
     }
     if (this.running !== running) return;
     this.running = null;
-    if (this.again) this.#changed(false);
-    else this.#raise();
+    this.#raise();
+  }
+
+  /** @param {AbortSignal} signal */
+  async #paint(signal) {
+    const start = performance.now();
+    const { doc } = this.editor;
+    const coarse = this.gesture && COARSE[this.gesture];
+    const longest = coarse && coarse < Math.max(doc.width, doc.height) ? coarse : null;
+    this.asked = doc;
+    this.stale = false;
+    this.dispatchEvent(new Event("painting"));
+    const painted = await this.ask((request) => paint(request, signal), { longest });
+    if (signal.aborted) return;
+    if (!painted) {
+      this.stale = true; // another page of this tab's name has asked for something newer
+      return;
+    }
+    this.painted = painted;
+    this.heights = null;
+    // A gesture that has ended since is refined, whether or not it changed more.
+    if (longest && !this.gesture) this.stale = true;
+    this.whole = !longest && !this.stale;
+    const ms = Math.round(performance.now() - start);
+    this.dispatchEvent(new CustomEvent("painted", { detail: { ms, whole: this.whole } }));
   }
 
   /** Asks for the heights of the map, once. */
-  #raise() {
-    if (!this.wantsHeight || !this.painted || this.raised === this.painted || this.connection.away) return;
-    this.raised = this.painted;
-    this.#run(() => this.#height());
-  }
-
-  async #paint() {
-    const start = performance.now();
-    const { signal } = this.running;
-    this.asked = this.editor.doc;
-    this.dispatchEvent(new Event("painting"));
-    const painted = await paint(await this.request(), signal);
-    if (!painted || signal.aborted) return;
-    this.painted = painted;
-    this.heights = null;
-    const ms = Math.round(performance.now() - start);
-    this.dispatchEvent(new CustomEvent("painted", { detail: { ms } }));
-  }
-
-  async #height() {
-    const { signal } = this.running;
+  async #raise() {
+    if (!this.wantsHeight || !this.whole || this.heights || this.climbing || this.connection.away) return;
+    const climbing = new AbortController();
+    this.climbing = climbing;
     this.dispatchEvent(new Event("raising"));
-    const answer = await height(await this.request(), signal);
-    if (!answer || signal.aborted) return;
-    this.heights = answer;
-    this.dispatchEvent(new Event("height"));
+    try {
+      const heights = await this.ask((request) => height(request, climbing.signal));
+      if (!heights || climbing.signal.aborted) return;
+      this.heights = heights;
+      this.dispatchEvent(new Event("height"));
+    } catch (error) {
+      if (error.name !== "AbortError") this.#failed(error, false);
+    } finally {
+      if (this.climbing === climbing) this.climbing = null;
+    }
   }
 
-  #failed(error) {
+  /** @param {Error & {status?: number}} error @param {boolean} [painting] */
+  #failed(error, painting = true) {
+    if (painting && error instanceof Lacking) {
+      // A stroke that was just begun may be no drawing yet.
+      if (this.gesture) {
+        this.asked = null;
+        return;
+      }
+      if (this.ink.isBlank()) {
+        this.#empty();
+        return;
+      }
+    }
     if (error instanceof Away) this.connection.lost();
     if (error instanceof Refused && error.status === 429) {
       setTimeout(() => this.refresh(), RETRY);

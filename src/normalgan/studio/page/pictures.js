@@ -4,6 +4,14 @@ import { text } from "./text.js";
 
 /** @type {Map<string, HTMLImageElement>} */
 const known = new Map();
+/** @type {Map<string, boolean>} whether they show nothing in some places */
+const cutOut = new Map();
+
+/** Frees all pictures but these. @param {Iterable<string>} urls */
+export function keepOnly(urls) {
+  const wanted = new Set(urls);
+  for (const map of [known, cutOut]) for (const url of map.keys()) if (!wanted.has(url)) map.delete(url);
+}
 
 /**
  * Decodes pictures.
@@ -55,9 +63,6 @@ export async function darkOnLight(url) {
   await decodeAll([turned]);
   return turned;
 }
-
-/** @type {Map<string, boolean>} */
-const cutOut = new Map();
 
 /** Returns whether a picture that was decoded shows nothing in some places. @param {string} url @returns {boolean} */
 export function hasHoles(url) {

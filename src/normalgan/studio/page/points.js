@@ -1,6 +1,6 @@
 /** Points: the list of hints and suggestions, and the ball beside the chosen one. */
 
-import { Away, suggest } from "./api.js";
+import { suggest } from "./api.js";
 import { Ball } from "./ball.js";
 import { changedHint, withoutHint } from "./document.js";
 import { $, label, make } from "./dom.js";
@@ -33,6 +33,7 @@ export class Points {
     });
     this.editor.addEventListener("change", () => this.#show());
     this.editor.addEventListener("state", () => this.#show());
+    painter.addEventListener("empty", () => this.editor.suggestions.length && this.editor.set({ suggestions: [] }));
     board.onDrawn = () => this.#place();
     this.#show();
   }
@@ -74,14 +75,13 @@ export class Points {
     if (!editor.doc.strokes.length) return;
     try {
       const { doc } = editor;
-      const points = await suggest({ ...(await painter.request()), count: COUNT });
+      const points = await painter.ask(suggest, { count: COUNT });
       // What was asked for an older drawing may lie beside the object.
       if (doc.strokes !== editor.doc.strokes) return;
       editor.set({ suggestions: points, tool: "hint", chosen: -1 });
       status.say(points.length ? say("suggested", { count: points.length }) : text.suggestedNone);
     } catch (error) {
-      if (error instanceof Away) painter.connection.lost();
-      else status.fail(error);
+      status.fail(error);
     }
   }
 

@@ -5,7 +5,7 @@ import { askName, choose } from "./dialogs.js";
 import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from "./document.js";
 import { $, download, label, make } from "./dom.js";
 import { icon } from "./icons.js";
-import { decodeAll } from "./pictures.js";
+import { decodeAll, keepOnly } from "./pictures.js";
 import { say, text } from "./text.js";
 
 const CONFLICT = 412;
@@ -18,9 +18,9 @@ export class Projects {
    * @param {import("./status.js").Status} status
    */
   constructor(editor, autosave, status) {
-    Object.assign(this, { editor, autosave, status });
-    /** @type {string | null} what the server called the state that this tab has seen; null: none yet */
-    this.etag = null;
+    this.editor = editor;
+    this.autosave = autosave;
+    this.status = status;
     $("open-file").addEventListener("change", () => this.#openFile());
     $("open-file-button").addEventListener("click", () => $("open-file").click());
     $("download-project").addEventListener("click", () => this.download());
@@ -28,6 +28,15 @@ export class Projects {
 
   get name() {
     return this.editor.doc.settings.name;
+  }
+
+  /** What the server called the state that this tab has seen; null: none yet. @returns {string | null} */
+  get etag() {
+    return this.autosave.etag;
+  }
+
+  set etag(etag) {
+    this.autosave.etag = etag;
   }
 
   /** Saves under the project's name, or asks for one. @returns {Promise<boolean>} whether it was saved */
@@ -100,6 +109,7 @@ export class Projects {
     this.etag = etag;
     if (saved) this.autosave.clean = doc;
     this.editor.open(doc);
+    keepOnly(picturesOf(doc)); // the history of the document before has gone
     if (saved) this.autosave.settle(doc).catch((error) => this.status.fail(error));
   }
 

@@ -1,5 +1,6 @@
 /** Result: the viewer with its tabs, fed by the painter. */
 
+import { Lacking, Refused } from "./api.js";
 import { $ } from "./dom.js";
 import { say, text } from "./text.js";
 import { createViewer } from "./viewer.js";
@@ -17,14 +18,11 @@ export class Result {
     this.status = status;
     this.viewer = createViewer($("viewer"), { text: text.viewerTexts, onError: (words) => this.#say(words) });
     painter.addEventListener("painting", () => $("result").setAttribute("aria-busy", "true"));
-    painter.addEventListener("painted", (event) => this.#painted(event.detail.ms));
+    painter.addEventListener("painted", (event) => this.#painted(event.detail));
     painter.addEventListener("raising", () => status.note(text.raising));
     painter.addEventListener("height", () => this.#raised());
     painter.addEventListener("empty", () => this.#emptied());
-    painter.addEventListener("failed", (event) => {
-      $("result").setAttribute("aria-busy", "false");
-      status.fail(event.detail);
-    });
+    painter.addEventListener("failed", (event) => this.#failed(event.detail));
     for (const tab of this.#tabs()) {
       tab.addEventListener("click", () => this.show(tab.dataset.view));
       tab.addEventListener("keydown", (event) => this.#walk(event, tab));
@@ -61,15 +59,25 @@ export class Result {
     this.show(next.dataset.view);
   }
 
-  #painted(ms) {
+  #painted({ ms, whole }) {
     const { rgba, width, height, warning } = this.painter.painted;
     this.viewer.setMap(rgba, width, height);
     $("empty-result").hidden = true;
-    $("result").setAttribute("aria-busy", "false");
+    $("result").setAttribute("aria-busy", String(!whole));
     // For tests and benchmarks: which drawing is on show, counted.
     $("result").dataset.painted = String(Number($("result").dataset.painted ?? 0) + 1);
+    // Of a stroke that goes on there is nothing to be said yet.
+    if (!whole) return;
     this.#warn(warning);
     this.status.note(say("painted", { ms }));
+  }
+
+  /** What the drawing lacks is said where its map would be, until there is one; all else by the status. */
+  #failed(error) {
+    $("result").setAttribute("aria-busy", "false");
+    if (error instanceof Lacking) this.#warn(error.message);
+    else if (error instanceof Refused && error.status === 429) this.status.say(text.busy, "warning");
+    else this.status.fail(error);
   }
 
   #raised() {

@@ -2,7 +2,11 @@
 
 import { named } from "./api.js";
 import { unsaved } from "./autosave.js";
-import { $ } from "./dom.js";
+import { parseDocument, picturesOf } from "./document.js";
+import { $, label, make, open } from "./dom.js";
+import { icon } from "./icons.js";
+import { decodeAll, decoded } from "./pictures.js";
+import { drawStroke } from "./strokes.js";
 import { openTabs } from "./tab.js";
 import { say, text } from "./text.js";
 
@@ -10,6 +14,8 @@ import { say, text } from "./text.js";
  *   autosave: import("./autosave.js").Autosave, status: import("./status.js").Status}} Parts */
 
 const OPENED = "normalgan-opened";
+/** Side of the small pictures of unsaved work. */
+const SMALL = 96;
 
 /**
  * Opens what the command line named, then offers unsaved work.
@@ -33,34 +39,86 @@ export async function begin(parts) {
   }
 }
 
-/** Offers the newest unsaved work; where it is dropped, the next. */
+/** @type {import("./autosave.js").Left[]} what is left to be offered */
+let offered = [];
+
+/** Offers the newest unsaved work, and a list of all where there is more. */
 async function offer(found, parts) {
+  offered = found;
   const banner = $("restore");
-  const [newest, ...older] = found;
+  const [newest] = found;
   banner.hidden = !newest;
   if (!newest) return;
-  const when = new Date(newest.changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
-  $("restore-words").textContent = say("restoreAsk", { when });
   const { projects, autosave, status } = parts;
-  $("restore-yes").onclick = async () => {
-    try {
-      if (!(await projects.mayLeave())) return;
-      await projects.load(await newest.read(), null, false);
-      // It is this tab's now, and kept under its name before the old one goes.
-      await autosave.flush();
-      await autosave.drop(newest.tab, newest.there);
-      banner.hidden = true;
-      status.say(text.restored);
-    } catch (error) {
-      status.fail(error);
-    }
+  const about = await described(newest);
+  $("restore-words").textContent = say("restoreAsk", { name: about.name, when: about.when });
+  $("restore-picture").replaceChildren(about.picture);
+  $("restore-all").hidden = found.length < 2;
+  $("restore-all").textContent = say("restoreAll", { count: found.length });
+  const restore = async (left) => {
+    if (!(await projects.mayLeave())) return;
+    const { doc, etag } = await left.read();
+    await projects.load(doc, etag, false);
+    // It is this tab's now, and kept under its name before the old one goes.
+    await autosave.flush();
+    await autosave.drop(left.tab, left.there);
+    banner.hidden = true;
+    status.say(text.restored);
   };
-  $("restore-no").onclick = async () => {
-    try {
-      await autosave.drop(newest.tab, newest.there);
-      await offer(older, parts);
-    } catch (error) {
-      status.fail(error);
-    }
+  const drop = async (dropped) => {
+    for (const left of dropped) await autosave.drop(left.tab, left.there);
+    await offer(offered.filter((left) => !dropped.includes(left)), parts);
   };
+  const said = (work) => work().catch((error) => status.fail(error));
+  $("restore-yes").onclick = () => said(() => restore(newest));
+  $("restore-no").onclick = () => said(() => drop([newest]));
+  $("restore-all").onclick = () => said(() => list(found, { restore, drop: (left) => said(() => drop(left)), said }));
+}
+
+/** Shows all unsaved work to choose from, each with its name, time and picture. */
+async function list(found, { restore, drop, said }) {
+  const dialog = $("restore-dialog");
+  const rows = await Promise.all(found.map(async (left) => {
+    const { name, when, picture } = await described(left);
+    const open = make("button", { type: "button", class: "project" }, picture, make("strong", { text: name }), make("span", { text: when }));
+    open.addEventListener("click", () => {
+      dialog.close();
+      said(() => restore(left));
+    });
+    const remove = make("button", { type: "button" }, icon("remove"));
+    label(remove, say("discardOne", { name, when }));
+    remove.addEventListener("click", async () => {
+      remove.closest("li").remove();
+      await drop([left]);
+      if (!$("restore-list").children.length) dialog.close();
+    });
+    return make("li", {}, open, remove);
+  }));
+  $("restore-list").replaceChildren(...rows);
+  if ((await open(dialog)) === "drop") await drop(offered);
+}
+
+/** Returns what unsaved work is called, when it was changed, and a small picture of it. */
+async function described({ name, changed, read }) {
+  const when = new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+  const picture = make("canvas", { class: "small", width: SMALL, height: SMALL, "aria-hidden": "true" });
+  let called = name;
+  try {
+    const doc = parseDocument((await read()).doc);
+    called = doc.settings.name || called;
+    await decodeAll(picturesOf(doc));
+    draw(picture, doc);
+  } catch {
+    // A damaged one is offered all the same; restoring it says what is wrong.
+  }
+  return { name: called || text.untitled, when, picture };
+}
+
+/** Draws a document as large as fits. @param {HTMLCanvasElement} canvas @param {import("./document.js").Doc} doc */
+function draw(canvas, doc) {
+  const context = canvas.getContext("2d");
+  const scale = SMALL / Math.max(doc.width, doc.height);
+  context.translate((SMALL - scale * doc.width) / 2, (SMALL - scale * doc.height) / 2);
+  context.scale(scale, scale);
+  for (const stroke of doc.strokes) drawStroke(context, stroke, decoded);
 }

@@ -27,7 +27,9 @@ export class Status {
 
   /** @param {unknown} error */
   fail(error) {
-    if (error instanceof Away) this.connection.lost();
-    else this.say(say("broken", { reason: error.message }), "error");
+    if (error instanceof Away) {
+      this.connection.lost();
+      this.say(text.offline, "away"); // again, where it is known already: what was begun has ended
+    } else this.say(say("broken", { reason: error.message }), "error");
   }
 }

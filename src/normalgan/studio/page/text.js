@@ -3,7 +3,6 @@
 export const text = {
   title: "normalgan studio",
   untitled: "Untitled",
-  unsaved: "not saved",
   new: "New drawing",
   open: "Open",
   save: "Save",
@@ -75,7 +74,6 @@ export const text = {
   newSize: "Size in pixels",
   width: "Width",
   height: "Height",
-  newSquare: "{side} × {side}",
 
   saveTitle: "Save the project",
   name: "Name",
@@ -97,7 +95,6 @@ export const text = {
   reallyDelete: "Delete “{name}” for good?",
   delete: "Delete",
 
-  importTitle: "Import a picture",
   importAs: "What is it?",
   asDrawing: "The drawing itself",
   asTraced: "A picture to trace over",
@@ -159,9 +156,9 @@ export const text = {
   saved: "Saved “{name}”.",
   opened: "Opened “{name}”.",
   imported: "Imported {name}.",
+  importedSmaller: "Imported {name}, made smaller: {from} pixels became {to}.",
   restored: "Restored.",
   removed: "Point removed.",
-  pinned: "Point {number} pinned.",
   undone: "Undone.",
   redone: "Done again.",
   penDown: "Pen down.",
@@ -175,11 +172,14 @@ export const text = {
   notProject: "This file is no project of the studio.",
   newerProject: "This project was made by a newer studio.",
   badPicture: "A picture in this project cannot be read.",
-  restoreAsk: "There is unsaved work from {when}.",
+  restoreAsk: "There is unsaved work: “{name}”, {when}.",
   restore: "Restore it",
+  restoreAll: "Show all {count}",
+  restoreTitle: "Unsaved work",
+  discardAll: "Discard all",
+  discardOne: "Discard {name}, {when}",
   discard: "Discard",
   pixels: "{width} × {height}",
-  percent: "{percent} %",
 };
 
 /**

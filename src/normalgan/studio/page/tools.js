@@ -33,6 +33,7 @@ export class LineTool {
     if (!this.line) return;
     this.#add(this.smoother.move(touch));
     this.board.sheet.redraw(this.board.ink.draw(this.line, false));
+    this.board.editor.draw();
   }
 
   up() {
@@ -49,6 +50,7 @@ export class LineTool {
     this.line = null;
     this.board.ink.sync(this.board.editor.doc);
     this.board.sheet.redraw();
+    this.board.editor.drop();
   }
 
   #add({ x, y, pressure }) {
