@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from PIL import Image
 from studio_page import AWAY, SIDE, Server, Studio, open_studio, serving
 
 from normalgan.normals import flip_green, read_png
@@ -177,3 +178,89 @@ def test_a_picture_is_imported_to_draw_on_or_to_trace(
             studio.page.locator("#choose button[value=drawing]").click()
         studio.page.keyboard.press("Control+z")
         assert studio.page.locator("#empty-result").is_visible()
+
+
+def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", server: Server) -> None:
+    context = opened.new_context(viewport={"width": 1200, "height": 700})
+    try:
+        studio = Studio(context.new_page(), server.url)
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        save_as(studio, "fox")
+        studio.wait_for_status("Saved")
+        with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
+            studio.line((20, 20), (60, 20))
+        studio.page.close()
+        studio = Studio(context.new_page(), server.url)
+        studio.size = SIDE, SIDE
+        assert "fox" in studio.page.locator("#restore-words").inner_text()
+        with studio.repainting():
+            studio.page.locator("#restore-yes").click()
+        studio.page.keyboard.press("Control+s")
+        studio.wait_for_status("Saved")  # and not: changed elsewhere in the meantime
+    finally:
+        context.close()
+
+
+def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -> None:
+    context = opened.new_context(viewport={"width": 1200, "height": 700})
+    try:
+        for y in (60, 120, 180):
+            studio = Studio(context.new_page(), server.url)
+            studio.new()
+            with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
+                studio.line((20, y), (200, y))
+            studio.page.close()
+        studio = Studio(context.new_page(), server.url)
+        studio.size = SIDE, SIDE
+        studio.page.locator("#restore-all").click()
+        rows = studio.page.locator("#restore-list li")
+        rows.nth(2).wait_for()
+        assert rows.count() == 3
+        drawn = "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, 96, 96).data).size > 1"
+        assert all(row.locator("canvas").evaluate(drawn) for row in rows.all())
+        rows.nth(0).locator("button").nth(1).click()  # the newest is dropped
+        studio.page.wait_for_function("() => document.getElementById('restore-list').children.length === 2")
+        with studio.repainting():
+            rows.nth(1).locator(".project").click()
+        assert studio.inked(100, 60)  # the oldest
+        assert studio.page.locator("#restore").is_hidden()
+    finally:
+        context.close()
+
+
+def test_each_stroke_is_written_once(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        studio.page.evaluate(
+            """() => {
+              window.written = [];
+              const put = IDBObjectStore.prototype.put;
+              IDBObjectStore.prototype.put = function (value, ...key) {
+                written.push(JSON.stringify(value).length);
+                return put.call(this, value, ...key);
+              };
+            }"""
+        )
+        studio.circle()
+        for y in range(20, 120, 10):
+            studio.line((20, y), (60, y))
+        studio.page.wait_for_timeout(500)
+        written = studio.page.evaluate("written")
+        circle = max(written)
+        assert sum(size == circle for size in written) == 1
+        assert sum(written) < 3 * circle + 11 * 300
+
+
+def test_a_large_picture_that_is_made_smaller_is_said_to_be(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    Image.new("L", (3000, 2000), 255).save(tmp_path / "large.png")
+    with open_studio(opened, server.url) as studio:
+        with studio.page.expect_file_chooser() as chooser:
+            studio.page.locator("#import").click()
+        chooser.value.set_files(tmp_path / "large.png")
+        studio.page.locator("#choose button[value=traced]").click()
+        studio.wait_for_status("3000 × 2000 pixels became 2048 × 1365")
+        assert studio.page.locator("#pixels").inner_text() == "2048 × 1365"

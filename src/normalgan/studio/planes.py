@@ -1,7 +1,6 @@
 """Planes: a drawing's pixels as raw bytes, of which the page sends only the part that changed."""
 
 import json
-import math
 import struct
 from collections import OrderedDict
 from collections.abc import Mapping
@@ -34,8 +33,8 @@ def split_body(body: bytes) -> tuple[Fields, memoryview]:
     Raises:
         InputError: if there is none.
     """
-    length = struct.unpack_from("<I", body)[0] if len(body) >= 4 else math.inf
-    if length > len(body) - 4:
+    length: int = struct.unpack_from("<I", body)[0] if len(body) >= 4 else 0
+    if len(body) < 4 + length or not length:
         raise InputError("the body is cut off; it is a length, a JSON text of that length, and pixels.")
     return parse_fields(body[4 : 4 + length]), memoryview(body)[4 + length :]
 

@@ -27,6 +27,8 @@ export class Autosave extends EventTarget {
     this.timer = 0;
     /** @type {import("./document.js").Doc | null} what the server holds */
     this.sent = null;
+    /** @type {Promise<void>} the writing to the server that goes on, or the last one */
+    this.sending = Promise.resolve();
     editor.addEventListener("change", (event) => event.detail.live || this.#changed());
     connection.addEventListener("back", () => this.flush());
     addEventListener("pagehide", () => this.flush());
@@ -42,6 +44,7 @@ export class Autosave extends EventTarget {
     if (this.dirty) return;
     clearTimeout(this.timer);
     this.timer = 0;
+    await this.sending; // or it would lie there although it is saved
     const there = this.sent !== null;
     this.sent = null;
     await this.drop(this.tab, there);
@@ -59,6 +62,12 @@ export class Autosave extends EventTarget {
     this.timer = 0;
     const doc = this.editor.history.state;
     if (!this.dirty || isEmpty(doc) || this.sent === doc || this.connection.away) return;
+    this.sending = this.#send(doc);
+    await this.sending;
+  }
+
+  /** @param {import("./document.js").Doc} doc */
+  async #send(doc) {
     try {
       await autosaves.write(this.tab, { ...doc, etag: this.etag });
       this.sent = doc;

@@ -90,7 +90,9 @@ export class Ink {
 
   /** Returns whether there is no ink, be it that all was erased. */
   isBlank() {
+    const { stale } = this;
     const { bytes, channels } = this.pixels(true);
+    this.stale = stale; // the server has not got it
     return bytes.every((value, i) => (channels === 4 && i % 4 === 3) || value > 250);
   }
 

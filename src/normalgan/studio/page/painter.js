@@ -196,8 +196,8 @@ export class Painter extends EventTarget {
   /** @param {Error & {status?: number}} error @param {boolean} [painting] */
   #failed(error, painting = true) {
     if (painting && error instanceof Lacking) {
-      // A stroke that was just begun may be no drawing yet.
-      if (this.gesture) {
+      // A stroke that was just begun may be no drawing yet, and more may have come since.
+      if (this.gesture || this.stale) {
         this.asked = null;
         return;
       }

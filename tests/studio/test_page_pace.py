@@ -1,0 +1,141 @@
+"""The studio's page at a hand's pace: the map follows while the pen is down, and nothing is left standing."""
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_page import SIDE, Server, Studio, open_studio, serving
+
+from chromium import browser
+from onnx_models import write_model
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+
+
+@pytest.fixture(scope="module")
+def opened() -> Iterator["Browser"]:
+    with browser(webgl=False) as chromium:
+        yield chromium
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    folder = tmp_path_factory.mktemp("studio")
+    with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
+        yield running
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """An empty drawing, and what of it was sent: longer side of the map, base and bytes of each request."""
+    with open_studio(opened, server.url) as page:
+        page.page.evaluate(
+            """() => {
+              window.sent = [];
+              const ask = window.fetch;
+              window.fetch = (path, options) => {
+                if (path === "/api/paint") {
+                  const length = new DataView(options.body.buffer).getUint32(0, true);
+                  const fields = JSON.parse(new TextDecoder().decode(options.body.subarray(4, 4 + length)));
+                  const bytes = options.body.length - 4 - length;
+                  sent.push({ longest: fields.longest, base: fields.base, number: fields.number, bytes,
+                    aborted: () => options.signal.aborted });
+                }
+                return ask(path, options);
+              };
+            }"""
+        )
+        yield page
+
+
+def test_the_map_follows_while_the_pen_is_down_and_is_refined_when_it_lifts(studio: Studio) -> None:
+    studio.new(512, 512)
+    page = studio.page
+    angles = [math.tau * i / 60 for i in range(61)]
+    points = [studio.on_board(256 + 150 * math.cos(a), 256 + 150 * math.sin(a)) for a in angles]
+    page.mouse.move(*points[0])
+    page.mouse.down()
+    for point in points[1:]:
+        page.mouse.move(*point)
+    page.wait_for_function("() => Number(document.getElementById('result').dataset.painted ?? 0) > 0")
+    assert page.locator("#result").get_attribute("aria-busy") == "true"  # finer is to come
+    assert page.evaluate("sent.at(-1).longest") == 256
+    with studio.repainting():
+        page.mouse.up()
+    assert page.evaluate("sent.at(-1).longest") is None
+
+
+def test_no_request_is_broken_off_and_only_what_changed_is_sent(studio: Studio) -> None:
+    studio.new()
+    with studio.repainting():
+        studio.circle()
+    page = studio.page
+    page.evaluate("() => { sent.length = 0; }")
+    for i in range(12):  # faster than any server paints
+        studio.line((100 + 3 * i, 120), (104 + 3 * i, 130))
+    page.wait_for_function("() => document.getElementById('result').ariaBusy === 'false'")
+    requests = page.evaluate("sent.map((each) => ({ ...each, aborted: each.aborted() }))")
+    assert requests
+    assert not any(each["aborted"] for each in requests)
+    assert all(each["base"] is not None and each["bytes"] < SIDE * SIDE / 4 for each in requests)
+    assert page.evaluate("() => document.getElementById('result').dataset.painted") >= "2"
+
+
+def test_the_map_goes_when_all_is_erased(studio: Studio) -> None:
+    studio.new(64, 64)
+    with studio.repainting():
+        studio.line((10, 10), (50, 10), (50, 50), (10, 50), (10, 10))
+    page = studio.page
+    page.locator("#tool-hint").click()
+    page.locator("#suggest").click()
+    page.locator("#chips .offer").first.wait_for()
+    page.keyboard.press("e")
+    for _ in range(8):
+        page.keyboard.press("]")
+    studio.line((2, 12), (62, 12), (62, 48), (2, 48))
+    studio.line((10, 10), (10, 54), (40, 10), (52, 30))
+    page.locator("#empty-result").wait_for()
+    assert page.locator("#warning").is_hidden()
+    assert page.locator("#chips .offer").count() == 0
+
+
+def test_a_sentence_about_an_early_line_does_not_stay(studio: Studio) -> None:
+    studio.new()
+    with studio.repainting():
+        studio.circle()
+    assert studio.page.locator("#warning").is_hidden()
+    assert "This did not work" not in studio.status()
+
+
+def test_a_server_that_is_away_is_told_of_by_whatever_asks_it(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url, tolerate=("Failed to load resource", "ERR_")) as studio:
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        page = studio.page
+        page.route("**/api/**", lambda route: route.abort("connectionrefused"))
+        page.keyboard.press("Control+e")
+        page.locator("#export-dialog button.strong").click()
+        studio.wait_for_status("The server is away")
+        page.evaluate("() => { document.getElementById('status').textContent = ''; }")
+        page.keyboard.press("Control+s")
+        page.locator("#name-field").fill("fox")
+        page.locator("#save-dialog button.strong").click()
+        studio.wait_for_status("The server is away")
+
+
+def test_an_export_has_the_projects_name_after_a_cancelled_one(studio: Studio) -> None:
+    studio.new()
+    with studio.repainting():
+        studio.circle()
+    page = studio.page
+    page.keyboard.press("Control+e")
+    page.locator("#export-name").fill("wrong")
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+e")
+    assert page.locator("#export-name").input_value() == ""
+    page.keyboard.press("Escape")
