@@ -5,28 +5,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio, serving
-
-from chromium import browser
-from onnx_models import write_model
+from studio_page import SIDE, Server, Studio, open_studio
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
-
-
-@pytest.fixture(scope="module")
-def opened() -> Iterator["Browser"]:
-    with browser(webgl=False) as chromium:
-        yield chromium
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    folder = tmp_path_factory.mktemp("studio")
-    with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
-        yield running
 
 
 @pytest.fixture

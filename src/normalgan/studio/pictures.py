@@ -24,7 +24,7 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
         InputError: if it is none, or too narrow.
     """
     picture = read_picture(Path(name), content)
-    given = [picture.size[1], picture.size[0]]
+    given = [picture.shape[1], picture.shape[0]]
     if max(picture.size) > MOST_SIDE:
         picture = picture.resized(fitted(picture.size, MOST_SIDE))
     height, width = picture.size
