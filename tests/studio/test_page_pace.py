@@ -123,3 +123,27 @@ def test_an_export_has_the_projects_name_after_a_cancelled_one(studio: Studio) -
     page.keyboard.press("Control+e")
     assert page.locator("#export-name").input_value() == ""
     page.keyboard.press("Escape")
+
+
+def test_the_balls_card_lets_clicks_through_and_can_be_moved(studio: Studio) -> None:
+    studio.new()
+    with studio.repainting():
+        studio.circle()
+    studio.pin(SIDE / 2, SIDE / 2)
+    page = studio.page
+    card, handle = page.locator("#point"), page.locator("#point-handle")
+    before, grip = card.bounding_box(), handle.bounding_box()
+    assert before is not None
+    assert grip is not None
+    start = grip["x"] + 30, grip["y"] + 10
+    page.mouse.move(*start)
+    page.mouse.down()
+    middle = studio.on_board(SIDE / 2, SIDE / 2 - 30)
+    page.mouse.move(middle[0] - 54, middle[1] - 10)
+    page.mouse.up()
+    after = card.bounding_box()
+    assert after is not None
+    assert abs(after["x"] - before["x"]) + abs(after["y"] - before["y"]) > 40
+    # Beside the words of the card there is nothing of it: the click pins the next point.
+    page.mouse.click(after["x"] + 6, after["y"] + after["height"] / 2)
+    assert page.locator("#chips .chip").count() == 2

@@ -127,6 +127,8 @@ def test_what_cannot_be_painted_is_told_in_a_sentence(
         ({"size": 10**6}, "size is 1000000"),
         ({"name": "../../fox"}, "'../../fox' is no name"),
         ({"name": "a\r\nSet-Cookie: b"}, "is no name"),
+        ({"name": "CON"}, "not what Windows calls a device"),
+        ({"name": "lpt1"}, "not what Windows calls a device"),
         ({"name": ""}, "name is"),
         ({"name": "x" * 81}, "name is"),
     ],

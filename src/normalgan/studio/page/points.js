@@ -9,6 +9,8 @@ import { say, text } from "./text.js";
 
 const COUNT = 6;
 const GAP = 30;
+/** How far about its middle a mark reaches. */
+const MARK = 14;
 
 export class Points {
   /**
@@ -18,8 +20,15 @@ export class Points {
    * @param {import("./status.js").Status} status
    */
   constructor(board, tool, painter, status) {
-    Object.assign(this, { board, tool, painter, status, editor: board.editor });
+    this.board = board;
+    this.tool = tool;
+    this.painter = painter;
+    this.status = status;
+    this.editor = board.editor;
     this.popover = $("point");
+    /** @type {{x: number, y: number} | null} where the card was dragged to */
+    this.dragged = null;
+    this.#followHandle($("point-handle"));
     this.ball = new Ball($("ball"), (normal, ended) => this.#turn(normal, ended));
     $("point-remove").addEventListener("click", () => this.remove());
     $("point-done").addEventListener("click", () => this.done());
@@ -128,6 +137,44 @@ export class Points {
     return chip;
   }
 
+  /** Lets the card be dragged; where it was put it stays, until the next page. */
+  #followHandle(handle) {
+    let from = null;
+    handle.addEventListener("pointerdown", (event) => {
+      handle.setPointerCapture(event.pointerId);
+      from = { x: event.clientX - this.popover.offsetLeft, y: event.clientY - this.popover.offsetTop };
+      event.preventDefault();
+    });
+    handle.addEventListener("pointermove", (event) => {
+      if (!from) return;
+      this.dragged = { x: event.clientX - from.x, y: event.clientY - from.y };
+      this.#place();
+    });
+    for (const end of ["pointerup", "pointercancel"]) handle.addEventListener(end, () => { from = null; });
+  }
+
+  /** Returns where the card covers least: other points, then the drawing. */
+  #spot(pin, width, height) {
+    const { pane, camera } = this.board;
+    const { hints, width: side, height: other } = this.editor.doc;
+    const [start, end] = [camera.toPane(0, 0), camera.toPane(side, other)];
+    const overlap = (a, b, from, to) => Math.max(0, Math.min(b, to) - Math.max(a, from));
+    const ways = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
+    const spots = ways.flatMap(([x, y]) => [1, 3].map((far) => ({
+      x: pin.x - width / 2 + x * (far * GAP + width / 2), y: pin.y - height / 2 + y * (far * GAP + height / 2),
+    })));
+    const cost = ({ x, y }) => {
+      const covered = hints.filter((hint) => {
+        const at = camera.toPane(hint.x, hint.y);
+        return at.x > x - MARK && at.x < x + width + MARK && at.y > y - MARK && at.y < y + height + MARK;
+      }).length;
+      const paper = overlap(x, x + width, start.x, end.x) * overlap(y, y + height, start.y, end.y);
+      const outside = width * height - overlap(x, x + width, 0, pane.width) * overlap(y, y + height, 0, pane.height);
+      return covered + (paper + 4 * outside) / (width * height);
+    };
+    return spots.reduce((best, each) => (cost(each) < cost(best) - 0.01 ? each : best));
+  }
+
   /** Puts the ball beside its point, inside the pane. */
   #place() {
     const hint = this.editor.doc.hints[this.editor.chosen];
@@ -135,9 +182,9 @@ export class Points {
     const { x, y } = this.board.camera.toPane(hint.x, hint.y);
     const { offsetWidth: width, offsetHeight: height } = this.popover;
     const { pane } = this.board;
-    const left = x + GAP + width < pane.width ? x + GAP : x - GAP - width;
+    const at = this.dragged ?? this.#spot({ x, y }, width, height);
     const clamp = (value, most) => Math.max(8, Math.min(most - 8, value));
-    this.popover.style.left = `${clamp(left, pane.width - width)}px`;
-    this.popover.style.top = `${clamp(y - height / 2, pane.height - height)}px`;
+    this.popover.style.left = `${clamp(at.x, pane.width - width)}px`;
+    this.popover.style.top = `${clamp(at.y, pane.height - height)}px`;
   }
 }

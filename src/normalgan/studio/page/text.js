@@ -59,6 +59,7 @@ export const text = {
   suggested: "{count} suggestions. Click one to take it.",
   suggestedNone: "No point would change much here.",
   ball: "Direction of point {number}: {direction}. Arrow keys turn it, Delete removes it.",
+  moveCard: "Drag to move the card",
   remove: "Remove the point",
   done: "Done",
   straight: "towards you",
