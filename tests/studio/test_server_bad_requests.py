@@ -210,7 +210,7 @@ def test_a_failure_of_ours_is_one_sentence_too(
 def test_one_picture_is_imported_at_a_time(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     at_once, most = 0, 0
 
-    def slowly(content: bytes) -> dict[str, str | int]:
+    def slowly(content: bytes) -> dict[str, str | int | list[int]]:
         nonlocal at_once, most
         at_once += 1
         most = max(most, at_once)
