@@ -20,10 +20,10 @@ from machine import describe
 from PIL import Image
 
 from normalgan.commands.generate import run
+from normalgan.painting.onnx_backend import OnnxBackend
+from normalgan.painting.parallel import stream
 from normalgan.painting.picture import read_picture
-from normalgan.painting.pipeline import stream
 from normalgan.painting.preparation import prepare
-from normalgan.painting.session import Model
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 SIDE = 256
@@ -77,7 +77,7 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
             drawings.append(folder / f"{i:04d}.png")
             Image.fromarray(shifted).save(drawings[-1])
         cold_starts = [cold(model, drawings[0], folder / "cold") for _ in range(rounds)]
-        session, single = Model(model), Model(model, threads=1)
+        session, single = OnnxBackend(model), OnnxBackend(model, threads=1)
         seen = [prepare(read_picture(path), session.size).seen for path in drawings]
         session.paint(seen[0])
         single.paint(seen[0])
@@ -88,7 +88,7 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
             bare.append(timed(lambda: [session.paint(each) for each in seen], count))
             alone.append(timed(lambda: [single.paint(each) for each in seen], count))
             crowd.append(timed(lambda: list(stream(seen, single.paint)), count))
-            load = timed(lambda: Model(model, threads=1), count)
+            load = timed(lambda: OnnxBackend(model, threads=1), count)
             with redirect_stdout(StringIO()):
                 whole = timed(lambda: run(arguments), count)
             batch.append((whole[0] - load[0], whole[1] - load[1]))

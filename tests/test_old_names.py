@@ -6,18 +6,19 @@ import sys
 import pytest
 
 MOVED = (
-    ("normalgan.rendering.animals", "normalgan.animals", "Animal"),
-    ("normalgan.inference.session", "normalgan.painting.session", "Model"),
-    ("normalgan.inference.height", "normalgan.painting.height", "integrate"),
+    ("normalgan.rendering.animals", "Animal", "normalgan.animals", "Animal"),
+    ("normalgan.inference.session", "Model", "normalgan.painting.onnx_backend", "OnnxBackend"),
+    ("normalgan.inference.painting", "paint", "normalgan.painting.pipeline", "paint"),
+    ("normalgan.inference.height", "integrate", "normalgan.painting.height", "integrate"),
 )
 
 
-@pytest.mark.parametrize(("old", "new", "name"), MOVED)
-def test_an_old_path_leads_to_the_same_and_warns(old: str, new: str, name: str) -> None:
+@pytest.mark.parametrize(("old", "was", "new", "name"), MOVED)
+def test_an_old_path_leads_to_the_same_and_warns(old: str, was: str, new: str, name: str) -> None:
     code = (
         "import warnings\nwith warnings.catch_warnings(record=True) as seen:\n"
         "    warnings.simplefilter('always')\n"
-        f"    from {old} import {name} as old\nfrom {new} import {name} as new\n"
+        f"    from {old} import {was} as old\nfrom {new} import {name} as new\n"
         "print(old is new, [w.category.__name__ for w in seen if 'normalgan' in str(w.message)])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -60,6 +60,21 @@ def find_drawings(
     return paths
 
 
+def find_companion(drawing: Path, source: Path, endings: Sequence[str]) -> Path | None:
+    """Return what lies beside a drawing, such as its hints or its mask.
+
+    Args:
+        drawing: the drawing's file.
+        source: the companion itself, or a folder of such files.
+        endings: what one is named after the drawing's stem, in the order in which they are looked for.
+    """
+    if source.is_file():
+        return source
+    candidates = [source / f"{drawing.stem}{ending}" for ending in endings]
+    # It may lie beside its drawing; the drawing itself is not its own companion.
+    return next((c for c in candidates if c.is_file() and c.resolve() != drawing.resolve()), None)
+
+
 def _without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list[Path]:
     stems = {path.with_suffix("") for path in paths}
     return [

@@ -23,6 +23,12 @@ def unwritable(sentence: str, error: OSError) -> InputError:
     return (RunError if error.errno in {errno.ENOSPC, errno.EDQUOT} else InputError)(sentence)
 
 
+def named(what: object, error: InputError) -> InputError:
+    """Return an error that says what it is about, if it did not."""
+    text = str(error)
+    return type(error)(text if str(what) in text else f"{what}: {text}")
+
+
 def brief(error: BaseException) -> str:
     r"""Return the first line of an error's text, or its type's name if it has none.
 

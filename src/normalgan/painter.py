@@ -115,8 +115,17 @@ class NormalPainter(LightningModule, ABC):
         self.log_dict(figures, sync_dist=True)
 
     def predict_step(self, batch: Sketches, batch_idx: int) -> Tensor:
-        """Return painted normals (N, 3, H, W), with the user's hints if there are any."""
-        return self._paint(batch, batch.get("hints"))
+        """Return painted normals (N, 3, H, W), with the user's hints if there are any.
+
+        One at a time: in a batch the last bits of a map would depend on its neighbours.
+        """
+        hints = batch.get("hints")
+        return torch.cat(
+            [
+                self._paint({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
+                for i, sketch in enumerate(batch["sketch"])
+            ]
+        )
 
     def _paint(self, batch: Sketches, hints: Tensor | None) -> Tensor:
         painted: Tensor = self(batch["sketch"], hints)

@@ -47,8 +47,8 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (save_text, "is not an image that can be read"),
     "empty": (Path.touch, "is not an image that can be read"),
     "truncated": (save_truncated, "cannot be read as an image"),
-    "white": (Image.new("L", (40, 40), 255).save, "is all white"),
-    "clear": (Image.new("RGBA", (40, 40), (0, 0, 0, 0)).save, "is all white"),
+    "white": (Image.new("L", (40, 40), 255).save, "no line is seen in it"),
+    "clear": (Image.new("RGBA", (40, 40), (0, 0, 0, 0)).save, "no line is seen in it"),
     "dot": (Image.new("L", (1, 1)).save, "is 1 × 1 pixels; a drawing has 8 to 8192 a side"),
     "endless": (Image.new("1", (9000, 9)).save, "is 9000 × 9 pixels"),
 }

@@ -47,7 +47,7 @@ def test_drawings_and_their_hints_are_served_in_order(meshes: Path, cache: Path,
     assert hints[1, 3].sum() == 1
     given = hints[1, :3, hints[1, 3] > 0]
     np.testing.assert_allclose(given[:, 0], [0.6, 0, 0.8], atol=0.01)
-    assert module.frame("a").shape == (80, 60)
+    assert module.drawings.prepared("a").shape == (80, 60)
     assert batches[0]["sketch"].shape == (2, 1, 32, 32)
     assert 0.9 < batches[0]["sketch"].max() <= 1
 

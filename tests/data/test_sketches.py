@@ -6,6 +6,7 @@ from PIL import Image
 
 from normalgan.data.sketches import SketchDataset, collate_sketches
 from normalgan.errors import InputError
+from normalgan.painting.jobs import find_files
 
 
 def draw(path: Path, width: int = 60, height: int = 40) -> Path:
@@ -32,7 +33,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_drawings_without_hints(folder: Path) -> None:
-    dataset = SketchDataset(str(folder / "drawings"), 32)
+    dataset = SketchDataset(find_files(str(folder / "drawings")), 32)
     batch = collate_sketches([dataset[0], dataset[1]])
     assert batch["sketch"].shape == (2, 1, 32, 32)
     assert batch["sketch"].max() > 0.9
@@ -44,7 +45,7 @@ def test_drawings_without_hints(folder: Path) -> None:
 @pytest.mark.parametrize("name", ["dog.png", "dog_hints.png"])
 def test_hints_find_their_drawing(folder: Path, name: str) -> None:
     paint_hint(folder / "hints" / name)
-    dataset = SketchDataset(str(folder / "drawings"), 32, str(folder / "hints"))
+    dataset = SketchDataset(find_files(str(folder / "drawings"), hints=str(folder / "hints")), 32)
     cat, dog = dataset[0], dataset[1]
     assert not cat["hints"].any()
     assert dog["hints"][3].sum() == 1
@@ -54,7 +55,7 @@ def test_hints_find_their_drawing(folder: Path, name: str) -> None:
 def test_hints_may_lie_beside_the_drawings_by_their_own_name(folder: Path) -> None:
     sketches = [str(folder / "drawings" / f"{name}.png") for name in ("cat", "dog")]
     paint_hint(folder / "drawings" / "cat_hints.png")
-    dataset = SketchDataset(sketches, 32, str(folder / "drawings"))
+    dataset = SketchDataset(find_files(sketches, hints=str(folder / "drawings")), 32)
     cat, dog = dataset[0], dataset[1]
     assert cat["hints"][3].sum() == 1
     assert not dog["hints"].any()
@@ -63,11 +64,20 @@ def test_hints_may_lie_beside_the_drawings_by_their_own_name(folder: Path) -> No
 def test_one_bad_drawing_is_said_at_once(folder: Path) -> None:
     (folder / "drawings" / "zebra.png").write_text("stripes")
     with pytest.raises(InputError, match=r"zebra\.png is not an image"):
-        SketchDataset(str(folder / "drawings"), 32)
+        SketchDataset(find_files(str(folder / "drawings")), 32)
 
 
 def test_hints_for_nothing_are_said(folder: Path) -> None:
     with pytest.raises(InputError, match="holds no hints for any sketch"):
-        SketchDataset(str(folder / "drawings"), 32, str(folder / "hints"))
-    with pytest.raises(InputError, match="no folder of hints"):
-        SketchDataset(str(folder / "drawings"), 32, str(folder / "missing"))
+        SketchDataset(find_files(str(folder / "drawings"), hints=str(folder / "hints")), 32)
+    with pytest.raises(InputError, match=r"no file or folder .*missing for the hints"):
+        find_files(str(folder / "drawings"), hints=str(folder / "missing"))
+
+
+def test_what_is_not_kept_is_prepared_anew(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("normalgan.data.sketches._KEPT", 1)
+    dataset = SketchDataset(find_files(str(folder / "drawings")), 32)
+    assert len(dataset._kept) == 1
+    whole = SketchDataset(find_files(str(folder / "drawings")), 32)
+    for name in ("cat", "dog", "cat"):
+        np.testing.assert_array_equal(dataset.prepared(name).seen, whole.prepared(name).seen)

@@ -19,7 +19,7 @@ from normalgan.exporting.comparison import examples
 from normalgan.exporting.formats import FORMATS
 from normalgan.models import Generator, UNetGenerator
 from normalgan.models.condition import make_condition
-from normalgan.painting.session import Model
+from normalgan.painting.onnx_backend import OnnxBackend
 
 KINDS = ("UNetGenerator", "ResidualUNetGenerator")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "onnx_python" / "paint.py"
@@ -68,7 +68,7 @@ def test_onnx_paints_what_torch_paints_in_any_batch(exported: Export) -> None:
 
 def test_generate_takes_the_file(exported: Export) -> None:
     folder, generator = exported
-    model = Model(folder / "m.onnx")
+    model = OnnxBackend(folder / "m.onnx")
     sketch, hints = examples(1, 32, seed=3)
     normal, confidence = model.paint(sketch[0, 0], hints[0])
     wanted = painted(generator, sketch, hints)[0].numpy()

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from normalgan.drawings import find_companion
 from normalgan.errors import InputError
-from normalgan.painting.hint_files import find_hints, load_hints
+from normalgan.painting.hint_files import ENDINGS, load_hints
 
 
 def test_painted_and_listed_hints_are_the_same(tmp_path: Path) -> None:
@@ -60,12 +61,12 @@ def test_bad_hints_are_named(tmp_path: Path, text: str, message: str) -> None:
 def test_hints_are_found_by_name_and_a_drawing_is_not_its_own(tmp_path: Path) -> None:
     drawing = tmp_path / "fox.png"
     drawing.touch()
-    assert find_hints(drawing, tmp_path) is None
+    assert find_companion(drawing, tmp_path, ENDINGS) is None
     (tmp_path / "fox.json").touch()
-    assert find_hints(drawing, tmp_path) == tmp_path / "fox.json"
+    assert find_companion(drawing, tmp_path, ENDINGS) == tmp_path / "fox.json"
     (tmp_path / "fox_hints.png").touch()
-    assert find_hints(drawing, tmp_path) == tmp_path / "fox_hints.png"
-    assert find_hints(Path("other.png"), tmp_path / "fox.json") == tmp_path / "fox.json"
+    assert find_companion(drawing, tmp_path, ENDINGS) == tmp_path / "fox_hints.png"
+    assert find_companion(Path("other.png"), tmp_path / "fox.json", ENDINGS) == tmp_path / "fox.json"
 
 
 def test_a_list_of_no_hints_size_is_not_read(tmp_path: Path) -> None:

@@ -77,7 +77,7 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
         ({"picture": SMALL}, "the picture is 40 × 15 pixels"),
         ({"picture": WHITE}, "no line is seen in it"),
         ({"mask": SMALL}, "the mask is 40 × 15 pixels"),
-        ({"mask": b64(png(np.full((50, 50), 255, np.uint8)))}, "the mask is 50 × 50 pixels, but the drawing"),
+        ({"mask": b64(png(np.full((50, 50), 255, np.uint8)))}, "the mask is 50 × 50 pixels, but its sketch"),
         ({"mask": BLACK}, "the mask is empty"),
         ({"source": "sky"}, 'source is "sky"; it is to be one of null, "outline", "model".'),
         ({"source": ["model"]}, "source is"),

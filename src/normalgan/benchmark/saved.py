@@ -13,7 +13,7 @@ from normalgan.gan import NormalGAN
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.normals import Floats
 from normalgan.objectives import Wasserstein
-from normalgan.painting.session import Model, find_model
+from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.weights.file import SUFFIX, find_weights, read_weights
 from normalgan.weights.part import Part
 
@@ -55,7 +55,7 @@ def _weights_method(path: Path, size: int, device: torch.device) -> Method:
 
 
 def _onnx_method(path: Path, size: int) -> Method:
-    model = Model(path, torch.get_num_threads())
+    model = OnnxBackend(path, torch.get_num_threads())
     check_size(path, model.size, size)
     if "hint_sampler" not in model.notes:
         raise InputError(f"{path} does not say what hints it was trained for; export it anew.")

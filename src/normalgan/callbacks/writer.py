@@ -1,47 +1,82 @@
 """NormalMapWriter: what `normalgan predict` leaves on disk."""
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Literal
 
-import numpy as np
-import torch
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import BasePredictionWriter
 from torch import Tensor
 
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, unwritable
-from normalgan.normals import Bits, normalize, paint_flat, write_png
+from normalgan.errors import InputError, RunError, named, unwritable
+from normalgan.normals import Bits
+from normalgan.painting.jobs import Job, plan
+from normalgan.painting.normal_map import Format, Green
+from normalgan.painting.outputs import Outputs
+from normalgan.painting.pipeline import finish
+from normalgan.painting.torch_backend import channels_last
 
 
 class NormalMapWriter(BasePredictionWriter):
     """Writes ``<name>_normal.png`` for each sketch, at the sketch's own size; flat off the object.
 
-    The generator was taught vectors of no length where there is no object; what it paints shorter than
-    half a unit is taken for background.
-
     Args:
         folder: where the maps go.
-        bits: of each channel, 8 or 16.
+        bits: of each channel of a PNG, 8 or 16.
+        format: of the map; exr and tiff hold floats.
+        y: up is green as in OpenGL, down as in DirectX.
+        alpha: write the object's mask as alpha channel.
+        suffix: of the map's name, after the drawing's.
+        show_input: write what the model saw.
+        preview: write the map under a lamp that goes around it.
+        height: write a height map: png is 16 bits from the lowest to the highest, tiff floats in pixels.
+        relief: write a relief mesh.
     """
 
-    def __init__(self, folder: str = "normals", bits: Bits = 8) -> None:
+    def __init__(
+        self,
+        folder: str = "normals",
+        bits: Bits = 8,
+        format: Format = "png",
+        y: Green = "up",
+        alpha: bool = False,
+        suffix: str = "_normal",
+        show_input: bool = False,
+        preview: Literal["png", "gif"] | None = None,
+        height: Literal["png", "tiff"] | None = None,
+        relief: Literal["glb", "obj"] | None = None,
+    ) -> None:
         super().__init__(write_interval="batch")
-        if bits not in {8, 16}:
-            raise InputError(f"the bits of a normal map are 8 or 16, not {bits}.")
         self.folder = Path(folder)
-        self.bits: Bits = bits
+        self.outputs = Outputs(
+            suffix=suffix,
+            format=format,
+            bits=bits,
+            y=y,
+            alpha=alpha,
+            show_input=show_input,
+            preview=preview,
+            height=height,
+            relief=relief,
+        )
+        self._jobs: dict[str, Job] = {}
+        self._failed = 0
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Make sure that the folder can be written before anything is computed.
+        """Make sure that the maps can be written before anything is computed.
 
         Raises:
-            InputError: if it cannot.
+            InputError: if they cannot.
         """
         if stage != "predict":
             return
+        files = _data_of(trainer).drawings.files
+        jobs = plan(files, self.folder, self.outputs.ending, list(self.outputs.others()))
+        self._jobs, self._failed = {job.files.drawing.stem: job for job in jobs}, 0
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
@@ -62,19 +97,41 @@ class NormalMapWriter(BasePredictionWriter):
         batch_idx: int,
         dataloader_idx: int,
     ) -> None:
-        """Write the maps of one batch, each whole or not at all."""
-        data = getattr(trainer, "datamodule", None)
-        if not isinstance(data, MeshDataModule):
-            raise TypeError(
-                "NormalMapWriter needs the MeshDataModule, which knows the frames of the sketches."
-            )
-        for name, painted in zip(batch["name"], prediction, strict=True):
-            vectors = painted.permute(1, 2, 0).to("cpu", torch.float32).numpy()
-            vectors = data.frame(name).restore(vectors)
-            mask = np.linalg.norm(vectors, axis=-1) > 0.5
-            write_png(self.folder / f"{name}_normal.png", paint_flat(normalize(vectors), mask), self.bits)
+        """Write what belongs to the drawings of one batch, each file whole or not at all.
+
+        Raises:
+            InputError: if the only drawing cannot be used; one of several is named, and the rest are painted.
+        """
+        drawings = _data_of(trainer).drawings
+        for name, preds in zip(batch["name"], prediction, strict=True):
+            job = self._jobs[name]
+            try:
+                painted = finish(drawings.prepared(name), channels_last(preds))
+            except InputError as error:
+                sentence = named(job.files.drawing, error)
+                if len(self._jobs) == 1:
+                    raise sentence from error
+                self._failed += 1
+                print(f"normalgan: {sentence}", file=sys.stderr)
+                continue
+            if painted.warning:
+                print(f"normalgan: warning: {job.files.drawing}: {painted.warning}.", file=sys.stderr)
+            self.outputs.write(job, painted)
 
     def on_predict_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Say where the maps are."""
+        """Say where the maps are.
+
+        Raises:
+            RunError: if some of several drawings could not be used.
+        """
         if trainer.is_global_zero:
             print(f"Normal maps: {self.folder.resolve()}")
+        if self._failed:
+            raise RunError(f"{self._failed} of {len(self._jobs)} sketches could not be used.")
+
+
+def _data_of(trainer: Trainer) -> MeshDataModule:
+    data = getattr(trainer, "datamodule", None)
+    if not isinstance(data, MeshDataModule):
+        raise TypeError("NormalMapWriter needs the MeshDataModule, which knows the drawings.")
+    return data

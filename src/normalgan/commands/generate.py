@@ -11,16 +11,14 @@ from jsonargparse import Namespace
 from normalgan import decoding
 from normalgan.commands.light_parser import LightParser
 from normalgan.drawings import MOST_BYTES
-from normalgan.errors import InputError, unwritable
-from normalgan.painting.hint_files import load_hints
-from normalgan.painting.jobs import MODEL, OUTLINE, STDIN, Job, plan
-from normalgan.painting.masks import load_mask
+from normalgan.errors import InputError, named, unwritable
+from normalgan.painting.inputs import check_size
+from normalgan.painting.jobs import STDIN, Job, find_files, plan
+from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.outputs import Outputs
-from normalgan.painting.painting import paint
+from normalgan.painting.painter import Painter
+from normalgan.painting.parallel import stream
 from normalgan.painting.picture import read_picture
-from normalgan.painting.pipeline import stream
-from normalgan.painting.preparation import prepare
-from normalgan.painting.session import Model, find_model
 
 
 def run(arguments: list[str]) -> int:
@@ -77,30 +75,22 @@ def generate(settings: Namespace) -> int:
         InputError: if nothing can be done: a setting or the only drawing cannot be used.
     """
     decoding.start()  # while the model is loaded
-    if settings.size is not None and not 8 <= settings.size <= 8192:
-        raise InputError(f"size is {settings.size}; a map has 8 to 8192 pixels a side.")
+    check_size(settings.size)
     outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
     content = (
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
     )
-    jobs = plan(
-        settings.sketches,
-        Path(settings.output),
-        outputs.ending,
-        settings.hints,
-        settings.mask,
-        content,
-        list(outputs.others()),
-    )
+    files = find_files(settings.sketches, outputs.ending, settings.hints, settings.mask, content)
+    jobs = plan(files, Path(settings.output), outputs.ending, list(outputs.others()))
     path = find_model(settings.model)
     if settings.dry_run:
         for job in jobs:
-            extras = [f" with {each}" for each in (job.hints, job.mask) if each is not None]
-            print(f"{job.drawing}{''.join(extras)} -> {job.target}")
+            extras = [f" with {each}" for each in (job.files.hints, job.files.mask) if isinstance(each, Path)]
+            print(f"{job.files.drawing}{''.join(extras)} -> {job.target}")
         return 0
     _one_thread_each()
-    model = Model(path, threads=1)
-    written = stream(jobs, lambda job: _painted(job, settings, model, outputs))
+    painter = Painter(OnnxBackend(path, threads=1))
+    written = stream(jobs, lambda job: _paint(job, painter, settings.size, outputs))
     failed = 0
     with _progress(len(jobs)) as advance:
         for job, outcome in written:
@@ -111,7 +101,7 @@ def generate(settings: Namespace) -> int:
                 failed += 1
                 print(f"normalgan: {sentence}", file=sys.stderr)
             elif outcome:
-                print(f"normalgan: warning: {job.drawing}: {outcome}.", file=sys.stderr)
+                print(f"normalgan: warning: {job.files.drawing}: {outcome}.", file=sys.stderr)
             advance()
             if not isinstance(outcome, Exception):
                 print(job.target)
@@ -127,15 +117,12 @@ def _one_thread_each() -> None:
     cv2.setNumThreads(1)
 
 
-def _painted(job: Job, settings: Namespace, model: Model, outputs: Outputs) -> str:
+def _paint(job: Job, painter: Painter, size: int | None, outputs: Outputs) -> str:
     """Paint one drawing, write what belongs to it, and return what is to be said of it."""
-    picture = read_picture(job.drawing, job.content, settings.size)
-    mask = None if job.mask is None else load_mask(job.mask, picture.shape)
-    hints = None if job.hints is None else load_hints(job.hints, picture.shape)
-    source = settings.mask if settings.mask in {OUTLINE, MODEL} else None
-    painted = paint(model, prepare(picture, model.size, mask, hints, settings.size, source))
-    outputs.write(job, painted)
-    return painted.warning
+    files = job.files
+    preds = painter(read_picture(files.drawing, files.content, size), files.hints, files.mask, size)
+    outputs.write(job, preds)
+    return preds.warning
 
 
 def _sentence(job: Job, error: Exception) -> InputError:
@@ -144,8 +131,7 @@ def _sentence(job: Job, error: Exception) -> InputError:
         return unwritable(f"the normal map cannot be written to {job.target}: {error.strerror}.", error)
     if not isinstance(error, InputError):
         raise error
-    text = str(error)
-    return type(error)(text if str(job.drawing) in text else f"{job.drawing}: {text}")
+    return named(job.files.drawing, error)
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketche
 from normalgan.data.stream import StreamDataset
 from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
-from normalgan.framing import Frame
+from normalgan.painting.jobs import find_files
 from normalgan.seeds import derive_seed
 
 
@@ -28,7 +28,7 @@ class MeshDataModule(DataSettings):
     What it can be told is in `DataSettings`.
     """
 
-    _sketch_dataset: SketchDataset | None = None
+    _drawings: SketchDataset | None = None
 
     # --- from meshes to samples -----------------------------------------------------------------------
 
@@ -66,7 +66,8 @@ class MeshDataModule(DataSettings):
         if stage == "predict":
             if self.sketches is None:
                 raise InputError("predict needs drawings: --data.sketches names a folder, a glob or a list.")
-            self._sketch_dataset = SketchDataset(self.sketches, self.recipe.size, self.hints)
+            files = find_files(self.sketches, hints=self.hints, mask=self.mask)
+            self._drawings = SketchDataset(files, self.recipe.size, self.map_size)
 
     @cached_property
     def train_dataset(self) -> SampleDataset | StreamDataset:
@@ -109,7 +110,7 @@ class MeshDataModule(DataSettings):
 
     def predict_dataloader(self) -> DataLoader[SketchSample]:
         """Return the drawings in order."""
-        dataset = self._drawings()
+        dataset = self.drawings
         # By name: Lightning builds the loader anew from its arguments when predicting.
         return DataLoader(dataset, batch_size=self.batch_size, collate_fn=collate_sketches)
 
@@ -137,11 +138,9 @@ class MeshDataModule(DataSettings):
         indices = evenly(count) if self.on_the_fly else range(count)
         return mean_of_maps(self._loaders().chosen(dataset, indices), self.recipe.size)
 
-    def frame(self, name: str) -> Frame:
-        """Return how the drawing of this name was framed for the model."""
-        return self._drawings().frames[name]
-
-    def _drawings(self) -> SketchDataset:
-        if self._sketch_dataset is None:
+    @property
+    def drawings(self) -> SketchDataset:
+        """The drawings to predict, once `setup` has read them."""
+        if self._drawings is None:
             raise RuntimeError("the drawings are read in setup('predict').")
-        return self._sketch_dataset
+        return self._drawings

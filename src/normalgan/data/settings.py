@@ -64,7 +64,11 @@ class DataSettings(LightningDataModule):
         augmentation: random changes of training samples; None for none.
         seed: of the animals, the views, the order of training samples and the augmentation.
         sketches: a folder, a glob or a list of drawings, for predict.
-        hints: folder of hint pictures for the drawings: normals painted on transparent PNGs.
+        hints: hints for the drawings: a file, or a folder of ``<sketch>_hints.png`` or ``.json``.
+        mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
+            fill the drawing's own, or ``model`` to leave it to the model; None is its opacity if that tells,
+            else its outline.
+        map_size: longer side of the maps in pixels; None is the drawing's, 1024 of an SVG.
     """
 
     def __init__(
@@ -103,6 +107,8 @@ class DataSettings(LightningDataModule):
         seed: int = 0,
         sketches: str | list[str] | None = None,
         hints: str | None = None,
+        mask: str | None = None,
+        map_size: int | None = None,
     ) -> None:
         super().__init__()
         for name, number in {"animals": animals, "batch_size": batch_size}.items():
@@ -143,6 +149,8 @@ class DataSettings(LightningDataModule):
         self.seed = seed
         self.sketches = sketches
         self.hints = hints
+        self.mask = mask
+        self.map_size = map_size
 
     @cached_property
     def sources(self) -> dict[str, list[MeshSource]]:

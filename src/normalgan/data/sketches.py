@@ -1,7 +1,8 @@
 """SketchDataset: the user's own drawings, and the hints painted for them, as the generator takes them."""
 
+from collections import OrderedDict
 from collections.abc import Sequence
-from pathlib import Path
+from threading import Lock
 from typing import TypedDict
 
 import numpy as np
@@ -10,9 +11,14 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from normalgan.batch import Sketches
-from normalgan.drawings import find_drawings, read_drawing, read_hints
-from normalgan.errors import InputError
-from normalgan.framing import Frame
+from normalgan.errors import InputError, named
+from normalgan.painting.inputs import check_size, prepare_any
+from normalgan.painting.jobs import DrawingFiles
+from normalgan.painting.parallel import stream
+from normalgan.painting.preparation import Prepared
+
+_KEPT = 2**29
+"""Bytes of prepared drawings that are kept; others are prepared anew when they are asked for."""
 
 
 class SketchSample(TypedDict):
@@ -27,57 +33,60 @@ class SketchSample(TypedDict):
 
 
 class SketchDataset(Dataset[SketchSample]):
-    """Drawings framed for the model. All are read at once, so that a bad one stops nothing half-way.
+    """Drawings prepared for the generator. All are read at once, so that a bad one stops nothing half-way.
 
     Args:
-        source: a folder, a glob or a list of drawings.
-        size: side of the model's pictures.
-        hints: folder of hint pictures, ``<name>_hints.png`` or ``<name>.png`` for a drawing ``<name>.*``.
+        files: the drawings with their hints and masks, as `normalgan.painting.jobs.find_files` finds them.
+        size: side of the generator's pictures.
+        longest: longer side of the maps in pixels; None is the drawing's.
 
     Raises:
-        InputError: if a drawing or its hints cannot be used, or no drawing is found.
+        InputError: if a drawing, its hints or its mask cannot be used.
     """
 
-    def __init__(self, source: str | Sequence[str], size: int, hints: str | None = None) -> None:
-        self.paths = find_drawings(source)
-        self.size = size
-        if hints is not None and not Path(hints).is_dir():
-            raise InputError(f"there is no folder of hints {hints}.")
-        self._hint_files = [hint_file(path, hints) for path in self.paths]
-        if hints is not None and not any(self._hint_files):
-            raise InputError(f"{hints} holds no hints for any sketch; they are named <sketch>_hints.png.")
-        drawings = [read_drawing(path) for path in self.paths]
-        self.frames = {
-            path.stem: Frame.around(ink, size) for path, ink in zip(self.paths, drawings, strict=True)
-        }
-        self._samples = [self._frame(i, ink) for i, ink in enumerate(drawings)]
+    def __init__(self, files: Sequence[DrawingFiles], size: int, longest: int | None = None) -> None:
+        check_size(longest)
+        self.files = files
+        self._size = size
+        self._longest = longest
+        self._lock = Lock()
+        self._kept: OrderedDict[str, Prepared] = OrderedDict()
+        self._by_name = {each.drawing.stem: each for each in files}
+        for _, outcome in stream(list(self._by_name), self.prepared):
+            if isinstance(outcome, Exception):
+                raise outcome
 
-    def _frame(self, index: int, ink: np.ndarray[tuple[int, ...], np.dtype[np.float32]]) -> SketchSample:
-        name = self.paths[index].stem
-        frame, hint_path = self.frames[name], self._hint_files[index]
-        hints = np.zeros((4, self.size, self.size), np.float32)
-        if hint_path is not None:
-            hints = frame.cut_hints(*read_hints(hint_path, (ink.shape[0], ink.shape[1])))
+    def prepared(self, name: str) -> Prepared:
+        """Return the drawing of this name as far as it gets without the generator."""
+        with self._lock:
+            if name in self._kept:
+                self._kept.move_to_end(name)
+                return self._kept[name]
+        files = self._by_name[name]
+        try:
+            found = prepare_any(files.drawing, self._size, files.hints, files.mask, self._longest)
+        except InputError as error:
+            raise named(files.drawing, error) from error
+        with self._lock:
+            self._kept[name] = found
+            while len(self._kept) > 1 and sum(map(_bytes, self._kept.values())) > _KEPT:
+                self._kept.popitem(last=False)
+        return found
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    def __getitem__(self, index: int) -> SketchSample:
+        name = self.files[index].drawing.stem
+        prepared = self.prepared(name)
+        hints = prepared.hints
+        if hints is None:
+            hints = np.zeros((4, self._size, self._size), np.float32)
         return {
-            "sketch": torch.from_numpy(frame.cut(ink))[None],
+            "sketch": torch.from_numpy(prepared.seen)[None],
             "hints": torch.from_numpy(hints),
             "name": name,
         }
-
-    def __len__(self) -> int:
-        return len(self._samples)
-
-    def __getitem__(self, index: int) -> SketchSample:
-        return self._samples[index]
-
-
-def hint_file(drawing: Path, folder: str | None) -> Path | None:
-    """Return the picture of hints for a drawing, if the folder has one."""
-    if folder is None:
-        return None
-    candidates = [Path(folder) / f"{drawing.stem}{ending}" for ending in ("_hints.png", ".png")]
-    # Hints may lie beside their drawings; the drawing itself is not its own hints.
-    return next((c for c in candidates if c.is_file() and c.resolve() != drawing.resolve()), None)
 
 
 def collate_sketches(samples: Sequence[SketchSample]) -> Sketches:
@@ -87,3 +96,8 @@ def collate_sketches(samples: Sequence[SketchSample]) -> Sketches:
         "hints": torch.stack([s["hints"] for s in samples]),
         "name": [s["name"] for s in samples],
     }
+
+
+def _bytes(prepared: Prepared) -> int:
+    arrays = (prepared.ink, prepared.mask, prepared.alpha, prepared.seen, prepared.hints)
+    return sum(array.nbytes for array in arrays if array is not None)

@@ -32,15 +32,6 @@ class Hints:
     normals: Floats
 
 
-def find_hints(drawing: Path, source: Path) -> Path | None:
-    """Return the file of hints for a drawing: the file itself, or one of its name in a folder."""
-    if source.is_file():
-        return source
-    candidates = [source / f"{drawing.stem}{ending}" for ending in ENDINGS]
-    # Hints may lie beside their drawings; the drawing itself is not its own hints.
-    return next((c for c in candidates if c.is_file() and c.resolve() != drawing.resolve()), None)
-
-
 def load_hints(path: Path, shape: tuple[int, int]) -> Hints:
     """Read the hints of a drawing with (H, W) pixels.
 

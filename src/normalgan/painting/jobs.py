@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from normalgan.drawings import find_drawings
+from normalgan.drawings import find_companion, find_drawings
 from normalgan.errors import InputError
-from normalgan.painting.hint_files import find_hints
-from normalgan.painting.masks import find_mask
+from normalgan.painting.hint_files import ENDINGS as HINT_ENDINGS
+from normalgan.painting.masks import ENDINGS as MASK_ENDINGS
 
 STDIN = "-"
 OUTLINE, MODEL = "outline", "model"
@@ -17,93 +17,113 @@ COMPANIONS = ("_hints", "_mask", "_input", "_preview", "_height", "_relief")
 
 
 @dataclass(frozen=True)
-class Job:
-    """One drawing.
+class DrawingFiles:
+    """A drawing and what belongs to it.
 
     Args:
         drawing: its file, or what to call standard input.
         content: what was read from standard input.
-        target: the normal map.
         hints: the file of its hints.
-        mask: the file of its mask.
+        mask: the file of its mask, or one of `OUTLINE` and `MODEL`.
     """
 
     drawing: Path
-    content: bytes | None
+    content: bytes | None = None
+    hints: Path | None = None
+    mask: Path | str | None = None
+
+
+@dataclass(frozen=True)
+class Job:
+    """One drawing to be painted.
+
+    Args:
+        files: what is read.
+        target: the normal map.
+    """
+
+    files: DrawingFiles
     target: Path
-    hints: Path | None
-    mask: Path | None
 
     def beside(self, ending: str) -> Path:
         """Return the name of something else that is written for the drawing, such as ``_input.png``."""
-        return self.target.with_name(self.drawing.stem + ending)
+        return self.target.with_name(self.files.drawing.stem + ending)
 
 
-def plan(
-    sketches: Sequence[str],
-    folder: Path,
-    ending: str,
+def find_files(
+    sketches: str | Sequence[str],
+    ending: str = "_normal.png",
     hints: str | None = None,
     mask: str | None = None,
     content: bytes | None = None,
-    others: Sequence[str] = (),
-) -> list[Job]:
-    """Return the jobs of a command.
+) -> list[DrawingFiles]:
+    """Return the drawings that are named, each with its hints and its mask.
 
     Args:
         sketches: files, folders and globs; ``-`` is ``content``.
-        folder: where everything goes.
-        ending: of a normal map's name, such as ``_normal.png``.
+        ending: of a normal map's name; such files beside drawings are none.
         hints: a file or a folder.
         mask: a file, a folder, or one of `OUTLINE` and `MODEL`.
         content: what standard input holds.
-        others: endings of what else is written.
 
     Raises:
-        InputError: if something is missing, or two files would have one name.
+        InputError: if something is missing.
     """
-    named = [each for each in sketches if each != STDIN]
+    every = [sketches] if isinstance(sketches, str) else sketches
+    named = [each for each in every if each != STDIN]
     suffix = Path(ending).stem
     companions = (*COMPANIONS, *([suffix] if suffix else []))
     drawings = find_drawings(named, ending, companions) if named else []
-    if STDIN in sketches:
-        drawings.append(Path("stdin"))
-    jobs = []
-    mask_files = None if mask in {OUTLINE, MODEL, None} else _source(mask, "mask", len(drawings))
-    hint_files = None if hints is None else _source(hints, "hints", len(drawings))
-    for drawing in drawings:
-        own = content if drawing == Path("stdin") and STDIN in sketches else None
-        jobs.append(
-            Job(
-                drawing,
-                own,
-                folder / f"{drawing.stem}{ending}",
-                None if hint_files is None else find_hints(drawing, hint_files),
-                None if mask_files is None else find_mask(drawing, mask_files),
-            )
-        )
-    if hint_files is not None and not any(job.hints for job in jobs):
-        raise InputError(
-            f"{hints} holds no hints for any sketch; they are named <sketch>_hints.png or .json."
-        )
-    if mask_files is not None and not any(job.mask for job in jobs):
-        raise InputError(f"{mask} holds no mask for any sketch; they are named <sketch>_mask.png.")
+    read = [DrawingFiles(drawing) for drawing in drawings]
+    if STDIN in every:
+        read.append(DrawingFiles(Path("stdin"), content))
+    of_hints = _companions(read, hints, "hints", HINT_ENDINGS)
+    of_masks: list[Path | str | None] = (
+        [mask] * len(read) if mask in {OUTLINE, MODEL} else [*_companions(read, mask, "mask", MASK_ENDINGS)]
+    )
+    found = zip(read, of_hints, of_masks, strict=True)
+    return [DrawingFiles(each.drawing, each.content, own, where) for each, own, where in found]
+
+
+def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Sequence[str] = ()) -> list[Job]:
+    """Return what is to be painted, and where it goes.
+
+    Args:
+        files: the drawings.
+        folder: where everything goes.
+        ending: of a normal map's name, such as ``_normal.png``.
+        others: endings of what else is written.
+
+    Raises:
+        InputError: if something that is read would be written over, or two files would have one name.
+    """
+    jobs = [Job(each, folder / f"{each.drawing.stem}{ending}") for each in files]
     _check_names(jobs, others)
     return jobs
 
 
-def _source(named: str | None, kind: str, drawings: int) -> Path:
-    path = Path(named or "")
-    if not path.exists():
-        raise InputError(f"there is no file or folder {path} for the {kind}.")
-    if path.is_file() and drawings > 1:
-        raise InputError(f"one file of {kind}, {path}, cannot serve {drawings} sketches; name a folder.")
-    return path
+def _companions(
+    read: Sequence[DrawingFiles], named: str | None, kind: str, endings: Sequence[str]
+) -> list[Path | None]:
+    """Return the file of hints or of the mask for each drawing, if there is one."""
+    if named is None:
+        return [None] * len(read)
+    source = Path(named)
+    if not source.exists():
+        raise InputError(f"there is no file or folder {source} for the {kind}.")
+    if source.is_file() and len(read) > 1:
+        raise InputError(f"one file of {kind}, {source}, cannot serve {len(read)} sketches; name a folder.")
+    found = [find_companion(each.drawing, source, endings) for each in read]
+    if not any(found):
+        wanted = " or ".join(f"<sketch>{ending}" for ending in endings if ending.startswith("_"))
+        raise InputError(f"{named} holds no {kind} for any sketch; they are named {wanted}.")
+    return found
 
 
 def _check_names(jobs: Sequence[Job], others: Sequence[str]) -> None:
     """Raise `InputError` if something would be written over a sketch, its companions, or twice."""
-    read = {path.resolve() for job in jobs for path in (job.drawing, job.hints, job.mask) if path is not None}
+    given = [(job.files.drawing, job.files.hints, job.files.mask) for job in jobs]
+    read = {path.resolve() for each in given for path in each if isinstance(path, Path)}
     written: set[Path] = set()
     for path in _written(jobs, others):
         if path.resolve() in read:

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.framing import Frame
 from normalgan.normals import Floats
+from normalgan.painting.framing import Frame
 
 KNOWN_WIDTH = 1.25
 """Pixels of the model that the lines of training samples are wide."""

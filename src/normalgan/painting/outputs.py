@@ -8,21 +8,9 @@ from typing import Literal
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.normals import (
-    Bits,
-    Floats,
-    encode_exr,
-    encode_grey,
-    encode_png,
-    encode_tiff,
-    flip_green,
-    paint_flat,
-    write_bytes,
-)
+from normalgan.normals import Bits, Floats, encode_grey, write_bytes
 from normalgan.painting.jobs import Job
-from normalgan.painting.painting import Painted
-
-Format = Literal["png", "exr", "tiff"]
+from normalgan.painting.normal_map import Format, Green, NormalMap
 
 
 @dataclass(frozen=True)
@@ -47,7 +35,7 @@ class Outputs:
     suffix: str = "_normal"
     format: Format = "png"
     bits: Bits = 8
-    y: Literal["up", "down"] = "up"
+    y: Green = "up"
     alpha: bool = False
     show_input: bool = False
     preview: Literal["png", "gif"] | None = None
@@ -55,6 +43,8 @@ class Outputs:
     relief: Literal["glb", "obj"] | None = None
 
     def __post_init__(self) -> None:
+        if self.bits not in {8, 16}:
+            raise InputError(f"the bits of a normal map are 8 or 16, not {self.bits}.")
         if self.bits == 16 and self.format != "png":
             raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
         if self.suffix and Path(self.suffix).name != self.suffix:
@@ -73,52 +63,37 @@ class Outputs:
             if kind := getattr(self, name):
                 yield f"_{name}.{kind}"
 
-    def write(self, job: Job, painted: Painted) -> None:
+    def write(self, job: Job, preds: NormalMap) -> None:
         """Write what belongs to a drawing, each file whole or not at all.
 
         Raises:
             OSError: if a file cannot be written.
         """
         if self.show_input:
-            write_bytes(job.beside("_input.png"), encode_grey(1 - painted.seen))
+            write_bytes(job.beside("_input.png"), encode_grey(1 - preds.seen))
         if self.preview is not None:
             from normalgan.painting.preview import preview_gif, preview_png
 
             lit = preview_png if self.preview == "png" else preview_gif
-            write_bytes(job.beside(f"_preview.{self.preview}"), lit(painted.normals, painted.mask))
+            write_bytes(job.beside(f"_preview.{self.preview}"), lit(preds.extended, preds.mask))
         if self.height is not None or self.relief is not None:
-            self._write_relief(job, painted)
+            self._write_relief(job, preds)
         # Last, so that where there is a map, there is the rest too.
-        write_bytes(job.target, self.encode(painted))
+        write_bytes(job.target, preds.encode(self.format, self.bits, self.y, self.alpha))
 
-    def encode(self, painted: Painted) -> bytes:
-        """Return the file of the map: flat off the object, or what is transparent there."""
-        normals = paint_flat(painted.normals, painted.alpha > 0 if self.alpha else painted.mask)
-        if self.y == "down":
-            normals = flip_green(normals)
-        alpha = painted.alpha if self.alpha else None
-        match self.format:
-            case "png":
-                return encode_png(normals, self.bits, alpha)
-            case "exr":
-                return encode_exr(normals, alpha)
-            case "tiff":
-                return encode_tiff(normals, alpha)
-
-    def _write_relief(self, job: Job, painted: Painted) -> None:
-        from normalgan.painting.height import integrate
+    def _write_relief(self, job: Job, preds: NormalMap) -> None:
         from normalgan.painting.relief import relief_mesh, write_relief
 
-        height = integrate(painted.normals, painted.mask)
+        height = preds.height()
         if self.height is not None:
-            write_bytes(job.beside(f"_height.{self.height}"), _encode_height(height, painted, self.height))
+            write_bytes(job.beside(f"_height.{self.height}"), _encode_height(height, preds, self.height))
         if self.relief is not None:
-            write_relief(job.beside(f"_relief.{self.relief}"), relief_mesh(height, painted.mask))
+            write_relief(job.beside(f"_relief.{self.relief}"), relief_mesh(height, preds.mask))
 
 
-def _encode_height(height: Floats, painted: Painted, kind: Literal["png", "tiff"]) -> bytes:
-    inside = height[painted.mask]
+def _encode_height(height: Floats, preds: NormalMap, kind: Literal["png", "tiff"]) -> bytes:
+    inside = height[preds.mask]
     if kind == "tiff":
-        return encode_grey(np.where(painted.mask, height, inside.min()), ".tiff")
+        return encode_grey(np.where(preds.mask, height, inside.min()), ".tiff")
     spread = max(float(np.ptp(inside)), 1e-6)
-    return encode_grey(np.where(painted.mask, (height - inside.min()) / spread, 0), ".png", 16)
+    return encode_grey(np.where(preds.mask, (height - inside.min()) / spread, 0), ".png", 16)

@@ -1,54 +1,107 @@
-"""Pipeline: several drawings at once, each from its file to its map in one thread."""
+"""Pipeline: the one way from a prepared drawing to its map, whoever asks and whatever network paints.
 
-import os
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from typing import TypeVar
+A drawing is read (`picture`, `inputs`), cleaned, its mask found and framed (`preparation`), painted by a
+`Backend`, brought to its own size (`upsampling`) and place, and written (`outputs`).
+"""
 
-J = TypeVar("J")
-R = TypeVar("R")
+import numpy as np
 
-_MOST = 8
-"""Drawings at once: few, as large ones fill the memory."""
+from normalgan.errors import InputError
+from normalgan.normals import Floats
+from normalgan.painting.backend import Backend
+from normalgan.painting.normal_map import NormalMap
+from normalgan.painting.picture import resize
+from normalgan.painting.preparation import Mark, Prepared
+from normalgan.painting.upsampling import Coarse, Upsampler, fill_and_sharpen
+from normalgan.painting.vectors import lengths, unit
+
+_PRESENT = 0.6
+"""Share of the mask in which the model should see the object."""
+_LEAST = 0.02
+"""Painted vectors that are shorter have no direction."""
+_CLOSED = 0.8
+"""Share of the ink that must enclose something for the outline to be believed."""
+
+_STRAIGHT = (
+    "its outline has a wide gap, which was closed by a straight line; "
+    "draw on there, or give --mask, if the object goes on"
+)
 
 
-def workers(jobs: int) -> int:
-    """Return how many drawings are to be worked on at once: as many as there are cores for."""
-    # The scheduler's own count where there is one: a container may have fewer cores than its machine.
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(min(cores, jobs, _MOST), 1)
+def finish(
+    prepared: Prepared,
+    preds: Floats,
+    confidence: Floats | None = None,
+    upsample: Upsampler = fill_and_sharpen,
+) -> NormalMap:
+    """Bring what the network painted back to the drawing's size and place, and hold it to the mask.
 
+    Args:
+        prepared: as `prepare` gives it.
+        preds: (S, S, 3), vectors as long as an object is probable.
+        confidence: (S, S), or None.
+        upsample: the step to the drawing's size.
 
-def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | Exception]]:
-    """Yield each job with what came of it, or the exception that stopped it, in order.
-
-    A thread for each core does whole jobs. NumPy, OpenCV and ONNX Runtime let others run while they compute,
-    so that threads, each with a network that runs on one core, keep all cores busy; a network that is spread
-    over all cores would wait for the rest of each job, which cannot be.
-
-    >>> list(stream([1, 2], lambda j: 10 // (j - 1)))
-    [(1, ZeroDivisionError('integer division or modulo by zero')), (2, 10)]
+    Raises:
+        InputError: if the model sees no object.
     """
-    count = workers(len(jobs))
-    with ThreadPoolExecutor(count) as pool:
-        waiting: deque[tuple[J, Future[R]]] = deque()
-        try:
-            for job in jobs:
-                waiting.append((job, pool.submit(work, job)))
-                yield from _drained(waiting, count)
-            yield from _drained(waiting, 0)
-        finally:
-            for _, future in waiting:
-                future.cancel()
+    frame = prepared.frame
+    length = lengths(preds)
+    present = frame.restore(length[..., None]).reshape(prepared.ink.shape) > 0.5
+    mask, warning = _choose(prepared, present)
+    painted_share = float((mask & present).sum() / max(int(mask.sum()), 1))
+    if painted_share < _PRESENT:
+        warning += "; " if warning else ""
+        warning += (
+            f"the model takes only {painted_share:.0%} of its mask for an object and is unsure of the rest"
+        )
+    needed = frame.shrink(mask.astype(np.float32)) > 0
+    known = _known(length, needed)
+    if not known.any():
+        raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
+    if not mask.any():
+        raise InputError("its mask is empty; paint the object white.")
+    normals = upsample(Coarse(unit(preds), known, needed), prepared, mask)
+    shown = None
+    if confidence is not None:
+        shown = frame.restore(confidence[..., None]).reshape(mask.shape)
+    if prepared.shape != mask.shape:
+        normals, mask = resize(normals, prepared.shape), resize(mask.astype(np.float32), prepared.shape) > 0.5
+        shown = None if shown is None else resize(shown, prepared.shape)
+    normals = unit(normals, front=True)  # some have none: between opposite ones, and beyond the frame
+    alpha = mask.astype(np.float32) if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
+    return NormalMap(normals, mask, np.clip(alpha, 0, 1), prepared.seen, shown, warning)
 
 
-def _drained(waiting: deque[tuple[J, Future[R]]], left: int) -> Iterator[tuple[J, R | Exception]]:
-    """Yield what came of the first jobs, once it is there, until so many are left."""
-    while len(waiting) > left:
-        job, future = waiting.popleft()
-        failure = future.exception()
-        if isinstance(failure, Exception):
-            yield job, failure
-        else:
-            yield job, future.result()
+def _known(length: Floats, needed: Mark) -> Mark:
+    """Return where painted vectors (S, S) have a direction worth keeping.
+
+    Where there is an object for certain, the model's doubt of it, a short vector, is no doubt of the
+    direction: what is short beside most of the others is left out there.
+    """
+    known: Mark = length > 0.5
+    if needed.any():
+        usual = float(np.percentile(length[needed], 95))
+        known |= needed & (length > max(0.1 * usual, _LEAST))
+    return known
+
+
+def paint(backend: Backend, prepared: Prepared, upsample: Upsampler = fill_and_sharpen) -> NormalMap:
+    """Paint the normal map of a prepared drawing.
+
+    Raises:
+        InputError: if the network sees no object.
+    """
+    return finish(prepared, *backend.paint(prepared.seen, prepared.hints), upsample)
+
+
+def _choose(prepared: Prepared, present: Mark) -> tuple[Mark, str]:
+    """Return the object's mask, and what is to be said of it."""
+    if prepared.mask is None:
+        return present, ""
+    if prepared.closed >= _CLOSED:
+        return prepared.mask, _STRAIGHT if prepared.guessed else ""
+    return prepared.mask | present, (
+        f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "
+        "not, the mask is the model's guess (close the gaps, or give --mask)"
+    )

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.framing import Frame
 from normalgan.normals import Floats
 from normalgan.painting.cleaning import Cleaned, clean
+from normalgan.painting.framing import Frame
 from normalgan.painting.hint_files import Hints
 from normalgan.painting.jobs import MODEL
 from normalgan.painting.line_width import show

@@ -1,18 +1,73 @@
 """Upsampling: a map of the model's size at the drawing's, with its edges on the drawing's lines."""
 
+from dataclasses import dataclass
+from typing import Protocol
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.normals import Floats
+from normalgan.painting.extension import extend
 from normalgan.painting.gathering import spread
+from normalgan.painting.preparation import Prepared
 
 _BARRIER = 6.0
 """What crossing a line costs, in reaches."""
 _FINEST = 3.0
 """At most as many pixels for each of the model are worked on; only what lies on lines needs more."""
 _INK = 0.35
+_ENLARGED = 1.2
+"""How much larger than the model's a map must be to be sharpened."""
 Mark = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Coarse:
+    """What the network painted, at its own size.
+
+    Args:
+        normals: (S, S, 3), unit; zero where the network painted nothing.
+        known: (S, S), where they are to be kept; True somewhere.
+        needed: (S, S), where the object is.
+    """
+
+    normals: Floats
+    known: Mark
+    needed: Mark
+
+
+class Upsampler(Protocol):
+    """The step from the network's size to the drawing's. Another one is handed to `pipeline.paint`."""
+
+    def __call__(self, coarse: Coarse, prepared: Prepared, mask: Mark) -> Floats:
+        """Return normals (h, w, 3) at the size and place of ``prepared.ink``, of any length.
+
+        Args:
+            coarse: what was painted in the square ``prepared.frame``.
+            prepared: the drawing: its lines (h, w), its frame, what the network was shown.
+            mask: (h, w), the object, not empty. Off it normals matter only for what blends across its edge.
+        """
+        ...
+
+
+def fill_and_sharpen(coarse: Coarse, prepared: Prepared, mask: Mark) -> Floats:
+    """Fill what was not painted, enlarge, and let normals change at the drawing's lines; an `Upsampler`."""
+    frame = prepared.frame
+    normals = frame.restore(extend(coarse.normals, coarse.known, coarse.needed))
+    if frame.side <= _ENLARGED * frame.size:
+        return normals
+    # A line darkens a pixel of the model on either side.
+    around = cv2.dilate(prepared.seen, np.ones((3, 3), np.uint8))
+    trusted = (1 - np.minimum(2 * around, 1)) * coarse.known
+    weight = frame.restore(trusted[..., None].astype(np.float32)).reshape(mask.shape)
+    rows, columns = (np.flatnonzero(mask.any(axis)) for axis in (1, 0))
+    scale = frame.side / frame.size
+    beside = int(np.ceil(2 * scale))  # so that the contour is seen to be one
+    top, left = max(rows[0] - beside, 0), max(columns[0] - beside, 0)
+    box = np.s_[top : rows[-1] + 1 + beside, left : columns[-1] + 1 + beside]
+    normals[box] = sharpen(normals[box], weight[box], prepared.ink[box], mask[box], scale)
+    return normals
 
 
 def sharpen(values: Floats, weight: Floats, ink: Floats, mask: Mark, scale: float) -> Floats:

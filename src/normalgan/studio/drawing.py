@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.painting.hint_files import Hints, parse_hints
 from normalgan.painting.jobs import MODEL, OUTLINE
+from normalgan.painting.masks import mask_of
 from normalgan.painting.picture import Picture, read_picture
 from normalgan.studio.fields import Fields, take_bytes, take_choice
 
@@ -66,17 +67,7 @@ class Drawing:
         )
         if self.mask is None:
             return picture, None
-        given = read_png("mask", self.mask)
-        if given.shape != picture.shape:
-            raise InputError(
-                f"the mask is {given.shape[1]} × {given.shape[0]} pixels, but the drawing "
-                f"{picture.shape[1]} × {picture.shape[0]}."
-            )
-        opacity = 1 if given.alpha is None else given.alpha
-        mask = given.colour.mean(-1) * opacity > 0.5
-        if not mask.any():
-            raise InputError("the mask is empty; paint the object white.")
-        return picture, mask
+        return picture, mask_of(read_png("mask", self.mask), picture.shape)
 
     def read_hints(self, shape: tuple[int, int]) -> Hints | None:
         """Return the hints of the drawing, which has (H, W) pixels; None if there are none.

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from normalgan.painting.jobs import Job
+from normalgan.painting.jobs import DrawingFiles, Job
+from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.outputs import Outputs
-from normalgan.painting.painting import Painted
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.fields import Fields, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
@@ -36,12 +36,12 @@ class Wish:
     outputs: Outputs
     longest: int | None
 
-    def write(self, painted: Painted) -> tuple[str, bytes]:
+    def write(self, preds: NormalMap) -> tuple[str, bytes]:
         """Return the file's name and what is in it."""
         with TemporaryDirectory() as folder:
             target = Path(folder) / f"{self.name}{self.outputs.ending}"
-            job = Job(Path(f"{self.name}.png"), None, target, None, None)
-            self.outputs.write(job, painted)
+            job = Job(DrawingFiles(Path(f"{self.name}.png")), target)
+            self.outputs.write(job, preds)
             file = target if self.kind == "map" else job.beside(next(iter(self.outputs.others())))
             return file.name, file.read_bytes()
 

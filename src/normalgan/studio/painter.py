@@ -7,9 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from normalgan.painting.painting import Painted, paint
+from normalgan.painting.normal_map import NormalMap
+from normalgan.painting.onnx_backend import OnnxBackend
+from normalgan.painting.pipeline import paint
 from normalgan.painting.preparation import Prepared, hinted, prepare
-from normalgan.painting.session import Model
 from normalgan.studio.drawing import Drawing
 
 T = TypeVar("T")
@@ -33,17 +34,17 @@ class Painter:
     """
 
     def __init__(self, path: Path) -> None:
-        self.model = Model(path)
+        self.model = OnnxBackend(path)
         self.name = path.name
         # The first run is slow; nobody shall wait for it while drawing.
         _, confidence = self.model.paint(np.zeros((self.model.size, self.model.size), np.float32))
         self.confident = confidence is not None
         """Whether the model says how sure it is."""
         self._lock = Lock()
-        self._painted: OrderedDict[_Key, Painted] = OrderedDict()
+        self._painted: OrderedDict[_Key, NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
 
-    def paint(self, drawing: Drawing, longest: int | None = None) -> Painted:
+    def paint(self, drawing: Drawing, longest: int | None = None) -> NormalMap:
         """Return the normal map of a drawing; it may be called by several threads.
 
         Args:

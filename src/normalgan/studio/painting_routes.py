@@ -13,7 +13,7 @@ from starlette.routing import Route
 
 from normalgan.errors import InputError, RunError
 from normalgan.normals import encode
-from normalgan.painting.painting import Painted
+from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.suggestion import suggest
 from normalgan.studio.bodies import check_type, gone, read_body
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, Drawing, take_drawing
@@ -118,25 +118,23 @@ class PaintingRoutes:
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
         return await queue.do(tab, take_integer(fields, "number", 0, _LARGEST), work, partial(gone, request))
 
-    def _map(self, drawing: Drawing, longest: int | None) -> tuple[bytes, Painted]:
+    def _map(self, drawing: Drawing, longest: int | None) -> tuple[bytes, NormalMap]:
         painted = self._painter.paint(drawing, longest)
         alpha = np.where(painted.mask, 255, 0).astype(np.uint8)
-        return np.dstack([encode(painted.normals), alpha]).tobytes(), painted
+        return np.dstack([encode(painted.extended), alpha]).tobytes(), painted
 
     def _points(self, drawing: Drawing, count: int) -> list[dict[str, object]]:
         painted = self._painter.paint(drawing)
         hints = drawing.read_hints((painted.mask.shape[0], painted.mask.shape[1]))
         taken = np.empty((0, 2), np.float32) if hints is None else hints.points
-        found = suggest(painted.normals, painted.mask, painted.confidence, taken, count)
+        found = suggest(painted.extended, painted.mask, painted.confidence, taken, count)
         return [
             {"x": point.x, "y": point.y, "normal": list(point.normal), "gain": point.gain} for point in found
         ]
 
-    def _heights(self, drawing: Drawing) -> tuple[bytes, Painted]:
-        from normalgan.painting.height import integrate  # here: its solver takes a while to import
-
+    def _heights(self, drawing: Drawing) -> tuple[bytes, NormalMap]:
         painted = self._painter.paint(drawing)
-        height = np.where(painted.mask, integrate(painted.normals, painted.mask), np.nan)
+        height = np.where(painted.mask, painted.height(), np.nan)
         return height.astype("<f4").tobytes(), painted
 
     def _file(self, drawing: Drawing, fields: Fields) -> tuple[str, bytes]:
@@ -147,7 +145,7 @@ class PaintingRoutes:
 _OCTETS = "application/octet-stream"
 
 
-def _pixels(content: bytes, painted: Painted, start: float) -> Response:
+def _pixels(content: bytes, painted: NormalMap, start: float) -> Response:
     height, width = painted.mask.shape
     headers = {
         "X-Width": str(width),

@@ -1,4 +1,4 @@
-"""Model: a generator as ONNX, run by ONNX Runtime."""
+"""OnnxBackend: a generator as ONNX, run by ONNX Runtime; no torch."""
 
 import threading
 from functools import cache
@@ -38,8 +38,8 @@ def find_model(path: str | None = None) -> Path:
     return found
 
 
-class Model:
-    """A generator as ONNX: sketches and hints in, normals and perhaps confidence out.
+class OnnxBackend:
+    """A generator as ONNX: sketches and hints in, normals and perhaps confidence out. A `Backend`.
 
     Args:
         path: file that `normalgan export` wrote.

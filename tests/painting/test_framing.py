@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from normalgan.framing import Frame
+from normalgan.painting.framing import Frame
 
 
 def ellipse(h: int = 90, w: int = 200) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:

@@ -8,10 +8,11 @@ from normalgan.normals import normalize
 from normalgan.painting.extension import extend
 from normalgan.painting.hint_files import Hints
 from normalgan.painting.jobs import MODEL
-from normalgan.painting.painting import Painted, paint
+from normalgan.painting.normal_map import NormalMap
+from normalgan.painting.onnx_backend import OnnxBackend
 from normalgan.painting.picture import Picture
+from normalgan.painting.pipeline import paint
 from normalgan.painting.preparation import prepare
-from normalgan.painting.session import Model
 from normalgan.painting.upsampling import sharpen
 from onnx_models import ramp, write_model
 from pens import Floats, blob, outline, overlap
@@ -39,18 +40,18 @@ def expected(shape: tuple[int, int], filled: Floats) -> Floats:
     return np.stack([x, y, np.sqrt(np.clip(1 - x**2 - y**2, 0, 1))], -1).astype(np.float32)
 
 
-def assert_in_place(painted: Painted, filled: Floats) -> None:
-    assert painted.normals.shape == (*filled.shape, 3)
-    assert np.abs(np.linalg.norm(painted.normals, axis=-1) - 1).max() < 1e-5
+def assert_in_place(painted: NormalMap, filled: Floats) -> None:
+    assert painted.extended.shape == (*filled.shape, 3)
+    assert np.abs(np.linalg.norm(painted.extended, axis=-1) - 1).max() < 1e-5
     assert overlap(painted.mask, np.maximum(filled, outline(filled))) > 0.94
     # A pixel of the drawing is some 0.4 degrees on the ramp.
-    assert degrees(painted.normals, expected(filled.shape, filled))[filled > 0.5].mean() < 1.5
+    assert degrees(painted.extended, expected(filled.shape, filled))[filled > 0.5].mean() < 1.5
 
 
 @pytest.mark.parametrize("scale", [1, 3])
 def test_what_is_painted_lies_where_it_was_drawn(model: Path, scale: int) -> None:
     picture, filled = drawn(scale)
-    painted = paint(Model(model), prepare(picture, 64))
+    painted = paint(OnnxBackend(model), prepare(picture, 64))
     assert_in_place(painted, filled)
     assert painted.warning == ""
     assert painted.seen.shape == (64, 64)
@@ -59,13 +60,13 @@ def test_what_is_painted_lies_where_it_was_drawn(model: Path, scale: int) -> Non
 def test_the_map_may_be_larger_or_smaller_than_the_drawing(model: Path) -> None:
     picture, _ = drawn(2)
     for longest, scale in ((300, 1), (900, 3)):
-        painted = paint(Model(model), prepare(picture, 64, longest=longest))
+        painted = paint(OnnxBackend(model), prepare(picture, 64, longest=longest))
         assert_in_place(painted, drawn(scale)[1])
 
 
 def test_a_drawing_too_large_to_work_on_keeps_its_size(model: Path) -> None:
     picture, filled = drawn(8)
-    painted = paint(Model(model), prepare(picture, 64))
+    painted = paint(OnnxBackend(model), prepare(picture, 64))
     assert painted.mask.shape == filled.shape == (1600, 2400)
     assert overlap(painted.mask, filled) > 0.94
 
@@ -88,10 +89,10 @@ def test_hints_reach_the_pixel_they_are_for(model: Path) -> None:
         )
         assert prepared.hints is not None
         assert prepared.hints[3].sum() == 1
-        painted = paint(Model(model), prepared)
+        painted = paint(OnnxBackend(model), prepared)
         scale = painted.mask.shape[1] / 300
         rows, columns = np.nonzero(
-            degrees(painted.normals, np.broadcast_to(hint[0], painted.normals.shape)) < 15
+            degrees(painted.extended, np.broadcast_to(hint[0], painted.extended.shape)) < 15
         )
         assert len(rows)
         assert abs(rows.mean() / scale - 110.5) < 2
@@ -109,23 +110,23 @@ def test_a_mask_given_wins_and_is_filled_whatever_the_model_thinks(tmp_path: Pat
     graph.graph.initializer[1].CopyFrom(numpy_helper.from_array(holed[None], "ramp"))
     onnx.save(graph, path)
     picture, filled = drawn()
-    painted = paint(Model(path), prepare(picture, 64, mask=filled > 0.5))
+    painted = paint(OnnxBackend(path), prepare(picture, 64, mask=filled > 0.5))
     assert (painted.mask == (filled > 0.5)).all()
     # The ramp is nearly harmonic, so that the hole does not show.
-    assert degrees(painted.normals, expected(filled.shape, filled))[filled > 0.5].max() < 6
+    assert degrees(painted.extended, expected(filled.shape, filled))[filled > 0.5].max() < 6
 
 
 def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:
     picture, _ = drawn()
-    whole = paint(Model(write_model(tmp_path / "all.onnx")), prepare(picture, 64, source=MODEL))
+    whole = paint(OnnxBackend(write_model(tmp_path / "all.onnx")), prepare(picture, 64, source=MODEL))
     frame = prepare(picture, 64).frame
     assert whole.mask.sum() == pytest.approx(
         frame.side * 200, rel=0.2
     )  # the square, cut at the picture's edge
     with pytest.raises(InputError, match="the model sees no object in it"):
-        paint(Model(write_model(tmp_path / "none.onnx", length=0.01)), prepare(picture, 64))
+        paint(OnnxBackend(write_model(tmp_path / "none.onnx", length=0.01)), prepare(picture, 64))
     with pytest.raises(InputError, match="the model sees no object in it"):
-        paint(Model(write_model(tmp_path / "few.onnx", length=0.3)), prepare(picture, 64, source=MODEL))
+        paint(OnnxBackend(write_model(tmp_path / "few.onnx", length=0.3)), prepare(picture, 64, source=MODEL))
 
 
 def test_an_open_outline_is_told(model: Path) -> None:
@@ -133,7 +134,7 @@ def test_an_open_outline_is_told(model: Path) -> None:
     half[:, 170:] = 0
     line[100, 40:260] = 1
     for ink, sentence in ((half, "a wide gap, which was closed"), (line, "its outline is not closed")):
-        painted = paint(Model(model), prepare(Picture(np.repeat(1 - ink[..., None], 3, -1), None), 64))
+        painted = paint(OnnxBackend(model), prepare(Picture(np.repeat(1 - ink[..., None], 3, -1), None), 64))
         assert sentence in painted.warning
 
 
@@ -147,24 +148,26 @@ def test_a_model_that_sees_little_is_told(tmp_path: Path) -> None:
     half[:, :, 20:] = 0
     graph.graph.initializer[1].CopyFrom(numpy_helper.from_array(half[None], "ramp"))
     onnx.save(graph, path)
-    assert "for an object and is unsure of the rest" in paint(Model(path), prepare(drawn()[0], 64)).warning
+    painted = paint(OnnxBackend(path), prepare(drawn()[0], 64))
+    assert "for an object and is unsure of the rest" in painted.warning
 
 
 def test_the_drawings_own_opacity_is_kept(model: Path) -> None:
     filled = blob()
     soft = np.clip(filled * 0.5 + 0.5 * np.roll(filled, 1, 0), 0, 1)
-    painted = paint(Model(model), prepare(Picture(np.full((*filled.shape, 3), 0.4, np.float32), soft), 64))
+    grey = np.full((*filled.shape, 3), 0.4, np.float32)
+    painted = paint(OnnxBackend(model), prepare(Picture(grey, soft), 64))
     assert np.abs(painted.alpha - soft).max() < 1e-6
 
 
 def test_confidence_comes_to_the_drawings_place(tmp_path: Path) -> None:
     picture, filled = drawn()
-    painted = paint(Model(write_model(tmp_path / "sure.onnx")), prepare(picture, 64))
+    painted = paint(OnnxBackend(write_model(tmp_path / "sure.onnx")), prepare(picture, 64))
     assert painted.confidence is not None
     on_lines = painted.confidence[outline(filled) > 0.9].mean()
     assert on_lines > 1.4
     assert painted.confidence[80:100, 160:180].mean() < 1.2
-    without = Model(write_model(tmp_path / "unsure.onnx", confidence=False))
+    without = OnnxBackend(write_model(tmp_path / "unsure.onnx", confidence=False))
     assert paint(without, prepare(picture, 64)).confidence is None
 
 
@@ -196,9 +199,9 @@ def test_enlarging_keeps_an_edge_on_its_line() -> None:
 
 def test_the_same_picture_gives_the_same_map(model: Path) -> None:
     picture, _ = drawn()
-    session = Model(model)
+    session = OnnxBackend(model)
     first, second = (paint(session, prepare(picture, 64)) for _ in range(2))
-    assert (first.normals == second.normals).all()
+    assert (first.extended == second.extended).all()
 
 
 @pytest.mark.parametrize(
@@ -208,7 +211,7 @@ def test_the_same_picture_gives_the_same_map(model: Path) -> None:
 def test_what_is_no_model_is_told(tmp_path: Path, content: bytes, message: str) -> None:
     (tmp_path / "bad.onnx").write_bytes(content)
     with pytest.raises(InputError, match=message):
-        Model(tmp_path / "bad.onnx")
+        OnnxBackend(tmp_path / "bad.onnx")
 
 
 def test_a_model_of_others_is_told(tmp_path: Path) -> None:
@@ -220,21 +223,21 @@ def test_a_model_of_others_is_told(tmp_path: Path) -> None:
     opset = [helper.make_opsetid("", 17)]
     save(helper.make_model(graph, opset_imports=opset, ir_version=8), tmp_path / "other.onnx")
     with pytest.raises(InputError, match="takes image and gives out, which is not what"):
-        Model(tmp_path / "other.onnx")
+        OnnxBackend(tmp_path / "other.onnx")
 
 
 def test_doubt_of_the_object_is_no_doubt_of_the_direction(tmp_path: Path) -> None:
     picture, filled = drawn()
-    painted = paint(Model(write_model(tmp_path / "shy.onnx", length=0.3)), prepare(picture, 64))
-    assert degrees(painted.normals, expected(filled.shape, filled))[filled > 0.5].mean() < 1.5
+    painted = paint(OnnxBackend(write_model(tmp_path / "shy.onnx", length=0.3)), prepare(picture, 64))
+    assert degrees(painted.extended, expected(filled.shape, filled))[filled > 0.5].mean() < 1.5
     assert "takes only 0% of its mask for an object" in painted.warning
 
 
 def test_the_same_picture_gives_the_same_map_wherever_it_lies_in_memory(model: Path) -> None:
     # Some functions of OpenCV treat what lies beside a multiple of 64 bytes in another way.
-    session, picture = Model(model), drawn()[0]
-    first = paint(session, prepare(picture, 64)).normals
+    session, picture = OnnxBackend(model), drawn()[0]
+    first = paint(session, prepare(picture, 64)).extended
     ballast = []
     for i in range(12):
         ballast.append(np.empty(16 + 1016 * i + 4 * i, np.uint8))
-        assert (paint(session, prepare(picture, 64)).normals == first).all()
+        assert (paint(session, prepare(picture, 64)).extended == first).all()

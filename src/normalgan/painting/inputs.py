@@ -1,0 +1,187 @@
+"""Inputs: a drawing, its mask and its hints as files, arrays or images of Pillow, each checked first."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageOps
+
+from normalgan.decoding import Decoded, Pixels
+from normalgan.drawings import LARGEST, SMALLEST
+from normalgan.errors import InputError, brief
+from normalgan.normals import Floats, normalize
+from normalgan.painting.hint_files import Hints, load_hints, parse_hints
+from normalgan.painting.jobs import MODEL, OUTLINE
+from normalgan.painting.masks import load_mask, mask_of
+from normalgan.painting.picture import Picture, read_picture, to_picture
+from normalgan.painting.preparation import Mark, Prepared, prepare
+
+AnyPicture = str | Path | Image.Image | NDArray[Any] | Picture
+AnyMask = str | Path | Image.Image | NDArray[Any] | None
+AnyHints = str | Path | Sequence[dict[str, Any]] | NDArray[Any] | Hints | None
+
+_WANTED = "give a path, an array or an image of Pillow"
+
+
+def prepare_any(
+    image: AnyPicture,
+    network_size: int,
+    hints: AnyHints = None,
+    mask: AnyMask = None,
+    size: int | None = None,
+) -> Prepared:
+    """Return a drawing as far as it gets without the network.
+
+    Args:
+        image: a path; an image of Pillow; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
+            floats from 0 to 1, dark lines on light paper or light ones on dark.
+        network_size: side of the network's pictures in pixels.
+        hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels of the drawing from
+            its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
+        mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
+            black; ``outline`` fills the drawing's own, ``model`` leaves it to the network; None takes the
+            drawing's opacity if that tells, else its outline.
+        size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
+
+    Raises:
+        InputError: if something cannot be used.
+    """
+    check_size(size)
+    picture = as_picture(image, size)
+    source = mask if isinstance(mask, str) and mask in {OUTLINE, MODEL} else None
+    where = None if source is not None else as_mask(mask, picture.shape)
+    return prepare(picture, network_size, where, as_hints(hints, picture.shape), size, source)
+
+
+def check_size(size: int | None) -> None:
+    """Raise `InputError` if a map cannot have this longer side."""
+    if size is not None and not SMALLEST <= size <= LARGEST:
+        raise InputError(f"size is {size}; a map has {SMALLEST} to {LARGEST} pixels a side.")
+
+
+def as_picture(image: AnyPicture, svg_side: int | None = None) -> Picture:
+    """Return a drawing in any form as a picture.
+
+    Raises:
+        InputError: if it cannot be used.
+    """
+    match image:
+        case Picture():
+            return image
+        case str() | Path():
+            return read_picture(Path(image), None, svg_side)
+        case Image.Image():
+            _check_sides("the image", image.height, image.width)
+            try:
+                pixels = _decoded(ImageOps.exif_transpose(image))
+            except (OSError, SyntaxError) as error:  # Pillow reads the pixels when they are asked for
+                raise InputError(f"the image cannot be read: {brief(error)}.") from None
+            return to_picture(Decoded(pixels, (pixels.shape[0], pixels.shape[1])))
+        case np.ndarray():
+            levels = _levels("the image", image)
+            if levels.ndim == 2:
+                levels = np.repeat(levels[..., None], 3, axis=-1)
+            alpha = levels[..., 3] if levels.shape[2] == 4 else None
+            opaque = alpha is None or bool(alpha.min() == 1)
+            return Picture(np.ascontiguousarray(levels[..., :3]), None if opaque else alpha)
+        case _:
+            raise InputError(f"the image is of the type {type(image).__name__}; {_WANTED}.")
+
+
+def as_mask(mask: AnyMask, shape: tuple[int, int]) -> Mark | None:
+    """Return the object (H, W) that a mask in any form shows.
+
+    Raises:
+        InputError: if it cannot be used.
+    """
+    match mask:
+        case None:
+            return None
+        case str() | Path():
+            return load_mask(Path(mask), shape)
+        case np.ndarray() if mask.dtype == np.bool_:
+            return mask_of(as_picture(mask.astype(np.uint8) * np.uint8(255)), shape)
+        case Image.Image() | np.ndarray():
+            return mask_of(as_picture(mask), shape)
+        case _:
+            raise InputError(f"the mask is of the type {type(mask).__name__}; {_WANTED}.")
+
+
+def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
+    """Return hints in any form for a drawing of (H, W) pixels; None for none.
+
+    Raises:
+        InputError: if they cannot be used; it says which hint is wrong.
+    """
+    match hints:
+        case None | Hints():
+            found = hints
+        case str() | Path():
+            found = load_hints(Path(hints), shape)
+        case np.ndarray():
+            found = _hints_in(hints, shape)
+        case list() | tuple():
+            found = parse_hints(list(hints), "the list", shape)
+        case _:
+            raise InputError(
+                f"the hints are of the type {type(hints).__name__}; give a path, a list or an array."
+            )
+    return found if found is not None and len(found.points) else None
+
+
+def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
+    """Return the hints in an array (H, W, 4)."""
+    if array.shape != (*shape, 4) or not np.issubdtype(array.dtype, np.floating):
+        raise InputError(
+            f"the hints are an array of {array.dtype} with the shape {array.shape}; for this drawing they "
+            f"are floats with the shape {(*shape, 4)}: x, y, z of the normal, and 1 where there is a hint."
+        )
+    rows, columns = np.nonzero(array[..., 3] > 0.5)
+    normals = array[rows, columns, :3].astype(np.float32)
+    length = np.linalg.norm(normals, axis=1)
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is no number is wrong
+    if len(wrong):
+        first = wrong[0]
+        raise InputError(
+            f"the hint at x {columns[first]}, y {rows[first]} has length {length[first]:.3g}; "
+            "a normal has length 1."
+        )
+    points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
+    return Hints(points, normalize(normals))
+
+
+def _decoded(image: Image.Image) -> Pixels:
+    """Return the pixels of an image of Pillow as those of a file are decoded."""
+    if image.mode.startswith("I") or image.mode == "F":
+        return np.asarray(image)
+    clear = image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info
+    return np.asarray(image.convert("RGBA" if clear else "RGB"))
+
+
+def _levels(name: str, array: NDArray[Any]) -> Floats:
+    """Return the values of an array of pixels, in [0, 1]."""
+    if array.ndim not in {2, 3} or (array.ndim == 3 and array.shape[2] not in {3, 4}):
+        raise InputError(
+            f"{name} has the shape {array.shape}; an array has (H, W), (H, W, 3) or (H, W, 4), rows first."
+        )
+    _check_sides(name, *array.shape[:2])
+    if array.dtype in {np.dtype(np.uint8), np.dtype(np.uint16)}:
+        return np.asarray(array / np.float32(np.iinfo(array.dtype).max), np.float32)
+    if not np.issubdtype(array.dtype, np.floating):
+        raise InputError(
+            f"{name} is an array of {array.dtype}; give uint8 from 0 to 255, uint16 from 0 to 65535, or "
+            "floats from 0 to 1."
+        )
+    least, most = float(array.min()), float(array.max())
+    if not (least >= 0 and most <= 1):  # so that what is no number is refused too
+        raise InputError(f"{name} has floats from {least:g} to {most:g}; black is 0 and white is 1.")
+    return array.astype(np.float32)
+
+
+def _check_sides(name: str, height: int, width: int) -> None:
+    if not SMALLEST <= min(height, width) <= max(height, width) <= LARGEST:
+        raise InputError(
+            f"{name} is {width} × {height} pixels; a drawing has {SMALLEST} to {LARGEST} a side."
+        )

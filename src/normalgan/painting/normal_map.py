@@ -1,0 +1,108 @@
+"""NormalMap: what comes out of painting: normals, mask, confidence; as arrays, pictures and files."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError
+from normalgan.normals import (
+    Bits,
+    Floats,
+    encode_exr,
+    encode_png,
+    encode_tiff,
+    flip_green,
+    paint_flat,
+    write_bytes,
+)
+
+Format = Literal["png", "exr", "tiff"]
+Green = Literal["up", "down"]
+_SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
+
+
+@dataclass(frozen=True, eq=False)
+class NormalMap:
+    """A normal map and what came with it; axes are x right, y up, z to the viewer.
+
+    Args:
+        extended: (H, W, 3), unit everywhere: off the object they are those on it, smoothly continued.
+        mask: (H, W), the object.
+        alpha: (H, W) in [0, 1], the drawing's own opacity if that tells the mask, else the mask.
+        seen: (S, S), what the network was shown.
+        confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
+        warning: what went wrong, a part of a sentence; empty if nothing did.
+    """
+
+    extended: Floats
+    mask: NDArray[np.bool_]
+    alpha: Floats
+    seen: Floats
+    confidence: Floats | None
+    warning: str
+
+    @cached_property
+    def normal(self) -> Floats:
+        """(H, W, 3), unit normals on the object and zero off it."""
+        return np.where(self.mask[..., None], self.extended, np.float32(0))
+
+    def height(self) -> Floats:
+        """Return the surface that the normals belong to, (H, W) in pixels towards the viewer.
+
+        It has a mean of zero over each connected part and is zero off the object; see
+        `normalgan.painting.height.integrate`.
+        """
+        from normalgan.painting.height import integrate  # here: its solver takes a while to import
+
+        return integrate(self.extended, self.mask)
+
+    def encode(self, form: Format = "png", bits: Bits = 8, y: Green = "up", alpha: bool = False) -> bytes:
+        """Return the content of a file: flat off the object, or what is transparent there.
+
+        Args:
+            form: of the file; exr and tiff hold floats.
+            bits: of each channel of a PNG.
+            y: up is green as in OpenGL, down as in DirectX.
+            alpha: whether the object's mask is the alpha channel.
+        """
+        normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)
+        if y == "down":
+            normals = flip_green(normals)
+        opacity = self.alpha if alpha else None
+        match form:
+            case "png":
+                return encode_png(normals, bits, opacity)
+            case "exr":
+                return encode_exr(normals, opacity)
+            case "tiff":
+                return encode_tiff(normals, opacity)
+
+    def save(self, path: str | Path, bits: Bits = 8, y: Green = "up", alpha: bool = False) -> None:
+        """Write the map as PNG, EXR or TIFF, as the path ends, whole or not at all.
+
+        Args:
+            path: of the file; its folder is made where missing.
+            bits: of each channel of a PNG, 8 or 16.
+            y: ``up`` is green as in OpenGL, ``down`` as in DirectX.
+            alpha: whether the object's mask is the alpha channel.
+
+        Raises:
+            InputError: if a setting cannot be used.
+            OSError: if the file cannot be written.
+        """
+        form = _SUFFIXES.get(Path(path).suffix.lower())
+        if form is None:
+            raise InputError(f"the normal map {path} is to end in one of {' '.join(_SUFFIXES)}.")
+        if bits not in get_args(Bits) or (bits == 16 and form != "png"):
+            raise InputError(f"bits are 8 or 16, of a PNG; {path} with {bits} is neither.")
+        if y not in get_args(Green):
+            raise InputError(f"y is up or down, not {y!r}.")
+        write_bytes(path, self.encode(form, bits, y, alpha))
+
+    def _repr_png_(self) -> bytes:
+        """Return the map as a notebook shows it."""
+        return self.encode()

@@ -1,0 +1,51 @@
+"""Saved models: any file of a trained model, or the one that comes with the package, as a painter."""
+
+from pathlib import Path
+
+from normalgan.errors import InputError
+from normalgan.painting.backend import Backend
+from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.painter import Painter
+
+SHIPPED_NAME = "shipped"
+"""What the model that comes with the package is called."""
+
+
+def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Painter:
+    """Return a trained model as a function of a drawing.
+
+    ONNX files, among them the one that comes with the package, need no torch and load in a moment.
+
+    Args:
+        path_or_name: ``shipped``, or a file: ``.onnx`` or ``.safetensors`` that `normalgan export` wrote, or
+            a checkpoint that `normalgan fit` saved.
+        size: side in pixels of the pictures of a checkpoint's training; None where it says so itself.
+
+    Raises:
+        InputError: if it cannot be used.
+    """
+    return Painter(_backend(str(path_or_name), size))
+
+
+def _backend(name: str, size: int | None) -> Backend:
+    if name == SHIPPED_NAME:
+        return OnnxBackend(find_model())
+    path = Path(name)
+    if not path.is_file():
+        raise InputError(
+            f"there is no model {name}; give a file (.onnx, .safetensors, .ckpt), or {SHIPPED_NAME!r} for "
+            "the one that comes with the package."
+        )
+    if path.suffix.lower() == ".onnx":
+        return OnnxBackend(path)
+    # Late: torch takes seconds to import.
+    from normalgan.painting.torch_backend import TorchBackend
+    from normalgan.weights.file import SUFFIX, read_weights
+
+    if path.suffix.lower() == SUFFIX:
+        weights = read_weights(path)
+        return TorchBackend(weights.generator(), weights.notes.size)
+    from normalgan.exporting.deployed import load as load_checkpoint
+
+    model = load_checkpoint(path, size)
+    return TorchBackend(model.generator, model.size)

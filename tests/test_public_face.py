@@ -1,0 +1,83 @@
+"""What `import normalgan` offers: the names and signatures that may not change unnoticed, and it is light."""
+
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import normalgan
+from normalgan.errors import InputError
+from pens import blob, outline
+
+GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+
+
+def test_the_public_names() -> None:
+    assert normalgan.__all__ == [
+        *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Painter", "__version__", "load"),
+        "metrics",
+    ]
+    assert set(normalgan.__all__) <= set(dir(normalgan))
+    with pytest.raises(AttributeError, match="has no attribute 'lode'"):
+        _ = normalgan.lode
+
+
+def test_the_public_signatures() -> None:
+    def names(function: object) -> list[str]:
+        return list(inspect.signature(function).parameters)  # type: ignore[arg-type]
+
+    assert names(normalgan.load) == ["path_or_name", "size"]
+    assert inspect.signature(normalgan.load).parameters["path_or_name"].default == "shipped"
+    assert names(normalgan.Painter.__call__) == ["self", "image", "hints", "mask", "size"]
+    assert names(normalgan.NormalMap.save) == ["self", "path", "bits", "y", "alpha"]
+    public = {name for name in dir(normalgan.NormalMap) if not name.startswith("_")}
+    fields = set(normalgan.NormalMap.__dataclass_fields__)
+    assert public | fields == {
+        *("normal", "mask", "confidence", "height", "save", "encode", "alpha", "extended", "seen"),
+        "warning",
+    }
+
+
+def loaded_by(code: str) -> set[str]:
+    """Return the top-level packages that a fresh interpreter has loaded after some code."""
+    listing = "import sys; print(*{name.partition('.')[0] for name in sys.modules})"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, check=True
+    )
+    return set(done.stdout.split())
+
+
+def test_importing_it_loads_nothing_heavy_and_the_shipped_model_needs_no_torch() -> None:
+    assert not loaded_by("import normalgan") & {"numpy", "torch", "onnxruntime", "lightning", "cv2"}
+    seen = loaded_by("import normalgan; normalgan.load()")
+    assert "onnxruntime" in seen
+    assert not seen & {"torch", "lightning", "matplotlib"}
+
+
+def test_from_an_array_to_a_saved_map(tmp_path: Path) -> None:
+    preds = normalgan.load()(GREY)
+    assert preds.normal.shape == (*GREY.shape, 3)
+    assert preds.confidence is not None
+    assert preds.confidence.shape == preds.mask.shape == GREY.shape
+    np.testing.assert_allclose(np.linalg.norm(preds.normal[preds.mask], axis=-1), 1, atol=1e-5)
+    preds.save(tmp_path / "map.png")
+    assert (tmp_path / "map.png").read_bytes() == preds._repr_png_()
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("gone.ckpt", r"^there is no model gone\.ckpt; give a file \(\.onnx, \.safetensors, \.ckpt\)"),
+        ("text.onnx", r"text\.onnx is no model that ONNX Runtime can run"),
+    ],
+)
+def test_what_is_no_model_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, sentence: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "text.onnx").write_text("no model")
+    with pytest.raises(InputError, match=sentence):
+        normalgan.load(name)
