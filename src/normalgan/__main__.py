@@ -4,14 +4,13 @@
 143: stopped by SIGTERM, the checkpoint saved.
 """
 
-import difflib
 import errno
 import os
 import sys
 from importlib import import_module
 
 from normalgan import __version__
-from normalgan.errors import InputError, RunError, brief
+from normalgan.errors import InputError, RunError, brief, did_you_mean
 
 USAGE = """\
 normalgan: from a line sketch to a surface normal map
@@ -88,8 +87,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _unknown(command: str) -> str:
-    near = difflib.get_close_matches(command, COMMANDS, n=1)
-    hint = f" Did you mean {near[0]}?" if near else ""
+    hint = did_you_mean(command, COMMANDS)
     return f"no command named {command!r}.{hint} The commands are {', '.join(COMMANDS)}."
 
 

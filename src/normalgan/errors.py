@@ -1,6 +1,8 @@
 """The exceptions that are told in one sentence: the user gave something that cannot be used."""
 
+import difflib
 import errno
+from collections.abc import Iterable
 
 
 class InputError(ValueError):
@@ -39,3 +41,18 @@ def brief(error: BaseException) -> str:
     """
     lines = str(error).strip().splitlines()
     return lines[0] if lines else type(error).__name__
+
+
+def did_you_mean(given: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return the sentence that names the nearest of what is known, after a space; empty if none is near.
+
+    Args:
+        given: what is not known.
+        known: what there is.
+        cutoff: share of letters that must agree.
+
+    >>> did_you_mean("widht", ["depth", "width"])
+    ' Did you mean width?'
+    """
+    near = difflib.get_close_matches(given, list(known), n=1, cutoff=cutoff)
+    return f" Did you mean {near[0]}?" if near else ""

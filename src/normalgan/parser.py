@@ -7,8 +7,8 @@ from typing import NoReturn
 from lightning.pytorch.cli import LightningArgumentParser
 
 from normalgan.class_settings import OwnDefaultsParser
-from normalgan.errors import InputError
-from normalgan.parser_errors import did_you_mean, explain
+from normalgan.errors import InputError, did_you_mean
+from normalgan.parser_errors import explain
 from normalgan.plugins import SETTINGS, described, namable
 
 

@@ -1,6 +1,5 @@
 """Parser errors: what the parser says of a mistake in settings, many lines deep, as one sentence."""
 
-import difflib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, brief, did_you_mean
 from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.registry import Registry
 
@@ -81,16 +80,6 @@ def refusal(error: Exception) -> str:
     reasons = re.findall(r"^ *- (.+)$", str(error), re.MULTILINE)
     own = [reason for reason in reasons if not reason.startswith(("Expected", "Does not validate"))]
     return own[0] if own else brief(error)
-
-
-def did_you_mean(given: str, known: Iterable[str]) -> str:
-    """Return the sentence that names the nearest of what is known, after a space; empty if none is near.
-
-    >>> did_you_mean("widht", ["depth", "width"])
-    ' Did you mean width?'
-    """
-    near = difflib.get_close_matches(given, list(known), n=1)
-    return f" Did you mean {near[0]}?" if near else ""
 
 
 def check_config(path: str | Path, sections: Iterable[str]) -> None:

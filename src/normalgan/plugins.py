@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from importlib.metadata import entry_points
 from typing import Any
 
+from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
-from normalgan.parser_errors import did_you_mean
 from normalgan.registry import LeftOut, Registry, offerer, summary
 from normalgan.rendering.lines import LINE_DRAWINGS
 from normalgan.rendering.renderers import RENDERERS

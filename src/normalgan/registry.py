@@ -4,7 +4,6 @@ jsonargparse already finds every imported subclass of an annotated base by its s
 choices in ``--help`` and checks ``init_args``. A registry adds what it does not do.
 """
 
-import difflib
 import inspect
 import os
 import sys
@@ -15,7 +14,7 @@ from functools import lru_cache
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, entry_points, version
 from typing import Any, Generic, TypeVar
 
-from normalgan.errors import brief
+from normalgan.errors import brief, did_you_mean
 
 T = TypeVar("T")
 C = TypeVar("C", bound=type[Any])
@@ -182,8 +181,7 @@ class Registry(Generic[T]):
 
     def explain_unknown(self, name: str) -> str:
         """Return the sentence for a name that is not registered, with the nearest one that is."""
-        near = difflib.get_close_matches(name, self.names(), n=1, cutoff=0.5)
-        hint = f" Did you mean {near[0]}?" if near else ""
+        hint = did_you_mean(name, self.names(), 0.5)
         return f"no {self.base.__name__} named {name!r}.{hint} Known: {', '.join(self.names())}."
 
 

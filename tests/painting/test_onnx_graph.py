@@ -13,7 +13,7 @@ from onnx import GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto,
 from normalgan.errors import InputError
 from normalgan.painting import session
 from normalgan.painting.onnx_graph import MOST_NODES, check_graph
-from normalgan.painting.session import SHIPPED, Model
+from normalgan.painting.onnx_backend import SHIPPED, OnnxBackend
 from onnx_models import write_model
 
 SIZE = 16
@@ -140,7 +140,7 @@ def test_what_no_generator_needs_is_refused_before_it_is_loaded(
     monkeypatch.setattr(onnxruntime, "InferenceSession", None)
     (tmp_path / "bad.onnx").write_bytes(make().SerializeToString())
     with pytest.raises(InputError, match="bad.onnx " + sentence) as refused:
-        Model(tmp_path / "bad.onnx")
+        OnnxBackend(tmp_path / "bad.onnx")
     assert str(refused.value).endswith("; a generator is one plain graph, as `normalgan export` writes.")
 
 
@@ -182,7 +182,7 @@ def test_what_does_not_paint_is_refused_in_one_sentence(
     wide = node("Concat", "sketch sketch sketch", "wide", axis=1)
     (tmp_path / "bad.onnx").write_bytes(made([wide, *nodes], weights).SerializeToString())
     with pytest.raises(InputError, match=f"^the model .*bad.onnx {sentence}") as refused:
-        Model(tmp_path / "bad.onnx").paint(np.zeros((SIZE, SIZE), np.float32))
+        OnnxBackend(tmp_path / "bad.onnx").paint(np.zeros((SIZE, SIZE), np.float32))
     assert len(str(refused.value).splitlines()) == 1
 
 
@@ -203,13 +203,13 @@ def test_a_small_number_that_asks_for_much_memory_gets_none(tmp_path: Path, of_w
     assert check_graph("large.onnx", content) is (of_what == "the input")
     (tmp_path / "large.onnx").write_bytes(content)
     with pytest.raises(InputError, match=r"large\.onnx takes more than 8 GiB of memory to paint"):
-        Model(tmp_path / "large.onnx").paint(np.zeros((SIZE, SIZE), np.float32))
+        OnnxBackend(tmp_path / "large.onnx").paint(np.zeros((SIZE, SIZE), np.float32))
 
 
 def test_a_model_of_no_possible_size_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.onnx").write_bytes(made([VECTORS], size=100_000).SerializeToString())
     with pytest.raises(InputError, match="paints pictures of 100000 × 100000 pixels; 8 to 2048 a side"):
-        Model(tmp_path / "bad.onnx")
+        OnnxBackend(tmp_path / "bad.onnx")
 
 
 def test_a_model_that_takes_too_long_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -220,7 +220,7 @@ def test_a_model_that_takes_too_long_is_ended(tmp_path: Path, monkeypatch: pytes
     weights = [constant("sizes", [1, 1, side, side], np.int64)]
     steps.append(node("Concat", "m399 m399 m399", axis=1))
     (tmp_path / "slow.onnx").write_bytes(made(steps, weights).SerializeToString())
-    model = Model(tmp_path / "slow.onnx")
+    model = OnnxBackend(tmp_path / "slow.onnx")
     monkeypatch.setattr(session, "PATIENCE", 0.5)
     with pytest.raises(InputError, match=r"slow\.onnx takes more than 0 seconds to paint"):
         model.paint(np.zeros((SIZE, SIZE), np.float32))

@@ -1,6 +1,5 @@
 """Animals by species and number, and herds of them: the data the package brings along."""
 
-import difflib
 import hashlib
 import zlib
 from collections.abc import Sequence
@@ -10,7 +9,7 @@ import numpy as np
 
 from normalgan.animals.kinds import GROUPS, SPECIES
 from normalgan.animals.meshing import to_mesh
-from normalgan.errors import InputError
+from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.mesh import Mesh
 
 VERSION = 2  # to be raised whenever the same species and seed give another shape
@@ -102,6 +101,5 @@ def members(names: Sequence[str]) -> list[str]:
 
 def _known(what: str, name: str, names: list[str]) -> None:
     if name not in names:
-        near = difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.5)
-        hint = f" Did you mean {near[0]}?" if near else ""
+        hint = did_you_mean(name.lower(), names, 0.5)
         raise InputError(f"no {what} named {name!r}.{hint} Known: {', '.join(names)}.")

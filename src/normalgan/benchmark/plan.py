@@ -10,8 +10,8 @@ from typing import Any, Literal, TypeVar
 import yaml
 
 from normalgan.commands.light_parser import LightParser
-from normalgan.errors import InputError
-from normalgan.parser_errors import check_config, did_you_mean, refusal
+from normalgan.errors import InputError, did_you_mean
+from normalgan.parser_errors import check_config, refusal
 
 Settings = dict[str, Any]
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")

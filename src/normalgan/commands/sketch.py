@@ -10,9 +10,9 @@ from jsonargparse import Namespace
 
 from normalgan.animals import SPECIES, Animal
 from normalgan.commands.light_parser import LightParser
-from normalgan.errors import InputError, unwritable
+from normalgan.errors import InputError, did_you_mean, unwritable
 from normalgan.normals import paint_flat, write_bytes, write_png
-from normalgan.parser_errors import did_you_mean, refusal
+from normalgan.parser_errors import refusal
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
 from normalgan.rendering.hand import Hand
