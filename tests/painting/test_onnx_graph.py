@@ -12,8 +12,8 @@ from onnx import GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto,
 
 from normalgan.errors import InputError
 from normalgan.painting import session
-from normalgan.painting.onnx_graph import MOST_NODES, check_graph
 from normalgan.painting.onnx_backend import SHIPPED, OnnxBackend
+from normalgan.painting.onnx_graph import MOST_NODES, check_graph
 from onnx_models import write_model
 
 SIZE = 16
