@@ -186,7 +186,7 @@ def test_a_cache_nearby_saves_the_way(bucket: str, tmp_path: Path, memory: int) 
     for path in kept:
         path.write_bytes(path.read_bytes()[:-9] + b"corrupted")
     damaged = open_samples(bucket, SOURCES, VIEWS, recipe(), cache)["train"]
-    for index in range(36):
+    for index in (0, 17, 20, 35):
         assert_same(damaged.read(index), direct.read(index))  # fetched anew where the copy is damaged
     folder = Storage(store.url)
     folder.delete("samples.zarr/train/mask/c/1/0/0")
