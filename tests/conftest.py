@@ -1,5 +1,6 @@
 """What tests of several folders share; being here, it also lets them import the modules beside it."""
 
+import os
 import signal
 from pathlib import Path
 
@@ -16,6 +17,10 @@ pytest_plugins = ["chromium", "fixtures_of_commands", "plugin_packages", "pytest
 # --hypothesis-profile=default tries others.
 settings.register_profile("steady", derandomize=True)
 settings.load_profile("steady")
+
+# Networks and pictures this small are slower with more threads, above all where tests run side by side. Libraries
+# look at this when they are loaded, which is later.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # A shell that starts the tests in the background has Ctrl-C ignored, and what they start inherits that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -51,6 +56,14 @@ def shared_sketches() -> list[Path]:
     if not found:
         pytest.skip(SHARED_SKETCHES.reason("there are no drawings in it"))
     return found
+
+
+@pytest.hookimpl(tryfirst=True)  # before the slow ones are left out
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that hold slow tests, so that at the end no process waits long for another."""
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        slow = {item.path for item in items if item.get_closest_marker("slow")}
+        items.sort(key=lambda item: item.path not in slow)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -13,7 +13,7 @@ from normalgan.rendering.mesh import Mesh
 
 COARSE = 6_000  # faces of the quick tests
 # Individuals of each species at full size, a second each; try 12 after a change to how animals are made.
-FULL_SIZE = range(int(os.environ.get("NORMALGAN_ANIMALS", "3")))
+FULL_SIZE = range(int(os.environ.get("NORMALGAN_ANIMALS", "2")))
 
 
 def coarse(species: str, seed: int, pose: str | None = None) -> Mesh:
