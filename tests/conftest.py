@@ -18,8 +18,8 @@ pytest_plugins = ["chromium", "fixtures_of_commands", "plugin_packages", "pytest
 settings.register_profile("steady", derandomize=True)
 settings.load_profile("steady")
 
-# Networks and pictures this small are slower with more threads, above all where tests run side by side. Libraries
-# look at this when they are loaded, which is later.
+# Networks and pictures this small are slower with more threads, above all where tests run side by side.
+# Libraries look at this when they are loaded, which is later.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # A shell that starts the tests in the background has Ctrl-C ignored, and what they start inherits that.
