@@ -9,6 +9,7 @@ from normalgan.data import cluster_address
 from s3_server import fresh_bucket, s3_server
 
 
+@pytest.mark.slow  # starts processes that render
 def test_render_takes_a_cluster(bench: Bench, tmp_path: Path) -> None:
     alone = bench.run("render", tmp_path, "--data.cache", tmp_path / "alone")
     assert alone.code == 0, alone.err

@@ -13,7 +13,7 @@ from normalgan.errors import InputError
 MOODY = replace(recipe(), renderer=MoodyRenderer(fails_at="b"))
 
 
-@pytest.mark.parametrize("where", ["here", "pool", "cluster"])
+@pytest.mark.parametrize("where", ["here", "pool", pytest.param("cluster", marks=pytest.mark.slow)])
 def test_a_mesh_that_fails_only_when_rendered_fails_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
 ) -> None:
