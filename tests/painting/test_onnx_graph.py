@@ -11,7 +11,7 @@ import pytest
 from onnx import GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto, helper, numpy_helper
 
 from normalgan.errors import InputError
-from normalgan.painting import session
+from normalgan.painting import onnx_backend
 from normalgan.painting.onnx_backend import SHIPPED, OnnxBackend
 from normalgan.painting.onnx_graph import MOST_NODES, check_graph
 from onnx_models import write_model
@@ -221,6 +221,6 @@ def test_a_model_that_takes_too_long_is_ended(tmp_path: Path, monkeypatch: pytes
     steps.append(node("Concat", "m399 m399 m399", axis=1))
     (tmp_path / "slow.onnx").write_bytes(made(steps, weights).SerializeToString())
     model = OnnxBackend(tmp_path / "slow.onnx")
-    monkeypatch.setattr(session, "PATIENCE", 0.5)
+    monkeypatch.setattr(onnx_backend, "PATIENCE", 0.5)
     with pytest.raises(InputError, match=r"slow\.onnx takes more than 0 seconds to paint"):
         model.paint(np.zeros((SIZE, SIZE), np.float32))
