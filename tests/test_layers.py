@@ -10,7 +10,8 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
-    {"class_settings", "metrics", "normals", "predictions", "registry", "seeds", "limits", "decoding"},
+    {"class_settings", "metrics", "normals", "predictions", "registry", "seeds", "limits", "decoding"}
+    | {"shipped_configs"},
     {"rendering", "hints", "models", "objectives", "drawings", "gallery"}
     | {"checkpoints", "parser_errors", "run_lock", "warning_filters"},
     {"animals"},

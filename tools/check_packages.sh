@@ -54,6 +54,9 @@ CHECK
         "$normalgan" sketch fox-1 -o fox.png --size 256
         "$normalgan" generate fox.png -o maps # with the model that comes along
         test -s maps/fox_normal.png
+        "$environment/bin/python" -c "import normalgan; normalgan.load()('fox.png').save('python.png')"
+        cmp python.png maps/fox_normal.png
+        "$normalgan" fit --config paper --config cpu --print_config | grep -q 'default_root_dir: runs/paper'
         "$normalgan" fit --config "$here/tests/conf/tiny.yaml" --trainer.default_root_dir run
         test -s run/checkpoints/last.ckpt
     )

@@ -25,7 +25,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
 from normalgan.loading import ModelLoader
-from normalgan.parser import Parser, given_configs
+from normalgan.parser import Parser, with_shipped_configs
 from normalgan.parser_errors import check_config, refusal
 from normalgan.plugins import REGISTRIES
 from normalgan.run_lock import one_run_in
@@ -135,7 +135,8 @@ def run(arguments: list[str]) -> int:
         InputError: if something that was given cannot be used.
         KeyboardInterrupt: if it was stopped.
     """
-    for given in given_configs(arguments):
+    arguments, configs = with_shipped_configs(arguments)
+    for given in configs:
         check_config(given, SECTIONS)
     # One command's parser alone: each takes a fifth of a second to build.
     only = {command: skip for command, skip in NormalGANCLI.subcommands().items() if command == arguments[0]}

@@ -10,6 +10,7 @@ from normalgan.class_settings import OwnDefaultsParser
 from normalgan.errors import InputError, did_you_mean
 from normalgan.parser_errors import explain
 from normalgan.plugins import SETTINGS, described, namable
+from normalgan.shipped_configs import find_config
 
 
 class Parser(OwnDefaultsParser, LightningArgumentParser):
@@ -37,16 +38,25 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         return [action.dest for parser in (self, *commands) for action in parser._actions]
 
 
-def given_configs(arguments: list[str]) -> list[str]:
-    """Return the configuration files among the arguments, however they are spelled.
+def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """Return the arguments with the paths of shipped configurations in place of their names, and all paths.
 
-    >>> given_configs(["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"])
+    Args:
+        arguments: of a command; ``--config`` may be spelled in any way.
+
+    >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
+    >>> with_shipped_configs(given)[1]
     ['a.yaml', 'b.yaml', 'c.yaml']
     """
-    apart = {i + 1 for i, argument in enumerate(arguments) if argument in {"-c", "--config"}}
-    found = []
-    for i, argument in enumerate(arguments):
-        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", argument)
-        if i in apart or joined:
-            found.append(joined[1] if joined and i not in apart else argument)
-    return found
+    replaced, found = [], []
+    for before, argument in zip(["", *arguments], arguments, strict=False):
+        joined = re.fullmatch(r"(--config=|-c(?!$))(.+)", argument)
+        prefix, given = ("", argument) if joined is None else joined.groups()
+        if before in {"-c", "--config"}:
+            prefix, given = "", argument
+        elif joined is None:
+            replaced.append(argument)
+            continue
+        found.append(find_config(given))
+        replaced.append(f"{prefix}{found[-1]}")
+    return replaced, found

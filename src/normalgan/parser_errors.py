@@ -10,6 +10,7 @@ import yaml
 from normalgan.errors import InputError, brief, did_you_mean
 from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.registry import Registry
+from normalgan.shipped_configs import shipped_names
 
 _KINDS = {
     "int": "a whole number",
@@ -98,7 +99,9 @@ def check_config(path: str | Path, sections: Iterable[str]) -> None:
             raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
         content = load_yaml(text)
     except FileNotFoundError:
-        raise InputError(f"there is no configuration file {path}.") from None
+        names = shipped_names()
+        hint = did_you_mean(str(path), names) or f" The package brings {', '.join(names)}."
+        raise InputError(f"there is no configuration file {path}.{hint}") from None
     except OSError as error:
         raise InputError(f"the configuration {path} cannot be read: {error.strerror}.") from None
     except yaml.MarkedYAMLError as error:

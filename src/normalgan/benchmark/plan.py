@@ -12,6 +12,7 @@ import yaml
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, did_you_mean
 from normalgan.parser_errors import check_config, refusal
+from normalgan.shipped_configs import find_config
 
 Settings = dict[str, Any]
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
@@ -165,11 +166,12 @@ def read_plan(path: str | Path) -> Plan:
 
 
 def read_yaml(path: str | Path) -> Settings:
-    """Return the settings of a configuration file.
+    """Return the settings of a configuration file, or of one that comes with the package, by its name.
 
     Raises:
         InputError: if it cannot be read as one.
     """
+    path = find_config(str(path))
     check_config(path, ())
     content: Settings = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     return content

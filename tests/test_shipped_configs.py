@@ -1,0 +1,50 @@
+"""Configurations that come with the package are found by name, from any folder."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from normalgan.__main__ import main
+from normalgan.errors import InputError
+from normalgan.parser_errors import check_config
+from normalgan.shipped_configs import find_config, shipped_folder, shipped_names
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_every_configuration_of_the_repository_has_a_name() -> None:
+    assert {"paper", "ours", "cpu", "quickstart", "fourleg/meshes"} <= set(shipped_names())
+    wanted = {path.relative_to(ROOT / "configs") for path in (ROOT / "configs").rglob("*.yaml")}
+    assert {Path(f"{name}.yaml") for name in shipped_names()} == wanted
+    packed = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert packed["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"] == {
+        "configs": "normalgan/configs"
+    }
+
+
+def test_a_file_of_that_name_wins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    shipped = shipped_folder() / "paper.yaml"
+    for given in ("paper", "paper.yaml", "configs/paper.yaml"):
+        assert Path(find_config(given)).samefile(shipped)
+    assert find_config("papier") == "papier"
+    (tmp_path / "paper").write_text("data: {size: 64}")
+    assert find_config("paper") == "paper"
+
+
+def test_a_name_that_is_nearly_one_is_told() -> None:
+    with pytest.raises(InputError, match=r"^there is no configuration file papr\. Did you mean paper\?$"):
+        check_config("papr", ())
+
+
+def test_a_command_takes_names_in_any_spelling_and_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text("data: {batch_size: 3}")
+    arguments = ["--config", "quickstart", "--config=cpu", "-c", "mine.yaml", "--print_config"]
+    assert main(["fit", *arguments]) == 0
+    printed = capsys.readouterr().out
+    assert "default_root_dir: runs/quickstart" in printed
+    assert "batch_size: 3" in printed
