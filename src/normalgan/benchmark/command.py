@@ -3,6 +3,7 @@
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from jsonargparse import Namespace
 
@@ -11,6 +12,10 @@ from normalgan.benchmark.scale import Scale, read_budget, read_scale
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError
 from normalgan.warning_filters import filter_warnings
+
+if TYPE_CHECKING:  # they import torch
+    from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.methods import Method
 
 
 def run(arguments: list[str]) -> int:
@@ -24,13 +29,20 @@ def run(arguments: list[str]) -> int:
     plan, scale = _read(options)
     with warnings.catch_warnings():
         filter_warnings()
+        out = Path(options.output) if options.output else None
+        if options.spec is not None:
+            check(plan, scale, Path(options.spec))
+        if options.inputs is not None:
+            return write_test_inputs(plan, scale, Path(options.inputs))
+        if options.score is not None:
+            return score(plan, scale, Path(options.score), out)
         if options.evaluate is not None:
-            return evaluate(plan, scale, options.evaluate, Path(options.output) if options.output else None)
+            return evaluate(plan, scale, options.evaluate, out)
         chosen = options.rows.split(",") if options.rows else [row.name for row in plan.rows]
         for name in chosen:
             plan.row(name)
-        out = Path(options.output or "runs/benchmark")
-        return compare(plan, scale, out, chosen, _seeds(options.seeds) or plan.seeds)
+        seeds = _seeds(options.seeds) or plan.seeds
+        return compare(plan, scale, out or Path("runs/benchmark"), chosen, seeds)
 
 
 def build_parser() -> LightParser:
@@ -72,6 +84,21 @@ def build_parser() -> LightParser:
         type=str | None,
         help="measure a model as the plan does, and train nothing: a checkpoint, .safetensors, .onnx, or "
         "shipped, the one that comes with the package",
+    )
+    parser.add_argument(
+        "--score",
+        type=str | None,
+        help="measure the normal maps in a folder that another program painted, and train nothing",
+    )
+    parser.add_argument(
+        "--inputs",
+        type=str | None,
+        help="write the sketches and hints of the test into a folder, for another program, and train nothing",
+    )
+    parser.add_argument(
+        "--spec",
+        type=str | None,
+        help="a frozen specification, such as configs/benchmark/v2.json; refuse to measure on anything else",
     )
     return parser
 
@@ -124,21 +151,82 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
     from normalgan.benchmark.evaluation import Evaluation
     from normalgan.benchmark.runs import shared_settings
     from normalgan.benchmark.saved import saved_method
-    from normalgan.benchmark.table import markdown, mesh_table
-    from normalgan.benchmark.training import write_json
 
     evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
     method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)
-    figures = evaluation.of_method(method)
-    model = Row("model", name, configs=["–"])
-    one = Plan(plan.name, plan.images, [model], hints=plan.hints, hint_counts=plan.hint_counts)
+    _tell(evaluation, scale, name, method, out)
+    return 0
+
+
+def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> int:
+    """Measure what another program painted of the plan's test split, print tables, return the exit code.
+
+    Args:
+        plan: in what way.
+        scale: at which.
+        folder: of the submission; see `normalgan.benchmark.submissions`.
+        out: as in `evaluate`.
+    """
+    from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.runs import shared_settings
+    from normalgan.benchmark.submissions import read_submission
+
+    submission = read_submission(folder)
+    counts = list(submission.counts)
+    painted = replace(plan, hint_counts=counts, hints=max(counts) or plan.hints, pins=0)
+    painted = replace(painted, placements=[], placement_counts=[], noise_degrees=[], noise_pixels=[])
+    evaluation = Evaluation(painted, shared_settings(plan, scale), test_alone=True)
+    _tell(evaluation, scale, submission.name, submission.method(), out)
+    return 0
+
+
+def write_test_inputs(plan: Plan, scale: Scale, folder: Path) -> int:
+    """Write the sketches and hints of the plan's test split, and return the exit code.
+
+    Args:
+        plan: whose.
+        scale: at which.
+        folder: where to.
+    """
+    from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.runs import shared_settings
+    from normalgan.benchmark.submissions import write_inputs
+
+    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
+    for batch in evaluation.batches():
+        write_inputs(folder, batch, plan.counts, plan.hint_seed)
+    _say(f"Sketches and hints: {folder.resolve()}")
+    return 0
+
+
+def check(plan: Plan, scale: Scale, specification: Path) -> None:
+    """Make sure that a plan at a scale measures on what a specification has frozen.
+
+    Raises:
+        InputError: if it does not.
+    """
+    from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.runs import shared_settings
+    from normalgan.benchmark.specification import check_specification
+
+    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
+    check_specification(evaluation.specification, specification)
+
+
+def _tell(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", out: Path | None) -> None:
+    """Print the tables of a method's figures, and write these into a folder if there is one."""
+    from normalgan.benchmark.table import markdown, mesh_table
+    from normalgan.benchmark.training import write_json
+
+    plan, figures = evaluation.plan, evaluation.of_method(method)
+    one = replace(plan, rows=[Row("model", name, configs=["–"])], reference=None)
     _say(markdown(one, scale, {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}))
     _say(mesh_table(figures, plan.hints))
     if out is not None:
-        head = {"plan": plan.name, "scale": scale.name, "changed": scale.changed, "model": name}
+        head: dict[str, Any] = {"plan": plan.name, "scale": scale.name, "changed": scale.changed}
+        head |= {"model": name, "specification": evaluation.specification}
         write_json(out / "evaluation.json", {**head, "size": evaluation.data.recipe.size, **figures})
         _say(f"Figures: {(out / 'evaluation.json').resolve()}")
-    return 0
 
 
 def _read(options: Namespace) -> tuple[Plan, Scale]:

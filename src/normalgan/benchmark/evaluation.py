@@ -28,6 +28,7 @@ from normalgan.benchmark.plan import Plan, Settings
 from normalgan.benchmark.points import hint_points
 from normalgan.benchmark.runs import Run, build_data
 from normalgan.benchmark.settings import digest
+from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, best_checkpoint
 from normalgan.callbacks.rows import spread
 from normalgan.data.datamodule import MeshDataModule
@@ -130,6 +131,11 @@ class Evaluation:
         with true_float32():
             batches = (moved(batch, self.device) for batch in self.batches())
             return pin_curve([pin_one_by_one(method, one, strategy, self.plan.pins) for one in batches])
+
+    @cached_property
+    def specification(self) -> Specification:
+        """What the figures are measured on."""
+        return specify(build_data(self.shared, batch_size=_BATCH, workers=0), self.tests)
 
     def paint_shown(self, method: Method) -> Floats:
         """Return what a method paints of the gallery's samples with the hints of table 1, (K, 3, H, W)."""

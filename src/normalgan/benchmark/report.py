@@ -54,6 +54,7 @@ class Report:
             "changed": self.scale.changed,
             "seconds": self.scale.seconds,
             "images": None if self.scale.seconds else plan.images,
+            "specification": self.evaluation.specification,
             "size": self.evaluation.data.recipe.size,
             "seeds": sorted({run.seed for run, _ in done if run.seed is not None}),
             "machine": describe_machine(device),

@@ -94,7 +94,7 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
         if given == OWN:
             cells = {"hints": lambda runs: spread_of([r["figures"][OWN]["hints"] for r in runs], 1)} | cells
         lines += ["", f"## {title}", "", *_table(plan, results, cells)]
-    lines += ["", *_intervals(plan, results)]
+    lines += ["", *interval_table(plan, results)]
     for given in ("0", str(plan.hints)):
         cells = {heading: figure_cell(given, name) for name, heading in RELIEF.items()}
         title = "no hints" if given == "0" else f"{given} hints"
@@ -171,7 +171,13 @@ def _difference_of(given: str, reference: Sequence[Result]) -> Cell:
     return lambda runs: interval_cell(difference_interval(runs, reference, given, "angular_mean"), "+")
 
 
-def _intervals(plan: Plan, results: Results) -> list[str]:
+def interval_table(plan: Plan, results: Results) -> list[str]:
+    """Return the lines of table 3: mean errors, and differences from the reference, over the test meshes.
+
+    Args:
+        plan: in whose order the rows come.
+        results: of the rows, of which the meshes are looked at.
+    """
     reference = results.get(plan.reference or "", [])
     cells: dict[str, Cell] = {}
     for given in ("0", str(plan.hints), OWN):

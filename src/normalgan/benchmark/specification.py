@@ -1,0 +1,79 @@
+"""Specification: what a benchmark measures on, as hashes that two reports can be compared by."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from normalgan.benchmark.measure import HintTests
+from normalgan.benchmark.settings import digest
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError, brief
+
+Specification = dict[str, str | int]
+
+_RULE = "uniform on the object, in the order of a permutation by numpy's default_rng, seeded by the name"
+_DRAWN_ALIKE = ("size", "renderer")  # the size stands beside, and renderers give the same maps
+
+
+def specify(data: MeshDataModule, tests: HintTests) -> Specification:
+    """Return what decides on the figures of a given model.
+
+    ``meshes`` stands for the names of each split's meshes, ``views`` for how and how often each test mesh is
+    looked at and drawn, ``hints`` for where the common hints lie; ``size`` is that of the pictures in pixels.
+
+    Args:
+        data: of the benchmark.
+        tests: with what hints methods are tested.
+    """
+    recipe = {k: v for k, v in data.recipe.describe().items() if k not in _DRAWN_ALIKE}
+    return {
+        "size": data.recipe.size,
+        "meshes": digest({split: [s.name for s in found] for split, found in data.sources.items()}),
+        "views": digest({"recipe": recipe, "number": data.views_per_mesh["test"]}),
+        "hints": digest({"rule": _RULE, "seed": tests.seed}),
+    }
+
+
+def check_specification(found: Specification, path: Path) -> None:
+    """Make sure that a benchmark measures on what a file has frozen.
+
+    Args:
+        found: what it measures on.
+        path: JSON file: a specification by its version, for each size of picture.
+
+    Raises:
+        InputError: if it does not, or the file is none.
+    """
+    frozen = _read(path)
+    sizes = {int(one["size"]): one for one in frozen["sizes"]}
+    if found["size"] not in sizes:
+        raise InputError(
+            f"{path} has frozen no benchmark at {found['size']} pixels; use data.size "
+            f"{' or '.join(map(str, sorted(sizes)))}."
+        )
+    wanted = sizes[int(found["size"])]
+    other = [name for name in found if found[name] != wanted.get(name)]
+    if other:
+        raise InputError(
+            f"this is not the benchmark that {path} has frozen as {frozen['version']}: its "
+            f"{' and '.join(other)} differ."
+        )
+
+
+def _read(path: Path) -> dict[str, Any]:
+    right = 'it must be like {"version": "v2", "sizes": [{"size": 128, "meshes": "…", "views": "…"}]}.'
+    try:
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"the specification {path} cannot be read: {error.strerror or brief(error)}."
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"the specification {path} is not JSON ({brief(error)}); {right}") from error
+    sizes = content.get("sizes") if isinstance(content, dict) else None
+    good = isinstance(sizes, list) and all(
+        isinstance(one, dict) and isinstance(one.get("size"), int) for one in sizes
+    )
+    if not good or not isinstance(content.get("version"), str):
+        raise InputError(f"the specification {path} has no version or sizes; {right}")
+    return content

@@ -1,0 +1,119 @@
+"""Submissions: normal maps that another program painted of the test views, measured like a method of ours.
+
+A submission is a folder of ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is what
+was painted of view 3 of the mesh horse without hints, ``15/horse/3.png`` with the 15 hints of the benchmark.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from normalgan.batch import Batch
+from normalgan.benchmark.methods import Method
+from normalgan.benchmark.points import hint_order
+from normalgan.drawings import read_pixels, to_unit
+from normalgan.errors import InputError, brief
+from normalgan.hints import NoHints, UniformHints
+from normalgan.normals import write_bytes
+
+SUBMISSION = "submission.json"
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A folder with what another program painted.
+
+    Args:
+        folder: of it.
+        name: in tables.
+        counts: numbers of hints of which there are maps; 0 among them.
+    """
+
+    folder: Path
+    name: str
+    counts: tuple[int, ...]
+
+    def method(self) -> Method:
+        """Return the maps as a method; it paints what lies there for the number of hints that it is given."""
+
+        def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+            given = [0] * len(batch["name"]) if hints is None else hints[:, 3].sum((1, 2)).int().tolist()
+            size = batch["normal"].shape[2]
+            # A small object has fewer hints than were asked for.
+            folders = [min(count for count in self.counts if count >= number) for number in given]
+            named = zip(folders, batch["name"], strict=True)
+            return torch.stack([self._read(*one, size) for one in named]).to(batch["normal"])
+
+        # One that has maps with hints takes them, and has none of its own.
+        return Method(paint, UniformHints(0, 0) if max(self.counts) else NoHints())
+
+    def _read(self, count: int, name: str, size: int) -> Tensor:
+        path = self.folder / str(count) / f"{name}.png"
+        pixels = to_unit(read_pixels(path).pixels)
+        if pixels.shape[:2] != (size, size) or pixels.ndim != 3 or pixels.shape[2] < 3:
+            raise InputError(
+                f"{path} has the shape {pixels.shape}; a normal map of this benchmark has {size} × {size} "
+                "pixels in colour."
+            )
+        normals = 2 * pixels[..., :3] - 1
+        if pixels.shape[2] == 4:
+            normals = normals * pixels[..., 3:]
+        return torch.from_numpy(np.ascontiguousarray(normals)).permute(2, 0, 1)
+
+
+def read_submission(folder: Path) -> Submission:
+    """Return the submission in a folder.
+
+    Raises:
+        InputError: if it has no readable ``submission.json`` with a name, or no maps without hints.
+    """
+    path = folder / SUBMISSION
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or brief(error)}.") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(
+            f'{path} is not JSON ({brief(error)}); it must be like {{"name": "theirs"}}.'
+        ) from error
+    if not isinstance(content, dict) or not isinstance(content.get("name"), str):
+        raise InputError(f'{path} has no name; it must be like {{"name": "theirs"}}.')
+    counts = sorted(int(one.name) for one in folder.iterdir() if one.is_dir() and one.name.isdecimal())
+    if 0 not in counts:
+        raise InputError(f"{folder} has no folder 0 with the maps painted without hints.")
+    return Submission(folder, content["name"], tuple(counts))
+
+
+def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -> None:
+    """Write what another program needs to paint a batch: sketches, and the hints as JSON.
+
+    ``sketches/horse/3.png`` has ink black on white. ``hints/horse/3.json`` has the points in order, each with
+    ``x``, ``y`` (whole pixels from the left and the top) and ``normal``; of n hints these are the first n.
+
+    Args:
+        folder: where to.
+        batch: N samples.
+        counts: numbers of hints, of which the most are written.
+        seed: of the hints.
+    """
+    import cv2
+
+    most = max(counts, default=0)
+    for i, name in enumerate(batch["name"]):
+        paper = np.rint(255 * (1 - batch["sketch"][i, 0].numpy())).astype(np.uint8)
+        done, png = cv2.imencode(".png", paper)
+        if not done:
+            raise RuntimeError("OpenCV could not write a PNG.")
+        write_bytes(folder / "sketches" / f"{name}.png", png.tobytes())
+        width = paper.shape[1]
+        points = []
+        for place in hint_order(batch["mask"][i], name, seed, most).tolist():
+            row, column = divmod(place, width)
+            normal = [round(float(v), 6) for v in batch["normal"][i, :, row, column]]
+            points.append({"x": column, "y": row, "normal": normal})
+        write_bytes(folder / "hints" / f"{name}.json", (json.dumps(points) + "\n").encode())

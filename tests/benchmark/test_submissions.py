@@ -1,0 +1,129 @@
+"""A submission that another program made of what `--inputs` wrote, and a specification that is frozen."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import torch
+
+from normalgan.batch import Batch
+from normalgan.benchmark.measure import HintTests, measure
+from normalgan.benchmark.points import hint_points
+from normalgan.benchmark.specification import check_specification, specify
+from normalgan.benchmark.submissions import read_submission, write_inputs
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError
+from normalgan.hints import hints_at
+from spheres import batch
+
+CPU = torch.device("cpu")
+
+
+@pytest.fixture
+def given() -> Batch:
+    return {**batch(size=32), "name": ["a/0", "b/1"]}
+
+
+def theirs(inputs: Path, folder: Path, given: Batch) -> None:
+    """Another program: paints what faces the viewer, and with hints the truth, in 8 bits."""
+    for i, name in enumerate(given["name"]):
+        paper = cv2.imread(str(inputs / "sketches" / f"{name}.png"), cv2.IMREAD_UNCHANGED)
+        assert paper is not None
+        np.testing.assert_allclose(1 - paper / 255, given["sketch"][i, 0].numpy(), atol=1 / 255)
+        mask = given["mask"][i, 0].numpy()
+        flat = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (32, 32, 3))
+        for count, normals in (
+            ("0", flat * mask[..., None]),
+            ("5", given["normal"][i].permute(1, 2, 0).numpy()),
+        ):
+            path = folder / count / f"{name}.png"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            colours = np.rint((normals + 1) / 2 * 255).astype(np.uint8)
+            assert cv2.imwrite(str(path), colours[..., ::-1])
+    (folder / "submission.json").write_text(json.dumps({"name": "theirs"}))
+
+
+def test_the_inputs_are_the_tests_and_what_is_painted_of_them_is_measured(
+    tmp_path: Path, given: Batch
+) -> None:
+    inputs, folder = tmp_path / "inputs", tmp_path / "theirs"
+    write_inputs(inputs, given, [0, 5, 20], seed=3)
+    points = json.loads((inputs / "hints" / "b" / "1.json").read_text())
+    assert len(points) == 20
+    where = hint_points(given["mask"], given["name"], 3, 5)[1, 0]
+    assert {(p["y"], p["x"]) for p in points[:5]} == {tuple(at) for at in torch.nonzero(where).tolist()}
+    told = hints_at(given["normal"], hint_points(given["mask"], given["name"], 3, 20))[1]
+    for point in points:
+        np.testing.assert_allclose(told[:3, point["y"], point["x"]].numpy(), point["normal"], atol=1e-5)
+
+    theirs(inputs, folder, given)
+    submission = read_submission(folder)
+    assert (submission.name, submission.counts) == ("theirs", (0, 5))
+    measured = measure(submission.method(), [given], HintTests([0, 5], seed=3), CPU)
+    facing = given["normal"][:, 2:].clamp(-1, 1).acos().rad2deg()[given["mask"] > 0].mean()
+    assert measured.figures["0"]["angular_mean"] == pytest.approx(float(facing), abs=0.1)
+    assert measured.figures["5"]["angular_mean"] == pytest.approx(0, abs=0.25)  # of 8 bits
+    assert measured.figures["0"]["mask_iou"] == 1
+
+
+def test_a_submission_that_cannot_be_used_is_answered_by_a_sentence(tmp_path: Path, given: Batch) -> None:
+    inputs, folder = tmp_path / "inputs", tmp_path / "theirs"
+    write_inputs(inputs, given, [5], seed=0)
+    theirs(inputs, folder, given)
+    assert cv2.imwrite(str(folder / "0" / "a" / "0.png"), np.zeros((8, 8, 3), np.uint8))
+    with pytest.raises(InputError, match=r"has 32 × 32 pixels in colour"):
+        measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
+    (folder / "0" / "a" / "0.png").unlink()
+    with pytest.raises(InputError, match=r"there is no file .*0\.png"):
+        measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
+    for written, said in (("{", "is not JSON"), ("[]", "has no name"), ("{}", "has no name")):
+        (folder / "submission.json").write_text(written)
+        with pytest.raises(InputError, match=said):
+            read_submission(folder)
+    (folder / "submission.json").unlink()
+    with pytest.raises(InputError, match="cannot be read"):
+        read_submission(folder)
+    (folder / "submission.json").write_text(json.dumps({"name": "theirs"}))
+    (folder / "0").rename(folder / "none")
+    with pytest.raises(InputError, match="no folder 0"):
+        read_submission(folder)
+
+
+def data(**settings: object) -> MeshDataModule:
+    return MeshDataModule(None, **{"animals": 3, "fractions": (0.34, 0.33, 0.33), "size": 32, **settings})  # type: ignore[arg-type]
+
+
+def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> None:
+    tests = HintTests([0, 15])
+    found = specify(data(), tests)
+    assert (
+        specify(data(batch_size=3), HintTests([0, 50])) == found
+    )  # neither changes a figure it is compared by
+    for name, other in (
+        ("meshes", specify(data(animals=4, fractions=(0.5, 0.25, 0.25)), tests)),
+        ("views", specify(data(test_views=7), tests)),
+        ("views", specify(data(seed=5, split_file=None), tests)),
+        ("hints", specify(data(), HintTests([0, 15], seed=1))),
+        ("size", specify(data(size=64), tests)),
+    ):
+        assert other[name] != found[name]
+
+    path = tmp_path / "v2.json"
+    path.write_text(json.dumps({"version": "v2", "sizes": [found]}))
+    check_specification(found, path)
+    with pytest.raises(InputError, match=r"has frozen as v2: its hints differ"):
+        check_specification({**found, "hints": "x"}, path)
+    with pytest.raises(InputError, match=r"no benchmark at 64 pixels; use data.size 32"):
+        check_specification({**found, "size": 64}, path)
+    for written, said in (
+        ("{", "is not JSON"),
+        ("{}", "no version or sizes"),
+        ('{"version": "v2", "sizes": [1]}', "no"),
+    ):
+        path.write_text(written)
+        with pytest.raises(InputError, match=said):
+            check_specification(found, path)
+    with pytest.raises(InputError, match="cannot be read"):
+        check_specification(found, tmp_path / "gone.json")
