@@ -63,6 +63,7 @@ def test_seeds_are_averaged_and_results_without_meshes_have_no_interval() -> Non
     assert mesh_interval([{"figures": {}}], "15", "angular_mean") is None
     assert mesh_interval([a_run(ONE)], "0", "angular_mean") is None
     assert mesh_interval([], "15", "angular_mean") is None
+    assert mesh_interval([a_run(ONE[:1])], "15", "angular_mean") is None  # of one mesh nothing is known
     assert difference_interval([a_run(ONE)], [a_run(ONE[:3])], "15", "angular_mean") is None
     missing = a_run(ONE)
     missing["meshes"]["15"]["m03"]["angular_mean"] = None

@@ -24,7 +24,7 @@ class Interval(NamedTuple):
 
 
 def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | None:
-    """Return a figure of a method with its interval over the meshes; None if it has none for each mesh.
+    """Return a figure of a method with its interval over the meshes; None without two, or a figure for each.
 
     The figure is pooled over pixels, as those of the tables are, in each run, and the mean over the runs.
     Meshes are drawn with replacement, all views of one together; the seeds stay.
@@ -49,7 +49,7 @@ def difference_interval(
     """Return how much larger a method's figure is than the reference's, with its interval over the meshes.
 
     Paired: both are measured on the same drawn meshes, so that what makes a mesh hard for both falls out.
-    None if they have not the same meshes.
+    None if they have not the same meshes, or fewer than two.
 
     Args:
         runs: of the method.
@@ -108,7 +108,7 @@ def _tables(runs: Sequence[Result], given: str, name: str) -> tuple[list[str], T
         run.get("meshes", {}).get(given, {}) for run in runs
     ]
     meshes = sorted(found[0]) if found else []
-    if not meshes or any(sorted(one) != meshes for one in found):
+    if len(meshes) < 2 or any(sorted(one) != meshes for one in found):
         return None
     values = np.array([[one[mesh][name] for one in found] for mesh in meshes], float)
     pixels = np.array([[one[mesh]["pixels"] for one in found] for mesh in meshes], float)
