@@ -10,6 +10,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.utils.data import DataLoader
 
 from normalgan.batch import Batch
+from normalgan.checkpoints import LastCheckpoint
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.items import Item
@@ -115,22 +116,46 @@ class Seen(Callback):
 
 def seen_in(module: MeshDataModule, folder: Path, epochs: int = 1, checkpoint: Path | None = None) -> Seen:
     seen = Seen()
-    run = trainer(folder, max_epochs=epochs, callbacks=[seen], num_sanity_val_steps=0)
+    # As the command line saves it: in a checkpoint of after the epoch Lightning's counters are others.
+    run = trainer(
+        folder,
+        max_epochs=epochs,
+        callbacks=[seen, LastCheckpoint()],
+        num_sanity_val_steps=0,
+        enable_checkpointing=True,
+    )
     run.fit(gan(), module, ckpt_path=checkpoint, weights_only=False)
-    run.save_checkpoint(folder / "last.ckpt")
     return seen
 
 
+def last(folder: Path) -> Path:
+    return folder / "checkpoints" / "last.ckpt"
+
+
 @pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")
-@pytest.mark.parametrize("workers", [0, 1])  # a worker is asked for samples before Lightning sets the epoch
+@pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")
+@pytest.mark.parametrize("workers", [0, 1, 4])  # Lightning makes the iterator before it sets the epoch
 def test_training_order_goes_on_when_resumed(meshes: Path, cache: Path, tmp_path: Path, workers: int) -> None:
-    unbroken = seen_in(data(meshes, cache, workers=workers), tmp_path / "a", epochs=2)
-    seen_in(data(meshes, cache, workers=workers), tmp_path / "b", epochs=1)
+    unbroken = seen_in(data(meshes, cache, workers=workers), tmp_path / "a", epochs=3)
+    seen_in(data(meshes, cache, workers=workers), tmp_path / "b", epochs=2)
     torch.manual_seed(99)
-    resumed = seen_in(data(meshes, cache, workers=workers), tmp_path / "b", 2, tmp_path / "b" / "last.ckpt")
+    resumed = seen_in(data(meshes, cache, workers=workers), tmp_path / "b", 3, last(tmp_path / "b"))
     listed = [[name for batch in seen.training for name in batch["name"]] for seen in (unbroken, resumed)]
-    assert len(listed[0]) == 12
-    assert listed[1] == listed[0][6:] != listed[0][:6]
+    assert len(listed[0]) == 18
+    assert listed[1] == listed[0][12:] != listed[0][6:12]
+
+
+@pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")
+def test_a_run_resumed_with_other_data_says_what_is_other(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    seen_in(data(meshes, cache), tmp_path, epochs=1)
+    other = data(meshes, cache, batch_size=3, seed=1, split_seed=1, augmentation=Augmentation())
+    with pytest.warns(UserWarning, match="the checkpoint was trained with other data") as caught:
+        seen_in(other, tmp_path, 2, last(tmp_path))
+    (told,) = [str(warning.message) for warning in caught if "other data" in str(warning.message)]
+    assert told.endswith(
+        "goes on with what is given now: data.meshes, data.batch_size (2, now 3), data.augmentation, "
+        "data.seed (0, now 1)."
+    )
 
 
 def test_augmentation_is_for_training_alone_and_seeded_by_the_step(

@@ -1,4 +1,6 @@
 import os
+import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +111,21 @@ def test_loader_workers_read_what_this_process_reads(store: ShardedSamples, memo
     assert [name for batch in batches for name in batch["name"]] == [item["name"] for item in here]
     assert torch.equal(
         torch.cat([batch["normal"] for batch in batches]), torch.stack([i["normal"] for i in here])
+    )
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_cache_that_is_cleaned_while_it_is_read_ends_in_a_sentence(tmp_path: Path, workers: int) -> None:
+    sources = {"train": [Octahedron("a")]}
+    store = render_samples(str(tmp_path), sources, 40, recipe(), progress=False)["train"]
+    loader = DataLoader(SampleDataset(store, memory=0), batch_size=4, num_workers=workers, collate_fn=collate)
+    batches = iter(loader)
+    assert next(batches)["mask"].any()
+    shutil.rmtree(store.url)
+    with pytest.raises(InputError) as caught:
+        list(batches)
+    assert re.fullmatch(
+        r"shard [01] of train in \S* is unfinished or damaged; render .*\.", str(caught.value)
     )
 
 

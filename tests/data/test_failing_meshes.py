@@ -76,3 +76,26 @@ def test_a_mesh_that_kills_its_worker_again_and_again_fails_alone(
     for name in ("train/normal/c/0/0/0/0", "train/normal/c/1/0/0/0", "test/sketch/c/0/0/0"):
         assert (folder / "samples.zarr" / name).read_bytes() == (other / "samples.zarr" / name).read_bytes()
     assert finished(tmp_path / "cache") == 4
+
+
+@pytest.mark.parametrize("note", [b"", b"{", b"[]", b"{}", b'{"b": 3}', b"\xff", b"[" * 100_000])
+def test_a_damaged_note_of_a_failure_is_mended_and_other_files_are_passed_over(
+    tmp_path: Path, note: bytes
+) -> None:
+    with pytest.warns(UserWarning, match="the mesh b is left out"):
+        render_samples(str(tmp_path), SOURCES, VIEWS, MOODY, progress=False)
+    before = contents(tmp_path)
+    (place,) = tmp_path.glob("*/failed/train")
+    (place / "0.json").write_bytes(note)
+    for name in (".DS_Store", "notes.txt", "x.json"):
+        (place / name).write_bytes(b"\0")
+    with pytest.raises(InputError, match=r"shard 0 of train in .* is unfinished or damaged; render"):
+        open_samples(str(tmp_path), SOURCES, VIEWS, MOODY)
+    with (
+        pytest.warns(UserWarning, match="damaged, and rendered again: shard 0 of train"),
+        pytest.warns(UserWarning, match="the mesh b is left out"),
+    ):
+        render_samples(str(tmp_path), SOURCES, VIEWS, MOODY, progress=False)
+    for name in (".DS_Store", "notes.txt", "x.json"):
+        (place / name).unlink()
+    assert contents(tmp_path) == before

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from test_datamodule import names, ready, sample_names, seen_in
+from test_datamodule import last, names, ready, sample_names, seen_in
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.stream import FreshViews
@@ -15,6 +15,7 @@ pytestmark = [
     pytest.mark.filterwarnings(*QUIET),
     pytest.mark.filterwarnings("ignore:.*no `val_dataloader`.*"),
     pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning"),
+    pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning"),
 ]
 
 
@@ -45,7 +46,9 @@ def test_the_first_epoch_is_that_of_the_shards_and_the_next_one_is_fresh(meshes:
     assert {name.split("/")[1] for name in names(loader)} == {"6", "7"}
 
 
-@pytest.mark.parametrize("workers", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "workers", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow)]
+)
 def test_a_resumed_run_gets_the_samples_of_an_unbroken_one(
     meshes: Path, cache: Path, tmp_path: Path, workers: int
 ) -> None:
@@ -53,7 +56,7 @@ def test_a_resumed_run_gets_the_samples_of_an_unbroken_one(
     unbroken = seen_in(flying(meshes, cache, **settings), tmp_path / "a", epochs=3)
     seen_in(flying(meshes, cache, **settings), tmp_path / "b", epochs=1)
     torch.manual_seed(99)
-    resumed = seen_in(flying(meshes, cache, **settings), tmp_path / "b", 3, tmp_path / "b" / "last.ckpt")
+    resumed = seen_in(flying(meshes, cache, **settings), tmp_path / "b", 3, last(tmp_path / "b"))
     assert len(unbroken.training) == 9
     assert len({name for batch in unbroken.training for name in batch["name"]}) == 18  # none comes twice
     for a, b in zip(unbroken.training[3:], resumed.training, strict=True):

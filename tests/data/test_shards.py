@@ -10,7 +10,7 @@ import pytest
 import zarr
 from toys import assert_same, contents, samples
 
-from normalgan.data.layout import Layout
+from normalgan.data.layout import Layout, chunk_path
 from normalgan.data.partials import partial_name
 from normalgan.data.shards import ShardedSamples
 from normalgan.data.storage import Storage
@@ -105,6 +105,21 @@ def test_damage_is_found_in_exactly_the_shard_it_is_in(tmp_path: Path, name: str
     store.write(1, SAMPLES[4:8])
     assert store.verify() == []
     assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("scheme", ["path", "memory"])
+@pytest.mark.parametrize("name", ["sketch", "normal", "mask"])
+def test_a_chunk_that_vanishes_after_its_shard_was_read_is_not_read_as_zeros(
+    tmp_path: Path, scheme: str, name: str
+) -> None:
+    url = str(tmp_path) if scheme == "path" else f"memory://{uuid.uuid4()}"
+    store = fill(url)
+    assert_same(store.read(5), SAMPLES[5])
+    Storage(url).delete(f"samples.zarr/{chunk_path('train', name, 1)}")
+    for read in (lambda: store.read(6), lambda: store.read_shard(1)):
+        with pytest.raises(InputError, match=r"^shard 1 of train in .* is unfinished or damaged; render"):
+            read()
+    assert_same(store.read(3), SAMPLES[3])
 
 
 @pytest.mark.parametrize("text", [b"", b"{", b"[]", b"{}", b"null"])

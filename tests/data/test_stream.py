@@ -11,11 +11,11 @@ from toys import BallRenderer, Octahedron, recipe
 
 from normalgan.batch import Batch
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.items import Item
+from normalgan.data.items import Item, SampleError
 from normalgan.data.loaders import Loaders
 from normalgan.data.order import Ticket
 from normalgan.data.render import render_samples
-from normalgan.data.stream import FreshViews, RenderingError, StreamDataset
+from normalgan.data.stream import FreshViews, StreamDataset
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Maps
@@ -84,7 +84,7 @@ def test_a_sample_depends_on_its_ticket_alone() -> None:
 def test_batches_are_the_same_whatever_the_number_of_workers() -> None:
     epochs: dict[int, list[list[Batch]]] = {}
     for workers in (0, 1, 2):
-        loader = Loaders(batch_size=2, workers=workers).shuffled(stream(views=3), seed=5, epoch=0)
+        loader = Loaders(batch_size=2, workers=workers).shuffled(stream(views=3), seed=5)
         assert isinstance(loader.sampler, FreshViews)
         epochs[workers] = []
         for epoch in (0, 1):  # the workers persist, and see the epoch by the tickets
@@ -112,7 +112,7 @@ def test_workers_are_spawned_with_a_thread_each_and_their_errors_are_a_sentence(
 
 def test_errors_name_the_mesh_and_keep_the_reason() -> None:
     flawed = StreamDataset([Octahedron("x", flaw="is torn")], 1, recipe(), 0)
-    with pytest.raises(RenderingError, match=r"^view 0 of x cannot be rendered: x is torn\.$"):
+    with pytest.raises(SampleError, match=r"^view 0 of x cannot be rendered: x is torn\.$"):
         flawed[0]
 
 
@@ -148,5 +148,5 @@ def test_too_few_samples_for_a_batch_each_are_all_dealt_out() -> None:
     shares = [list(FreshViews(rendered, 0, batch_size=4, replicas=4, rank=rank)) for rank in range(4)]
     assert [len(share) for share in shares] == [2, 2, 2, 2]
     assert len({ticket for share in shares for ticket in share}) == 6
-    (batch,) = Loaders(batch_size=50, workers=0).shuffled(rendered, seed=0, epoch=0)
+    (batch,) = Loaders(batch_size=50, workers=0).shuffled(rendered, seed=0)
     assert len(batch["name"]) == 6

@@ -1,6 +1,6 @@
 """Augmentation: moves whole samples about, turning their normals along, and roughens the lines."""
 
-from typing import cast
+from typing import Any, cast
 
 import kornia.augmentation as K
 import torch
@@ -111,6 +111,17 @@ class Augmentation:
             raise InputError("the augmentation's rotation and jitter must be 0 or more.")
         if not 0 <= shear <= 45:
             raise InputError(f"the augmentation's shear must be between 0 and 45 degrees, not {shear}.")
+        self.settings: dict[str, Any] = {
+            "flip": flip,
+            "rotation": rotation,
+            "scale": scale,
+            "translation": translation,
+            "jitter": jitter,
+            "dropout": dropout,
+            "width": width,
+            "stretch": stretch,
+            "shear": shear,
+        }
         self.jitter = jitter
         self.dropout = dropout
         self.width = width

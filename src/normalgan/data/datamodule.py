@@ -2,6 +2,7 @@
 
 import warnings
 from functools import cached_property
+from typing import Any
 
 from torch import Tensor
 from torch.utils.data import DataLoader
@@ -16,6 +17,7 @@ from normalgan.data.render import open_samples, render_samples
 from normalgan.data.settings import DataSettings
 from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketches
 from normalgan.data.stream import StreamDataset
+from normalgan.data.training_data import changes, describe_training_data
 from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.painting.jobs import find_files
@@ -29,6 +31,7 @@ class MeshDataModule(DataSettings):
     """
 
     _drawings: SketchDataset | None = None
+    _training_data: dict[str, Any] | None = None
 
     # --- from meshes to samples -----------------------------------------------------------------------
 
@@ -58,16 +61,31 @@ class MeshDataModule(DataSettings):
             leave_out(self.sources["train"], reasons, "train")
 
     def setup(self, stage: str) -> None:
-        """Read the drawings, or nothing: splits are opened when first asked for.
+        """Read the drawings, or note what is trained on: splits are opened when first asked for.
 
         Raises:
             InputError: if there are no drawings to predict, or one cannot be used.
         """
+        if stage == "fit":
+            self._training_data = describe_training_data(self, self.trainer.world_size if self.trainer else 1)
         if stage == "predict":
             if self.sketches is None:
                 raise InputError("predict needs drawings: --data.sketches names a folder, a glob or a list.")
             files = find_files(self.sketches, hints=self.hints, mask=self.mask)
             self._drawings = SketchDataset(files, self.recipe.size, self.map_size)
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return for a checkpoint what the training samples depend on."""
+        return {"training_data": self._training_data} if self._training_data else {}
+
+    def load_state_dict(self, state_dict: dict[str, Any]) -> None:
+        """Warn if a run that is resumed was trained with other samples, or in another order."""
+        before = state_dict.get("training_data")
+        if self._training_data and before and (told := changes(before, self._training_data)):
+            warnings.warn(
+                f"the checkpoint was trained with other data, and goes on with what is given now: {told}.",
+                stacklevel=2,
+            )
 
     @cached_property
     def train_dataset(self) -> SampleDataset | StreamDataset:
@@ -97,8 +115,7 @@ class MeshDataModule(DataSettings):
 
     def train_dataloader(self) -> DataLoader[Item]:
         """Return shuffled batches; the order depends on the seed and the epoch alone."""
-        epoch = self.trainer.current_epoch if self.trainer else 0
-        return self._loaders().shuffled(self.train_dataset, self.seed, epoch)
+        return self._loaders().shuffled(self.train_dataset, self.seed)
 
     def val_dataloader(self) -> DataLoader[Item]:
         """Return the validation samples in order."""

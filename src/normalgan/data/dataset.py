@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from normalgan.data.items import Item, to_item
+from normalgan.data.items import Item, SampleError, to_item
 from normalgan.data.layout import ARRAYS
 from normalgan.data.shards import ShardedSamples
+from normalgan.errors import InputError
 
 
 class SampleDataset(Dataset[Item]):
@@ -46,7 +47,10 @@ class SampleDataset(Dataset[Item]):
         if self._held is not None:
             arrays = {name: held[index] for name, held in self._held.items()}
         else:
-            sample = self.store.read(index)
+            try:
+                sample = self.store.read(index)
+            except InputError as error:
+                raise SampleError(str(error)) from error
             arrays = {name: torch.from_numpy(np.array(getattr(sample, name))) for name in ARRAYS}
         return to_item(arrays["sketch"], arrays["normal"], arrays["mask"], self.store.name(index))
 

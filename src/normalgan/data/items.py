@@ -7,7 +7,19 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.errors import InputError
 from normalgan.metrics import unit_vectors
+
+
+class SampleError(InputError):
+    """A sample that cannot be read or made; tells it in one sentence from a worker process too.
+
+    torch makes the error of a worker anew in the process that trains, from a text that ends in the error and
+    opens with where it arose.
+    """
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text.rpartition(f"{type(self).__name__}: ")[2].strip())
 
 
 class Item(TypedDict):

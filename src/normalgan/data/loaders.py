@@ -17,17 +17,20 @@ from normalgan.data.workers import one_thread_each
 Samples = SampleDataset | StreamDataset
 
 
-class SpawningLoader(DataLoader[Item]):
-    """A DataLoader whose workers can render: spawned, with one thread each.
+class DeferredLoader(DataLoader[Item]):
+    """A DataLoader that begins, and starts its workers, when the first batch is asked for.
 
-    A process forked after an OpenGL context was made hangs when it renders, and one forked from a process
-    with threads, as torch has them, may wait for ever for a lock.
+    Lightning makes the iterator of a resumed run before it sets the sampler's epoch, and workers would begin
+    at once with samples of the former one. Workers that render are spawned, with one thread each: a process
+    forked after an OpenGL context was made hangs when it renders, and one forked from a process with threads,
+    as torch has them, may wait for ever for a lock.
     """
 
     def __iter__(self) -> Any:
-        """Return the iterator; it starts the workers, unless they run already."""
+        """Yield the batches of the epoch that the sampler is set to by then."""
         with one_thread_each():
-            return super().__iter__()
+            batches = super().__iter__()
+        yield from batches
 
 
 @dataclass(frozen=True)
@@ -46,14 +49,12 @@ class Loaders:
     replicas: int = 1
     rank: int = 0
 
-    def shuffled(self, dataset: Samples, seed: int, epoch: int) -> DataLoader[Item]:
+    def shuffled(self, dataset: Samples, seed: int) -> DataLoader[Item]:
         """Return a loader of this process's share, its order made of the seed and the epoch alone.
 
         Args:
             dataset: the samples of all processes.
             seed: of the order.
-            epoch: the one that training is in; later ones are set by Lightning. It sets this one too late
-                for workers, which begin as soon as there is an iterator.
         """
         sampler: FreshViews | ShardOrder | DistributedSampler[Item]
         if isinstance(dataset, StreamDataset):
@@ -64,7 +65,6 @@ class Loaders:
             # Serves a single process too: its order does not come from global state, which a resumed run
             # does not have.
             sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
-        sampler.set_epoch(epoch)
         whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
         return self._loader(dataset, sampler, drop_last=whole)
 
@@ -86,7 +86,7 @@ class Loaders:
         drop_last: bool = False,
     ) -> DataLoader[Item]:
         renders = isinstance(dataset, StreamDataset)
-        return (SpawningLoader if renders else DataLoader)(
+        return DeferredLoader(
             dataset,
             batch_size=self.batch_size,
             sampler=sampler,

@@ -16,9 +16,14 @@ from zarr.core.buffer.core import default_buffer_prototype
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.storage import Storage
 
+_METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr asks which of them there are
+
 
 class ObjectStore(Store):
-    """A read-only Zarr store; what cannot be read raises `InputError`, what is not there is None.
+    """A read-only Zarr store; what cannot be read raises `InputError`, a missing chunk `ValueError`.
+
+    Zarr fills in zeros for a chunk that its store does not have, without a word. Here every chunk was
+    written, so one that is missing was lost, perhaps while it is trained on.
 
     Args:
         storage: the folder.
@@ -65,6 +70,8 @@ class ObjectStore(Store):
     ) -> Buffer | None:
         """Return an object or the part of it that is asked for."""
         content = self._read(key, *_limits(byte_range))
+        if content is None and key.rpartition("/")[2] not in _METADATA:
+            raise ValueError(f"{key} is missing")
         buffer = (prototype or default_buffer_prototype()).buffer
         return None if content is None else buffer.from_bytes(content)
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 
 from normalgan.data.layout import ARRAYS, Shard, blank, chunk_path, encode
@@ -48,11 +49,24 @@ def write_shard(
     storage.write(shard.marker, _json(sums))
 
 
-def read_failures(storage: Storage, split: str) -> dict[int, dict[str, str]]:
-    """Return why meshes of a split could not be rendered: by shard, by name."""
-    names = storage.names(f"{FAILED}/{split}")
-    notes = {int(name.removesuffix(".json")): storage.read(f"{FAILED}/{split}/{name}") for name in names}
-    return {number: dict(json.loads(note)) for number, note in sorted(notes.items()) if note}
+def read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | None]:
+    """Return why meshes of a split could not be rendered: by shard, by name; None for a damaged note.
+
+    Files that others leave in such a folder, as file managers do, are passed over.
+    """
+    folder = f"{FAILED}/{split}"
+    numbers = sorted(int(name[:-5]) for name in storage.names(folder) if re.fullmatch(r"\d{1,9}\.json", name))
+    notes = {number: storage.read(f"{folder}/{number}.json") for number in numbers}
+    return {number: _reasons(note) for number, note in notes.items() if note is not None}
+
+
+def _reasons(note: bytes) -> dict[str, str] | None:
+    try:
+        found = json.loads(note)
+    except (ValueError, RecursionError):
+        return None
+    whole = isinstance(found, dict) and found and all(isinstance(why, str) for why in found.values())
+    return found if whole else None
 
 
 def read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int, str]] | None:

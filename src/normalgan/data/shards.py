@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import zarr
 from numpy.typing import NDArray
-from zarr.abc.store import Store
-from zarr.storage import LocalStore
 
 from normalgan.data import shard_files
 from normalgan.data.layout import ARRAYS, Layout, metadata
@@ -51,7 +49,7 @@ class ShardedSamples:
         self.left_out = frozenset(left_out)
         self._cache = cache
         self._storage = Storage(url)
-        self._opened: tuple[int, Store, dict[str, Any]] | None = None
+        self._opened: tuple[int, ObjectStore, dict[str, Any]] | None = None
         self._trusted: set[int] = set()
 
     def __len__(self) -> int:
@@ -115,8 +113,21 @@ class ShardedSamples:
         return shard_files.damaged(self._storage, self.split, self._finished())
 
     def failures(self) -> dict[int, dict[str, str]]:
-        """Return why meshes could not be rendered: by shard, by name."""
-        return read_failures(self._storage, self.split)
+        """Return why meshes could not be rendered: by shard, by name.
+
+        Raises:
+            InputError: if a note that says so is damaged.
+        """
+        notes = read_failures(self._storage, self.split)
+        found = {number: reasons for number, reasons in notes.items() if reasons is not None}
+        if lost := notes.keys() - found.keys():
+            raise self._trouble(min(lost))
+        return found
+
+    def unexplained(self) -> list[int]:
+        """Return the shards of which the note that says what could not be rendered is damaged."""
+        notes = read_failures(self._storage, self.split)
+        return [number for number, why in notes.items() if why is None and number < self.layout.shards]
 
     def _finished(self) -> list[int]:
         return sorted(set(range(self.layout.shards)) - set(self.missing()))
@@ -153,7 +164,7 @@ class ShardedSamples:
             try:
                 return {name: np.asarray(array[selection]) for name, array in arrays.items()}
             except (ValueError, RuntimeError) as error:  # checksum; decompression
-                if isinstance(error, InputError) or not isinstance(store, ObjectStore):
+                if isinstance(error, InputError):
                     raise
                 store.forget(paths(self.split, shard))  # the fault may lie with the copy nearby
                 return {name: np.asarray(array[selection]) for name, array in arrays.items()}
@@ -162,16 +173,14 @@ class ShardedSamples:
         except (ValueError, RuntimeError, OSError) as error:
             raise self._trouble(shard) from error
 
-    def _trust(self, shard: int, store: Store) -> None:
+    def _trust(self, shard: int, store: ObjectStore) -> None:
+        """See once that a shard is finished, its objects as long as they were; a cache compares all bytes."""
         if shard in self._trusted:
             return
         sums = read_sums(self._storage, self.split, shard)
-        # Zarr fills in zeros for an object that is gone, without a word; a cache looks when it fetches.
-        cached = isinstance(store, ObjectStore) and store.cache is not None
-        if sums is None or not (cached or same_sizes(self._storage, sums)):
+        if sums is None or not (store.cache is not None or same_sizes(self._storage, sums)):
             raise self._trouble(shard)
-        if isinstance(store, ObjectStore):
-            store.digests.update({path: digest for path, (_, digest) in sums.items()})
+        store.digests.update({path: digest for path, (_, digest) in sums.items()})
         self._trusted.add(shard)
 
     def _trouble(self, shard: int) -> InputError:
@@ -180,14 +189,12 @@ class ShardedSamples:
             "render the data set again, which mends it."
         )
 
-    def _open(self) -> tuple[Store, dict[str, Any]]:
+    def _open(self) -> tuple[ObjectStore, dict[str, Any]]:
         if self._opened is None or self._opened[0] != os.getpid():  # a forked DataLoader worker opens its own
             folder = self._storage / ZARR
-            store: Store = (
-                LocalStore(folder.root, read_only=True) if folder.local else ObjectStore(folder, self._cache)
-            )
+            store = ObjectStore(folder, None if folder.local else self._cache)
             group = zarr.open_group(store, path=self.split, mode="r")
-            self._trusted = self._trusted if folder.local else set()  # digests are the store's
+            self._trusted = set()  # digests are the store's
             self._opened = os.getpid(), store, {name: group[name] for name in ARRAYS}
         return self._opened[1:]
 

@@ -7,7 +7,7 @@ from itertools import islice
 import torch
 from torch.utils.data import Dataset, DistributedSampler
 
-from normalgan.data.items import Item, to_item
+from normalgan.data.items import Item, SampleError, to_item
 from normalgan.data.mesh_cache import MeshCache
 from normalgan.data.order import Ticket, order_of_epoch
 from normalgan.errors import InputError, brief
@@ -40,7 +40,7 @@ class StreamDataset(Dataset[Item]):
         """Return the sample of a ticket, or by a number one of the first epoch, in the order of the shards.
 
         Raises:
-            RenderingError: if it cannot be made; the message names the mesh.
+            SampleError: if it cannot be made; the message names the mesh.
         """
         if not isinstance(index, Ticket):
             index = Ticket(*divmod(range(len(self))[index], self.views))
@@ -49,20 +49,9 @@ class StreamDataset(Dataset[Item]):
             sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
         except Exception as error:  # whatever a mesh brings about in a renderer or style
             why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
-            raise RenderingError(f"view {index.view} of {name} cannot be rendered: {why}") from error
+            raise SampleError(f"view {index.view} of {name} cannot be rendered: {why}") from error
         sketch, normal, mask = map(torch.from_numpy, (sample.sketch, sample.normal, sample.mask))
         return to_item(sketch, normal, mask, f"{name}/{index.view}")
-
-
-class RenderingError(InputError):
-    """A sample that cannot be made; tells it in one sentence from a worker process too.
-
-    torch makes the error of a worker anew in the process that trains, from a text that ends in the error and
-    opens with where it arose.
-    """
-
-    def __init__(self, text: str) -> None:
-        super().__init__(text.rpartition(f"{type(self).__name__}: ")[2].strip())
 
 
 class FreshViews(DistributedSampler[Ticket]):

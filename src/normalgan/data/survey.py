@@ -28,6 +28,7 @@ def outstanding(pool: Pool, store: ShardedSamples, thorough: bool) -> list[Shard
     else:
         # A distant store keeps sums of its own, and to read all of it for each run would take hours.
         damaged = store.verify() if storage.local or thorough else store.lost()
+    damaged = sorted({*damaged, *store.unexplained()})
     if damaged:
         numbers = ", ".join(map(str, damaged))
         warnings.warn(
