@@ -1,5 +1,7 @@
 """Limits: how much is read of what comes from outside, so that no file takes all memory or all time."""
 
+import os
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +20,27 @@ MOST_NODES = 100_000
 
 
 def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
-    """Return the bytes of a file, if they are not too many; a device without an end is not read to it.
+    """Return the bytes of a file, if they are not too many.
 
     Raises:
-        InputError: if there are more than ``most``.
+        InputError: if there are more than ``most``, or it is a pipe, which may never end or never begin, or
+            a device.
         OSError: if it cannot be read.
     """
-    with path.open("rb") as file:
+    with open(path, "rb", opener=_without_waiting) as file:
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):
+            raise InputError(f"{path} is no file but a pipe or a device; give a file.")
         # A sparse file of terabytes costs nothing to make: its size first, then its bytes.
-        data = b"" if path.stat().st_size > most else file.read(most + 1)
-    if path.stat().st_size > most or len(data) > most:
+        data = b"" if status.st_size > most else file.read(most + 1)
+    if status.st_size > most or len(data) > most:
         raise InputError(f"{path} has more than {most} bytes; no file of its kind is that large.")
     return data
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open a file; a pipe too, which would else be waited for until somebody writes to it."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def yaml_excess(text: str) -> str | None:

@@ -20,6 +20,16 @@ def mesh(path: Path) -> None:
     MeshFile(str(path)).load()
 
 
+def rig(path: Path) -> None:
+    """Read a pose of a rig as rendering does: its fingerprint first."""
+    from normalgan.rendering.mesh_files import MeshFile
+    from normalgan.rendering.rigs import RiggedFile, find_poses
+
+    find_poses([MeshFile(str(path))], 1)
+    RiggedFile(MeshFile(str(path)), 0).fingerprint()
+    RiggedFile(MeshFile(str(path)), 0).load()
+
+
 def configuration(path: Path) -> None:
     """Look at a configuration as every training command does first."""
     from normalgan.parser_errors import check_config
@@ -80,7 +90,7 @@ def checkpoint(path: Path) -> None:
 
 READERS: dict[str, Callable[[Path], None]] = {
     read.__name__: read
-    for read in (mesh, configuration, drawing, hints, orientation, split, plan, cluster, checkpoint)
+    for read in (mesh, rig, configuration, drawing, hints, orientation, split, plan, cluster, checkpoint)
 }
 
 
@@ -123,10 +133,12 @@ def main(name: str, memory: int, seconds: float) -> None:
     """Read all files."""
     if name == "checkpoint":
         import normalgan.checkpoints  # takes seconds, and the libraries alone map gigabytes
-    if name == "mesh":
+    if name in {"mesh", "rig"}:
         import trimesh  # noqa: F401
 
         import normalgan.rendering.mesh_files  # not part of the first file's time
+        import normalgan.rendering.rigs.posing
+        import normalgan.rendering.rigs.reading
     if name == "plan":
         import normalgan.benchmark.plan  # noqa: F401 -- the same
     mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

@@ -9,6 +9,7 @@ from normalgan.data.shard_files import ZARR, damaged, write_shard
 from normalgan.data.storage import Storage
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh import Mesh, MeshSource
+from normalgan.rendering.mesh_bytes import read_once
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.samples import Recipe, Sample
 
@@ -102,9 +103,10 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
     for name, view in task.shard.samples:
         sample = blank(task.shard.size)
         if name not in failed:
-            _same_here(task.sources[name])
             try:
                 sample = task.recipe.render(_load(task.sources[name]), view)
+            except ChangedMeshError:
+                raise
             except Exception as error:  # whatever a mesh brings about in a renderer or style
                 failed[name] = error_text(error)
         samples.append(sample)
@@ -115,16 +117,12 @@ def look_at(task: MeshTask) -> str | None:
     """Return why a mesh cannot be used, or None if it can.
 
     Raises:
-        InputError: if it is not here as it is where the work is handed out.
+        ChangedMeshError: if it is not the one that the work was handed out for.
     """
-    _same_here(task)
-    return find_trouble(task.source)
-
-
-def find_trouble(source: MeshSource) -> str | None:
-    """Return why a mesh cannot be used, or None if it can."""
     try:
-        source.load()
+        _load(task)
+    except ChangedMeshError:
+        raise
     except InputError as error:
         return str(error)
     return None
@@ -142,7 +140,7 @@ def check_renderer(renderer: Renderer) -> None:
 
 
 def fingerprint(source: MeshSource) -> str:
-    """Return what a mesh is; one that cannot be read is left for `find_trouble` to refuse."""
+    """Return what a mesh is; one that cannot be read is left for `look_at` to refuse."""
     try:
         return source.fingerprint()
     except InputError as error:
@@ -158,11 +156,26 @@ def error_text(error: BaseException) -> str:
     return str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
 
 
+class ChangedMeshError(InputError):
+    """A mesh is not, or no longer, the one that the work was handed out for."""
+
+
 def _load(task: MeshTask) -> Mesh:
+    """Return the mesh that the fingerprint of a task is of, by the very bytes that are loaded.
+
+    Else samples of a file that was replaced since would be stored under the key of the former one.
+    """
     global _last  # noqa: PLW0603 -- see above
     key = task.source.name, task.fingerprint
     if _last is None or _last[0] != key:
-        _last = key, task.source.load()
+        with read_once():
+            if fingerprint(task.source) != task.fingerprint:
+                raise ChangedMeshError(
+                    f"the mesh {task.source.name} on {socket.gethostname()} is not the one that rendering "
+                    "began with, or is not there; leave the files as they are until it ends, and the same on "
+                    "every machine."
+                )
+            _last = key, task.source.load()
     return _last[1]
 
 
@@ -173,17 +186,6 @@ def _once(what: str, check: Callable[[], None]) -> None:
     if what not in _passed:
         check()
         _passed.add(what)
-
-
-def _same_here(task: MeshTask) -> None:
-    def check() -> None:
-        if fingerprint(task.source) != task.fingerprint:
-            raise InputError(
-                f"the mesh {task.source.name} is another one on {socket.gethostname()}, or is not there; it "
-                "must be the same file, under the same path, on every machine."
-            )
-
-    _once(f"mesh {task.source.name} {task.fingerprint}", check)
 
 
 def _see(url: str, split: str) -> None:

@@ -1,9 +1,11 @@
 """Triangles out of a mesh file: every format that trimesh reads, scenes flattened, nothing repaired."""
 
 import logging
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError, brief
-from normalgan.rendering.mesh_limits import check_limits
+from normalgan.rendering.mesh_bytes import mesh_bytes
+from normalgan.rendering.mesh_limits import buffer_file, check_limits, gltf_tree
 
 if TYPE_CHECKING:
     from trimesh import Scene, Trimesh
@@ -20,7 +23,7 @@ Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
 """The file formats taken, by suffix; upper case is as good."""
-GLTF = {".glb", ".gltf"}
+WITH_MATERIALS = {".glb", ".gltf", ".obj", ".ply"}
 
 
 def read_triangles(path: Path) -> Triangles:
@@ -53,9 +56,16 @@ def _parts(path: Path) -> list[Triangles]:
     try:
         with _silence():
             check_limits(path)
-            # Materials of a glTF are pictures: nothing that is rendered, and files of anyone's choice.
-            more: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() in GLTF else {}
-            scene = trimesh.load_scene(path, process=False, **more)
+            suffix = path.suffix.lower()
+            # Materials are pictures: nothing that is rendered, and files of anyone's choice.
+            more: dict[str, Any] = {"skip_materials": True} if suffix in WITH_MATERIALS else {}
+            scene = trimesh.load_scene(
+                BytesIO(_geometry(suffix, mesh_bytes(path))),
+                file_type=suffix[1:],
+                resolver=_linked(path),
+                process=False,
+                **more,
+            )
             return [_placed(mesh, matrix) for mesh, matrix in _meshes(scene)]
     except InputError:
         raise
@@ -63,6 +73,29 @@ def _parts(path: Path) -> list[Triangles]:
         raise InputError(
             f"{path} cannot be read as a mesh: {type(error).__name__}: {brief(error)}"
         ) from error
+
+
+def _linked(path: Path) -> dict[str, bytes]:
+    """Return what trimesh gets of the files that a mesh file refers to: buffers of a .gltf, by URI."""
+    if path.suffix.lower() != ".gltf":
+        return {}
+    uris = [buffer.get("uri", "") for buffer in gltf_tree(path).get("buffers", [])]
+    return {uri: mesh_bytes(buffer_file(path, uri)) for uri in uris if uri and not uri.startswith("data:")}
+
+
+def _geometry(suffix: str, data: bytes) -> bytes:
+    """Return what of a file trimesh is to parse: of OBJ, the lines of vertices and faces.
+
+    It would make a mesh of each material, at milliseconds each, and read a library of materials wherever it
+    is said to lie. Bytes that are no ASCII it would hand to a guesser of encodings, which takes its time.
+    """
+    if suffix not in {".obj", ".off"}:
+        return data
+    text = data.decode("ascii", "replace")
+    if suffix == ".obj":
+        text = text.strip().replace("\r\n", "\n").replace("\\\n", "")
+        text = re.sub(r"^(?![vf])[^\n]*\n?", "", text, flags=re.MULTILINE)
+    return text.encode()
 
 
 def _meshes(scene: "Scene") -> Iterator[tuple["Trimesh", NDArray[np.float64]]]:

@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.limits import read_bounded
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.mesh_limits import gltf_tree, name_in_folder
+from normalgan.rendering.mesh_bytes import mesh_bytes
+from normalgan.rendering.mesh_limits import gltf_tree, linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 
-LOADER_VERSION = 1
-"""Part of every fingerprint; raise it when `MeshFile.load` comes to return something else."""
+LOADER_VERSIONS = {".obj": 2}
+"""Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` comes to return another mesh."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,11 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        settings = [LOADER_VERSION, self.name, self.rotation, self.inside_out, self.crease_angle]
+        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
+        settings = [version, self.name, self.rotation, self.inside_out, self.crease_angle]
         digest = hashlib.sha256(json.dumps(settings).encode())
         for path in (Path(self.path), *_buffers(Path(self.path))):
-            digest.update(_bytes(path))
+            digest.update(mesh_bytes(path))
         return digest.hexdigest()
 
     def load(self) -> Mesh:
@@ -145,22 +146,8 @@ def _buffers(path: Path) -> list[Path]:
     if path.suffix.lower() != ".gltf":
         return []
     try:
-        uris = [buffer.get("uri", "") for buffer in gltf_tree(path)["buffers"]]
-        names = [(uri, name_in_folder(uri)) for uri in uris if uri and not uri.startswith("data:")]
+        return linked_buffers(path, gltf_tree(path))
     except InputError:
         raise
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError, OSError, struct.error):
         return []  # broken: `load` says how
-    # A URI writes a space as %20; some exporters do not.
-    places = [
-        [path.parent / (uri if "%" in uri else name), path.parent / name] for uri, name in names if name
-    ]
-    chosen = [next((file for file in place if file.is_file()), place[1]) for place in places]
-    return [file for file in chosen if file.is_file() or not file.exists()]  # a device: `load` refuses it
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return read_bounded(path)
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from error

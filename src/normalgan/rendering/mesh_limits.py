@@ -10,18 +10,20 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from normalgan.errors import InputError
-from normalgan.limits import MOST_BYTES, read_bounded
+from normalgan.rendering.mesh_bytes import mesh_bytes
 
 HEADER = 2**16
 """Bytes of a file in which it has to say what it holds."""
-MOST_NUMBERS = 2**28
-"""More numbers than this in the accessors of a glTF are refused: `MOST_BYTES` of floats."""
-MOST_UNBACKED = 2**24
-"""More numbers than this without a byte behind them are refused: glTF takes them for zeros."""
-MOST_VERTICES = 2**26
-"""More vertices than this in a scene are refused, those of a repeated part counted each time."""
+FREE_NUMBERS = 2**22
+"""As many numbers as this may be in a glTF's accessors, whatever its size; more only with their bytes."""
+FREE_VERTICES = 2**18
+"""As many vertices as this may be in a scene, those of a repeated part counted each time; more as above."""
 MOST_PARTS = 5_000
 """More nodes, or more placed parts of meshes, are refused: each takes trimesh a millisecond and more."""
+REPEATED = 4
+"""How often the bytes of a glTF may be used; nearly all exporters use them once."""
+SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+"""Bytes of each type of component."""
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
@@ -36,18 +38,19 @@ def check_limits(path: Path) -> None:
             folder.
         ValueError, LookupError, TypeError, AttributeError, struct.error: if it is not of its format.
     """
-    if path.stat().st_size > MOST_BYTES:
-        read_bounded(path)  # refuses
     match path.suffix.lower():
         case ".off" | ".ply":
-            _check_header(path)
+            _check_header(path, mesh_bytes(path))
         case ".glb" | ".gltf":
             try:
                 tree = gltf_tree(path)
             except RecursionError:
                 raise InputError(f"{path} is nested more deeply than any mesh file.") from None
-            _check_buffers(path, tree)
-            _check_counts(path, tree)
+            held = len(mesh_bytes(path)) + sum(
+                len(mesh_bytes(buffer)) for buffer in linked_buffers(path, tree)
+            )
+            _check_views(path, tree, held)
+            _check_counts(path, tree, held)
 
 
 def gltf_tree(path: Path) -> dict[str, Any]:
@@ -57,7 +60,7 @@ def gltf_tree(path: Path) -> dict[str, Any]:
         InputError: if it is too large.
         ValueError, struct.error, RecursionError: if it is none.
     """
-    data = read_bounded(path)
+    data = mesh_bytes(path)
     if path.suffix.lower() == ".glb":
         data = data[20 : 20 + struct.unpack_from("<I", data, 12)[0]]
     tree = json.loads(data)
@@ -81,41 +84,72 @@ def name_in_folder(uri: str) -> str | None:
     return None if outside or "\0" in str(name) else str(name)
 
 
-def _check_header(path: Path) -> None:
+def linked_buffers(path: Path, tree: dict[str, Any]) -> list[Path]:
+    """Return the files that a glTF keeps its numbers in, of those that are there.
+
+    Raises:
+        InputError: if one does not lie in the folder of the glTF, or is a pipe or a device.
+        AttributeError, TypeError: if its buffers are not as glTF 2.0 says.
+    """
+    uris = [buffer.get("uri", "") for buffer in tree.get("buffers", [])]
+    found = [buffer_file(path, uri) for uri in uris if uri and not uri.startswith("data:")]
+    return [file for file in found if file.is_file()]
+
+
+def buffer_file(path: Path, uri: str) -> Path:
+    """Return the file that a URI in a glTF names.
+
+    Raises:
+        InputError: if it does not lie in the folder of the glTF, or is a pipe or a device.
+    """
+    name = name_in_folder(uri)
+    if name is None:
+        raise InputError(f"{path} refers to {uri[:80]!r}, which does not lie in its folder.")
+    # A URI writes a space as %20; some exporters do not.
+    plain = path.parent / uri
+    file = plain if "%" in uri and plain.is_file() else path.parent / name
+    if file.exists() and not file.is_file():
+        raise InputError(f"{path} refers to {uri[:80]!r}, which is no file.")
+    return file
+
+
+def _check_header(path: Path, data: bytes) -> None:
     """Refuse an OFF or PLY file that announces more elements than it has bytes."""
-    with path.open("rb") as file:
-        head = file.read(HEADER)
+    head = data[:HEADER]
     if path.suffix.lower() == ".off":
         found = re.search(rb"OFF\s+(\d+)\s+(\d+)", re.sub(rb"#[^\r\n]*", b"", head))
         counts = list(found.groups()) if found else []
     else:
         counts = re.findall(rb"^element\s+\S+\s+(\d+)", head.partition(b"end_header")[0], re.MULTILINE)
     most = max((int(count) for count in counts), default=0)
-    if most > path.stat().st_size:
+    if most > len(data):
         raise InputError(f"{path} announces {most} vertices or faces, more than it has bytes.")
 
 
-def _check_buffers(path: Path, tree: dict[str, Any]) -> None:
-    for buffer in tree.get("buffers", []):
-        uri = buffer.get("uri", "")
-        if not uri or uri.startswith("data:"):
+def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
+    """Refuse views of buffers that repeat their bytes: each is copied, and each element of a short stride."""
+    views = tree.get("bufferViews", [])
+    if sum(view["byteLength"] for view in views) > max(FREE_NUMBERS, REPEATED * held):
+        raise InputError(f"{path} refers to the same bytes again and again; export it anew.")
+    for index, entry in enumerate(tree.get("accessors", [])):
+        if "bufferView" not in entry or "byteStride" not in (view := views[entry["bufferView"]]):
             continue
-        name = name_in_folder(uri)
-        if name is None:
-            raise InputError(f"{path} refers to {uri[:80]!r}, which does not lie in its folder.")
-        if (path.parent / name).exists() and not (path.parent / name).is_file():
-            raise InputError(f"{path} refers to {uri[:80]!r}, which is no file.")
-        if (path.parent / name).is_file() and (path.parent / name).stat().st_size > MOST_BYTES:
-            read_bounded(path.parent / name)  # refuses
+        size = WIDTHS[entry["type"]] * SIZES[entry["componentType"]]
+        if view["byteStride"] < size:
+            raise InputError(
+                f"{path} has elements of {size} bytes {view['byteStride']} bytes apart, in accessor {index}; "
+                "export it anew."
+            )
 
 
-def _check_counts(path: Path, tree: dict[str, Any]) -> None:
+def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
     """Refuse numbers that nothing holds, and parts repeated until they fill the memory."""
     accessors, nodes = tree.get("accessors", []), tree.get("nodes", [])
     numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
-    if sum(numbers) > MOST_NUMBERS or unbacked > MOST_UNBACKED:
-        raise InputError(f"{path} announces {sum(numbers)} numbers, more than a mesh file can hold.")
+    if sum(numbers) > max(FREE_NUMBERS, REPEATED * held) or unbacked > FREE_NUMBERS:
+        many = min(sum(numbers), 10**15)  # a number of a thousand digits would fill the screen
+        raise InputError(f"{path} announces {many} numbers, more than a mesh file can hold.")
     placed = Counter(node["mesh"] for node in nodes if "mesh" in node)
     parts, vertices = 0, 0
     for index, mesh in enumerate(tree.get("meshes", [])):
@@ -126,5 +160,5 @@ def _check_counts(path: Path, tree: dict[str, Any]) -> None:
             vertices += largest * max(placed[index], 1)
     if max(parts, len(nodes)) > MOST_PARTS:
         raise InputError(f"{path} places {max(parts, len(nodes))} parts; join them to {MOST_PARTS} or fewer.")
-    if vertices > MOST_VERTICES:
-        raise InputError(f"{path} places {vertices} vertices; reduce it to {MOST_VERTICES} or fewer.")
+    if vertices > (most := max(FREE_VERTICES, held)):
+        raise InputError(f"{path} places {vertices} vertices; reduce it to {most} or fewer.")

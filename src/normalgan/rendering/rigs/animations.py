@@ -10,6 +10,10 @@ from normalgan.rendering.rigs.container import Container, bad_rig
 from normalgan.rendering.rigs.rig import Clip, Doubles, Nodes, Track
 
 KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
+MOST_CHANNELS = 2**14
+"""More channels are refused: each takes a tenth of a millisecond to read, and rigs have a few thousand."""
+MOST_MOVED = 2**18
+"""More nodes are refused, those of each animation counted again."""
 INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 
 
@@ -19,8 +23,14 @@ def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
     Raises:
         InputError: if one does not hold together.
     """
+    animations = container.tree.get("animations", [])
+    channels = sum(len(animation["channels"]) for animation in animations)
+    if channels > MOST_CHANNELS or len(animations) * len(nodes.parents) > MOST_MOVED:
+        raise bad_rig(
+            container.path, f"it has {len(animations)} animations of {channels} channels; delete most of them"
+        )
     clips = []
-    for animation in container.tree.get("animations", []):
+    for animation in animations:
         tracks = [
             _track(container, nodes, animation, channel)
             for channel in animation["channels"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError, brief
-from normalgan.limits import read_bounded
+from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import name_in_folder
 
 RIG_SUFFIXES = (".glb", ".gltf")
@@ -92,7 +92,7 @@ def read_container(path: Path) -> Container:
 
 def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
     """Return the JSON of a file and the binary chunk of a .glb."""
-    data = _bytes(path)
+    data = mesh_bytes(path)
     binary = None
     try:
         text = data
@@ -134,11 +134,4 @@ def _linked(path: Path, uri: str) -> bytes:
         raise bad_rig(path, f"its buffer {uri!r} does not lie in its folder")
     if not (path.parent / name).is_file():
         raise bad_rig(path, f"its buffer {uri!r} is missing")
-    return _bytes(path.parent / name)
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return read_bounded(path)
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    return mesh_bytes(path.parent / name)

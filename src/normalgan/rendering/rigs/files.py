@@ -60,6 +60,7 @@ class RiggedFile:
             InputError: if the file cannot be read, or its rig does not hold together.
         """
         # scipy takes half a second: only when a rig is posed
+        from normalgan.rendering.rigs.joints import LooseRigError
         from normalgan.rendering.rigs.posing import draw_pose
         from normalgan.rendering.rigs.reading import read_rig
         from normalgan.rendering.rigs.skinning import posed_surface
@@ -67,7 +68,10 @@ class RiggedFile:
         rig = read_rig(Path(self.file.path))
         rng = np.random.default_rng([zlib.crc32(self.file.name.encode()), self.pose])
         with np.errstate(over="ignore", invalid="ignore"):
-            vertices, faces = posed_surface(rig, draw_pose(rig, rng))
+            try:
+                vertices, faces = posed_surface(rig, draw_pose(rig, rng))
+            except LooseRigError as error:
+                raise bad_rig(Path(self.file.path), str(error)) from error
         if not np.isfinite(vertices).all():
             raise bad_rig(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
         return finish(self.name, self.file, vertices, faces)

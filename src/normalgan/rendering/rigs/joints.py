@@ -22,6 +22,16 @@ OUTLIERS = 5.0
 """Percent of the moments at either end that do not widen a joint's range: a clip may show a fall."""
 
 
+MOST_COPIES = 100
+"""Of vertices of a joint in one place so many are searched for neighbours: trees of points bear no more."""
+MOST_SEARCHED = 2**23
+"""More vertices are not searched, those of each loose tree of joints counted again."""
+
+
+class LooseRigError(ValueError):
+    """A rig falls into too many loose parts to find what hangs on what."""
+
+
 @dataclass(frozen=True)
 class Joints:
     """The joints that move surface.
@@ -46,6 +56,9 @@ def find_joints(rig: Rig) -> Joints:
     Rigs made for inverse kinematics often keep feet on bones of their own, which animations hold to the
     legs; a leg turned by itself would leave its foot behind. So where joints that move surface fall into
     several trees, each smaller tree is hung on the joint of a larger one that moves the surface next to it.
+
+    Raises:
+        LooseRigError: if there are too many such trees.
     """
     points, owners = _owned(rig)
     nodes = rig.nodes
@@ -82,6 +95,10 @@ def _owned(rig: Rig) -> tuple[Doubles, Indices]:
 def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: Flags) -> Indices:
     """Return the parents with smaller trees hung on the joints of larger ones that they touch."""
     parents = np.where(moving, parents, -1)
+    points, owners = _thinned(points, owners)
+    loose = int((parents[np.unique(owners)] < 0).sum())
+    if loose > 1 and loose * len(points) > MOST_SEARCHED:
+        raise LooseRigError(f"its {len(points)} vertices hang on {loose} loose trees of nodes; join them")
     while True:
         child = np.flatnonzero(parents >= 0)
         tree = components(len(parents), child, parents[child])[owners]
@@ -97,6 +114,17 @@ def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: F
         keepers, votes = np.unique(owners[others][nearest[close]], return_counts=True)
         roots = [node for node in np.unique(owners[mine]) if parents[node] < 0]
         parents[roots] = keepers[votes.argmax()]
+
+
+def _thinned(points: Doubles, owners: Indices) -> tuple[Doubles, Indices]:
+    """Return points and owners without the copies of a point beyond `MOST_COPIES`, in the same order."""
+    placed = np.column_stack([points, owners])
+    order = np.lexsort(placed.T)
+    first = np.r_[True, (placed[order[1:]] != placed[order[:-1]]).any(axis=1)]
+    starts = np.flatnonzero(first)
+    rank = np.arange(len(order)) - np.repeat(starts, np.diff(np.r_[starts, len(order)]))
+    kept = np.sort(order[rank < MOST_COPIES])
+    return points[kept], owners[kept]
 
 
 def _ordered(parents: Indices, moving: Flags) -> Indices:

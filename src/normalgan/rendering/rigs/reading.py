@@ -7,11 +7,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from normalgan.errors import InputError, brief
+from normalgan.rendering.mesh_limits import check_limits
 from normalgan.rendering.rigs.accessors import read_accessor
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.container import Container, bad_rig, read_container
 from normalgan.rendering.rigs.rig import Doubles, Indices, Nodes, Piece, Rig, Skin
 
+MOST_SETS = 4
+"""Joints and weights of a vertex come in sets of four."""
 SUM_TOLERANCE = 0.05
 """How far the weights of a vertex may be from 1: bytes are 0.008 off, weak joints left out a little more."""
 
@@ -26,6 +29,7 @@ def read_rig(path: Path) -> Rig:
     """
     try:
         container = read_container(path)
+        check_limits(path)
         nodes = _nodes(container)
         pieces = tuple(
             piece for index in _shown(container, nodes) for piece in _pieces(container, nodes, index)
@@ -163,7 +167,9 @@ def _bound(
     if lost.all():
         return _stiff(vertices, faces, node)
     if lost.any():
-        nearest = np.flatnonzero(~lost)[cKDTree(vertices[~lost]).query(vertices[lost])[1]]
+        # Without copies, with which trees of points degenerate.
+        places, first = np.unique(vertices[~lost], axis=0, return_index=True)
+        nearest = np.flatnonzero(~lost)[first[cKDTree(places).query(vertices[lost])[1]]]
         joints[lost], weights[lost] = joints[nearest], weights[nearest]
     if weights.min() < 0:
         raise bad_rig(container.path, "a weight is negative")
@@ -191,6 +197,10 @@ def _stiff(vertices: Doubles, faces: Indices, node: int) -> Piece:
 def _binding(container: Container, attributes: dict[str, Any], count: int) -> tuple[Indices, Doubles]:
     """Return the (V, K) joints and weights of vertices as they are stored, K a multiple of 4."""
     sets = range(sum(name.startswith("JOINTS_") for name in attributes))
+    if len(sets) > MOST_SETS:
+        raise bad_rig(
+            container.path, f"a vertex is bound to {4 * len(sets)} joints; {4 * MOST_SETS} are enough"
+        )
     joints = [read_accessor(container, attributes[f"JOINTS_{k}"], "VEC4").astype(np.int64) for k in sets]
     shares = [read_accessor(container, attributes[f"WEIGHTS_{k}"], "VEC4").astype(np.float64) for k in sets]
     index, weights = np.concatenate(joints, axis=1), np.concatenate(shares, axis=1)

@@ -1,0 +1,42 @@
+"""The bytes of mesh files: bounded, and the same ones for a fingerprint and for the mesh made of them."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+
+from normalgan.errors import InputError
+from normalgan.limits import read_bounded
+
+_kept: ContextVar[dict[Path, bytes] | None] = ContextVar("bytes of mesh files", default=None)
+
+
+@contextmanager
+def read_once() -> Iterator[None]:
+    """Keep the bytes of every mesh file that is read until this ends, so that none is read twice.
+
+    A file may be replaced at any moment. What is fingerprinted and loaded within this is one and the same.
+    """
+    token = _kept.set({})
+    try:
+        yield
+    finally:
+        _kept.reset(token)
+
+
+def mesh_bytes(path: Path) -> bytes:
+    """Return the bytes of a mesh file, or of one that it refers to.
+
+    Raises:
+        InputError: if it cannot be read, is larger than `MOST_BYTES`, or is a pipe or a device.
+    """
+    kept = _kept.get()
+    if kept is not None and path in kept:
+        return kept[path]
+    try:
+        data = read_bounded(path)
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    if kept is not None:
+        kept[path] = data
+    return data
