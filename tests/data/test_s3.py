@@ -1,3 +1,5 @@
+import contextlib
+import socket
 import time
 import urllib.request
 import warnings
@@ -9,6 +11,7 @@ import pytest
 from torch.utils.data import DataLoader
 from toys import Octahedron, assert_same, contents, recipe
 
+from normalgan.data import remote
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.items import collate
 from normalgan.data.local_cache import LocalCache
@@ -95,6 +98,15 @@ def test_what_is_lost_or_damaged_there_is_found(bucket: str) -> None:
     assert folder.read(path) == whole
 
 
+def test_an_object_that_vanishes_there_is_not_read_as_zeros(bucket: str) -> None:
+    render(bucket)
+    store = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
+    store.read(20)
+    Storage(store.url).delete("samples.zarr/train/normal/c/0/0/0/0")
+    with pytest.raises(InputError, match=r"shard 0 of train in s3://.* is unfinished or damaged"):
+        store.read(21)
+
+
 def test_a_writer_that_fails_leaves_the_old_object(bucket: str, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = Storage(bucket)
     folder.write("a", b"old" * 1000)
@@ -163,6 +175,25 @@ def test_an_endpoint_that_does_not_answer_is_one_sentence_in_time(
     with pytest.raises(InputError, match=r"^cannot read s3://.*: Could not connect to the endpoint URL"):
         render(bucket)
     assert time.monotonic() - start < 20
+
+
+@pytest.mark.slow
+def test_an_endpoint_that_accepts_and_never_answers_is_given_up(
+    bucket: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote, "_SECONDS", 1)  # in place of 15
+    with socket.create_server(("127.0.0.1", 0), backlog=64) as silent:
+        monkeypatch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{silent.getsockname()[1]}")
+        forget()
+        silent.setblocking(False)
+        with pytest.raises(InputError, match=r"^cannot read s3://.*: .*[Tt]imeout"):
+            render(bucket)
+        requests = 0
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                silent.accept()[0].close()
+                requests += 1
+    assert 1 < requests <= 6  # three attempts, twice
 
 
 def test_the_limits_are_the_users_to_change(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,11 +4,17 @@ import os
 from typing import Any
 
 import fsspec  # type: ignore[import-untyped]
+from fsspec.core import url_to_fs  # type: ignore[import-untyped]
+from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 
 from normalgan.errors import brief
 
 _ATTEMPTS = 3
-"""Attempts at a request, the first included."""
+"""Attempts of botocore at a request, the first included."""
+_ROUNDS = 2
+"""Rounds of such attempts, where a request was accepted and not answered, or the answer broke off."""
+_SECONDS = 15
+"""Seconds without a byte after which a request is given up."""
 
 
 def options(url: str) -> dict[str, Any]:
@@ -28,11 +34,26 @@ def options(url: str) -> dict[str, Any]:
     configured = {key for name in ("s3", "s3a") for key in fsspec.config.conf.get(name, {})}
     if protocol in {"s3", "s3a"} and "config_kwargs" not in configured:
         # https://botocore.amazonaws.com/v1/documentation/api/latest/reference/config.html
-        limits: dict[str, Any] = {"connect_timeout": 5, "read_timeout": 30}
+        limits: dict[str, Any] = {"connect_timeout": 5, "read_timeout": _SECONDS}
         if not {"AWS_MAX_ATTEMPTS", "AWS_RETRY_MODE"} & set(os.environ):
             limits["retries"] = {"total_max_attempts": _ATTEMPTS, "mode": "standard"}
         found["config_kwargs"] = limits
     return found
+
+
+def connect(url: str) -> tuple[AbstractFileSystem, str]:
+    """Return the file system behind a URL, and what it calls the place there.
+
+    s3fs repeats what botocore has repeated already, five times: an endpoint that accepts requests and answers
+    none would hold a command for minutes.
+
+    Raises:
+        ValueError, ImportError: if none is known or installed.
+    """
+    files, root = url_to_fs(url, **options(url))
+    if "s3" in files.protocol:
+        files.retries = _ROUNDS
+    return files, root
 
 
 def reason(error: BaseException) -> str:

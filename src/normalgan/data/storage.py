@@ -3,12 +3,11 @@
 import contextlib
 from pathlib import Path
 
-from fsspec.core import url_to_fs  # type: ignore[import-untyped]
 from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-untyped]
 from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 
 from normalgan.data.partials import abandoned, partial_name
-from normalgan.data.remote import no_bucket, options, reason
+from normalgan.data.remote import connect, no_bucket, reason
 from normalgan.errors import InputError, brief, unwritable
 
 _PARTIAL = ".partial"
@@ -146,7 +145,7 @@ class Storage:
     def _files(self) -> tuple[AbstractFileSystem, str]:
         # Asked for anew each time: fsspec keeps one a process, so that none is carried across a fork.
         try:
-            files, root = url_to_fs(self.url, **options(self.url))
+            files, root = connect(self.url)
         except (ValueError, ImportError) as error:
             raise InputError(f"no samples can be kept at {self.url}: {brief(error)}.") from error
         return files, root
