@@ -54,6 +54,11 @@ def test_an_unknown_command_is_answered_by_its_near_miss(
             "failed while running: RuntimeError: odd (set NORMALGAN_TRACEBACK",
         ),
         (KeyboardInterrupt(), 130, "stopped."),
+        (
+            InputError("the mesh \x1b]0;owned\x07 is\u202e bad."),
+            2,
+            r"the mesh \x1b]0;owned\x07 is\u202e bad.",
+        ),
     ],
 )
 def test_what_goes_wrong_is_a_sentence_and_a_code(

@@ -10,7 +10,7 @@ import sys
 from importlib import import_module
 
 from normalgan import __version__
-from normalgan.errors import InputError, RunError, brief, did_you_mean
+from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
 
 USAGE = """\
 normalgan: from a line sketch to a surface normal map
@@ -108,7 +108,7 @@ def _explain(error: OSError) -> str:
 
 
 def _fail(sentence: str, code: int) -> int:
-    print(f"normalgan: {' '.join(sentence.split())}", file=sys.stderr)
+    print(f"normalgan: {one_line(sentence)}", file=sys.stderr)
     return code
 
 

@@ -31,6 +31,15 @@ def named(what: object, error: InputError) -> InputError:
     return type(error)(text if str(what) in text else f"{what}: {text}")
 
 
+def one_line(text: str) -> str:
+    r"""Return a text as one line that a terminal can be given: names in files may hold its commands.
+
+    >>> one_line("the mesh \x1b[2Jhorse\n is missing")
+    'the mesh \\x1b[2Jhorse is missing'
+    """
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in " ".join(text.split()))
+
+
 def brief(error: BaseException) -> str:
     r"""Return the first line of an error's text, or its type's name if it has none.
 

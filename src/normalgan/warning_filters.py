@@ -5,6 +5,8 @@ import sys
 import warnings
 from typing import Any
 
+from normalgan.errors import one_line
+
 NOT_SAID = (
     r".*does not have many workers.*",  # a small data set lies in memory, where workers only cost
     r".*is smaller than the logging interval.*",
@@ -30,4 +32,4 @@ def filter_warnings() -> None:
 
 
 def _show(message: Warning | str, *_: Any, **__: Any) -> None:
-    print(f"normalgan: warning: {' '.join(str(message).split())}", file=sys.stderr)
+    print(f"normalgan: warning: {one_line(str(message))}", file=sys.stderr)
