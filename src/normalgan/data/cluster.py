@@ -4,8 +4,9 @@ import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from queue import Empty, SimpleQueue
+from threading import Timer
 from types import TracebackType
 from typing import Any, Self, TypeVar
 from uuid import uuid4
@@ -20,6 +21,7 @@ R = TypeVar("R")
 
 _AHEAD = 3  # tasks a worker has before it or at hand: none waits for the next, and few fall with it
 _LOOK = 1.0  # seconds between two looks at who is there
+_SILENCE = 60.0  # seconds without a result or an answer, after which it is said what is waited for
 
 
 class Cluster:
@@ -39,6 +41,7 @@ class Cluster:
         self._patience = 0.0
         self._workers: set[str] = set()
         self._sent_away: set[str] = set()
+        self._paused: list[str] = []
         self._looked = self._seen = 0.0
 
     def __enter__(self) -> Self:
@@ -82,6 +85,7 @@ class Cluster:
         ended: SimpleQueue[Any] = SimpleQueue()
         under_way: dict[str, tuple[Any, T]] = {}
         suspicious: set[str] = set()
+        heard = time.monotonic()
         try:
             while todo or under_way:
                 while todo and len(under_way) < _AHEAD * len(self._workers):
@@ -97,7 +101,11 @@ class Cluster:
                 future = _next(ended)
                 self._watch()
                 if future is None:
+                    if time.monotonic() - heard > _SILENCE:
+                        heard = time.monotonic()
+                        self._tell_of_waiting(len(under_way))
                     continue
+                heard = time.monotonic()
                 _, task = under_way.pop(future.key)
                 outcome = self._outcome(future)
                 if isinstance(outcome, Unfit):
@@ -145,16 +153,39 @@ class Cluster:
             self._client.retire_workers(list(unfit))
         return bool(unfit)
 
+    def _tell_of_waiting(self, tasks: int) -> None:
+        full = f", of which {', '.join(self._paused)} paused, out of memory" if self._paused else ""
+        warnings.warn(
+            f"no result from {self.where} for {_SILENCE:.0f} seconds; waiting for {tasks} tasks on "
+            f"{len(self._workers)} workers{full}.",
+            stacklevel=3,
+        )
+
+    @contextmanager
+    def _tell_if_unanswered(self) -> Iterator[None]:
+        """Say so if the scheduler is long silent while it is asked something: a frozen one never answers."""
+        text = f"the scheduler at {self.where} has not answered for {_SILENCE:.0f} seconds; waiting for it."
+        timer = Timer(_SILENCE, warnings.warn, [text], {"stacklevel": 2})
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+
     def _look(self) -> dict[str, str]:
         """Note which workers there are; return what is wrong with new ones, by address."""
         self._looked = time.monotonic()
         if self._client.status != "running":
             raise self._lost()
-        there = self._client.scheduler_info(n_workers=-1)["workers"]
-        threads = {address: there[address]["nthreads"] for address in there}
-        unfit = flaws(
-            self._client, {a: threads[a] for a in threads if a not in self._workers | self._sent_away}
-        )
+        with self._tell_if_unanswered():
+            there = self._client.scheduler_info(n_workers=-1)["workers"]
+            threads = {address: there[address]["nthreads"] for address in there}
+            unfit = flaws(
+                self._client, {a: threads[a] for a in threads if a not in self._workers | self._sent_away}
+            )
+        # What Dask does to a worker at its memory limit.
+        self._paused = [address for address in there if there[address].get("status") == "paused"]
         self._workers = set(there) - set(unfit) - self._sent_away
         if self._workers or unfit:
             self._seen = self._looked
