@@ -16,9 +16,9 @@ def smooth(path: Doubles, sigma: float) -> Doubles:
         path: (P, 2); closed if the last point is the first.
         sigma: standard deviation of the Gaussian in points.
 
-    >>> stairs = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 1.0], [2.0, 2.0]])
+    >>> stairs = np.array([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [3.0, 2.0], [3.0, 3.0]])
     >>> smooth(stairs, 1.0).round(1).tolist()
-    [[0.0, 0.0], [0.8, 0.2], [1.3, 0.7], [1.8, 1.2], [2.0, 2.0]]
+    [[1.0, 1.0], [1.8, 1.2], [2.3, 1.7], [2.8, 2.2], [3.0, 3.0]]
     """
     reach = min(int(np.ceil(3.5 * sigma)), len(path) - 1)
     if reach < 1:
