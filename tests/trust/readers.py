@@ -44,6 +44,16 @@ def drawing(path: Path) -> None:
     read_drawing(path)
 
 
+def model(path: Path) -> None:
+    """Paint nothing with a model as ONNX."""
+    import numpy as np
+
+    from normalgan.painting.session import Model
+
+    loaded = Model(path, threads=1)
+    loaded.paint(np.zeros((loaded.size, loaded.size), np.float32))
+
+
 def hints(path: Path) -> None:
     """Read hints for a drawing of 32 × 32 pixels."""
     from normalgan.painting.hint_files import load_hints
@@ -90,7 +100,10 @@ def checkpoint(path: Path) -> None:
 
 READERS: dict[str, Callable[[Path], None]] = {
     read.__name__: read
-    for read in (mesh, rig, configuration, drawing, hints, orientation, split, plan, cluster, checkpoint)
+    for read in (
+        *(mesh, rig, configuration, drawing, model, hints, orientation, split, plan, cluster),
+        checkpoint,
+    )
 }
 
 
@@ -139,6 +152,8 @@ def main(name: str, memory: int, seconds: float) -> None:
         import normalgan.rendering.mesh_files  # not part of the first file's time
         import normalgan.rendering.rigs.posing
         import normalgan.rendering.rigs.reading
+    if name == "model":
+        import normalgan.painting.session  # threads map stacks
     if name == "plan":
         import normalgan.benchmark.plan  # noqa: F401 -- the same
     mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
