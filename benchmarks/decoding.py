@@ -22,7 +22,7 @@ from PIL import Image
 
 from normalgan import decoding
 from normalgan.decoding import worker
-from normalgan.painting.session import SHIPPED
+from normalgan.painting.onnx_backend import SHIPPED
 
 SKETCH = Path(__file__).parents[1] / "examples" / "sketches" / "fox.png"
 SIDES = (256, 512, 1024, 2048)

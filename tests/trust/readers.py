@@ -48,9 +48,9 @@ def model(path: Path) -> None:
     """Paint nothing with a model as ONNX."""
     import numpy as np
 
-    from normalgan.painting.session import Model
+    from normalgan.painting.onnx_backend import OnnxBackend
 
-    loaded = Model(path, threads=1)
+    loaded = OnnxBackend(path, threads=1)
     loaded.paint(np.zeros((loaded.size, loaded.size), np.float32))
 
 
@@ -153,7 +153,7 @@ def main(name: str, memory: int, seconds: float) -> None:
         import normalgan.rendering.rigs.posing
         import normalgan.rendering.rigs.reading
     if name == "model":
-        import normalgan.painting.session  # threads map stacks
+        import normalgan.painting.onnx_backend  # threads map stacks
     if name == "plan":
         import normalgan.benchmark.plan  # noqa: F401 -- the same
     mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

@@ -122,9 +122,9 @@ def png(chance: Chance) -> bytes:
     colour = (0, 2, 3, 4, 6)[chance.below(5)]
     depth = 8 if chance.often(0.7) else (1, 2, 4, 16)[chance.below(4)]
     channels = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[colour]
-    head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, chance.below(2))
+    head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, chance.often(0.1))
     row = 1 + (width * channels * depth + 7) // 8
-    rows = b"".join(bytes([chance.below(6)]) + bytes(row - 1) for _ in range(height + (chance.below(9) == 0)))
+    rows = b"".join(bytes([chance.below(5)]) + bytes(row - 1) for _ in range(height + (chance.below(9) == 0)))
     data = zlib.compress(rows + chance.bytes(20))
     packed = zlib.compress(chance.bytes(40) * (1 + chance.below(2000)))
     known: tuple[tuple[bytes, bytes], ...] = (
@@ -155,28 +155,27 @@ def png(chance: Chance) -> bytes:
 def tiff(chance: Chance) -> bytes:
     """Return a TIFF whose directories say anything that a directory may say."""
     order = chance.of(("<", ">"))
-    data = zlib.compress(bytes(4096)) if chance.often(0.5) else chance.bytes(4096)
+    data = (zlib.compress(bytes(4096)) if chance.often(0.3) else chance.bytes(4096)).ljust(4096, b"\0")
     values = (0, 1, 2, 3, 4, 5, 7, 8, 16, 32, 64, 255, 4096, 65535, 2**31, 2**32 - 1)
-    usual: dict[int, tuple[int, ...]] = {
+    sound = {256: 64, 257: 64, 258: 8, 259: 1, 262: 1, 273: 8, 277: 1, 278: 64, 279: 4096, 284: 1}
+    others: dict[int, tuple[int, ...]] = {
         256: (16, 64), 257: (16, 64), 258: (1, 8, 16, 32), 259: (1, 2, 3, 4, 5, 6, 7, 8, 32773, 34712, 50000),
-        262: (0, 1, 2, 3, 5, 6, 8), 266: (1, 2), 273: (8,), 274: (1, 6, 8), 277: (1, 3, 4), 278: (16, 64),
-        279: (64, 4096), 284: (1, 2), 317: (1, 2, 3), 322: (16, 64), 323: (16,), 324: (8,), 325: (4096,),
-        338: (0, 1, 2), 339: (1, 2, 3), 347: (8,), 530: (2,), 320: (8,), 330: (8,), 34665: (8,), 700: (8,),
+        262: (0, 1, 2, 3, 5, 6, 8), 266: (2,), 274: (1, 3, 6, 8), 277: (1, 3, 4), 278: (16, 64), 317: (2, 3),
+        279: (64, 4096), 284: (1, 2), 322: (16, 64), 323: (16,), 324: (8,), 325: (4096,), 338: (0, 1, 2),
+        339: (1, 2, 3), 347: (8,), 530: (2,), 320: (8,), 330: (8,), 34665: (8,), 700: (8,), 33432: (8,),
     }  # fmt: skip
     blob, offset = b"", 8 + len(data)
     for _ in range(1 + chance.below(2)):
-        entries = []
-        for tag, likely in sorted(usual.items()):
-            if tag > 284 and chance.often(0.8):
-                continue
-            kind = 3 + chance.below(2) if chance.often(0.9) else chance.below(19)
-            count = 1 if chance.often(0.9) else values[chance.below(len(values))]
-            value = (
-                likely[chance.below(len(likely))] if chance.often(0.9) else values[chance.below(len(values))]
-            )
-            short = kind == 3 and value < 65536 and order == ">"
-            entries.append(struct.pack(f"{order}HHII", tag, kind, count, value << 16 if short else value))
-        directory = struct.pack(f"{order}H", len(entries)) + b"".join(entries)
+        held = {tag: (4, 1, value) for tag, value in sound.items()}
+        for _ in range(chance.below(4)):
+            tag = list(others)[chance.below(len(others))]
+            kind = 4 if chance.often(0.8) else chance.below(19)
+            count = 1 if chance.often(0.8) else values[chance.below(len(values))]
+            likely = others[tag] if chance.often(0.8) else values
+            held[tag] = (kind, count, likely[chance.below(len(likely))])
+        directory = struct.pack(f"{order}H", len(held)) + b"".join(
+            struct.pack(f"{order}HHII", tag, *entry) for tag, entry in sorted(held.items())
+        )
         following = offset if chance.often(0.1) else offset + len(blob) + len(directory) + 4
         blob += directory + struct.pack(f"{order}I", following if chance.often(0.5) else 0)
     mark = b"II*\0" if order == "<" else b"MM\0*"
@@ -202,7 +201,12 @@ def gif(chance: Chance) -> bytes:
         size = (width, height) if chance.often(0.7) else (chance.below(65536), chance.below(3000))
         parts.append(b"," + struct.pack("<HHHHB", chance.below(9), chance.below(9), *size, colours))
         parts.append(bytes(3 * 2 ** ((colours & 7) + 1)) if colours & 128 else b"")
-        parts.append(bytes([chance.below(13)]) + blocks())
+        if chance.often(0.7) and max(size) < 100:  # pixels of seven bits, the table emptied before it grows
+            pixels = bytes(chance.below(128) for _ in range(size[0] * size[1]))
+            rows = [b"\x80" + pixels[i : i + 100] for i in range(0, len(pixels), 100)]
+            parts.append(b"\x07" + b"".join(bytes([len(row)]) + row for row in [*rows, b"\x81"]) + b"\0")
+        else:
+            parts.append(bytes([chance.below(13)]) + blocks())
     return b"".join(parts) + b";"
 
 
