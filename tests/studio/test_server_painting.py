@@ -171,3 +171,25 @@ def test_an_image_of_any_kind_is_imported(model: Path, tmp_path: Path, kind: str
         if kind != "large":
             assert np.abs(pixels[..., 0].astype(int) - circle()).mean() < 4
             assert pixels[..., 0][np.abs(away() - RADIUS) < 0.5].max() < 120
+
+
+def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, tmp_path: Path) -> None:
+    pins: list[dict[str, Any]] = [
+        {"x": 62, "y": 60, "normal": [-1, 0, 0], "reach": 9},
+        {"x": 78, "y": 60, "normal": [1, 0, 0]},
+        {"x": 70, "y": 80, "normal": [0, 0.6, 0.8], "reach": 4},
+    ]
+    area = {"points": [40, 40, 60, 40, 60, 50, 40, 50], "normal": [0, -0.6, 0.8]}
+    stroke = {"points": [84, 40, 94, 44], "normal": [0, 0, 1], "size": 8}
+    with serving(model, tmp_path) as client:
+        bare = decode(painted(client)[..., :3])
+        held = decode(painted(client, number=2, hints=pins, areas=[area, stroke])[..., :3])
+        for pin in pins:
+            assert np.degrees(np.arccos(min(1, held[pin["y"], pin["x"]] @ np.array(pin["normal"])))) < 1.5
+        inside = held[42:48, 44:56].reshape(-1, 3).mean(0)
+        assert np.abs(inside / np.linalg.norm(inside) - area["normal"]).max() < 0.05
+        assert np.abs(held[42, 89] - [0, 0, 1]).max() < 0.2 < np.abs(bare[42, 89] - [0, 0, 1]).max()
+        for wrong in ({"areas": 3}, {"areas": [3]}, {"areas": [{**area, "points": [1, 2]}]}):
+            assert client.post("/api/paint", json=asking(3, **wrong)).status_code == 400
+        far = [{**pins[0], "reach": -1}]
+        assert "reach is -1" in client.post("/api/paint", json=asking(4, hints=far)).json()["error"]

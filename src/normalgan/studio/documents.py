@@ -4,7 +4,7 @@ from normalgan.errors import InputError
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.fields import Fields, parse_fields, take_integer
 
-FORMAT, VERSION = "normalgan-studio", 1
+FORMAT, VERSION = "normalgan-studio", 2
 
 
 def check_document(content: bytes) -> Fields:
@@ -16,8 +16,10 @@ def check_document(content: bytes) -> Fields:
     fields = parse_fields(content)
     if fields.get("format") != FORMAT:
         raise InputError(f'that is no project of the studio, which begins with "format": "{FORMAT}".')
-    if fields.get("version") != VERSION:
-        raise InputError(f"the project is of another version; this studio knows {VERSION}, so update it.")
+    if fields.get("version") not in range(1, VERSION + 1):
+        raise InputError(
+            f"the project is of another version; this studio knows 1 to {VERSION}, so update it."
+        )
     for side in ("width", "height"):
         take_integer(fields, side, LEAST_SIDE, MOST_SIDE)
     for name, kind in (("strokes", list), ("hints", list), ("layers", list), ("settings", dict)):

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
+from normalgan.normals import Floats
+from normalgan.painting.edits import brush, hold_pins, polygon, stroke, tilt
 from normalgan.painting.hint_files import Hints, parse_hints
 from normalgan.painting.jobs import MODEL, OUTLINE
 from normalgan.painting.masks import mask_of
@@ -21,6 +23,13 @@ from normalgan.studio.fields import Fields, take_bytes, take_choice
 LEAST_SIDE, MOST_SIDE = 16, 2048
 """Least and greatest side of a drawing in pixels."""
 MOST_HINTS = 200
+MOST_AREAS = 200
+MOST_POINTS = 4000
+"""Of an area."""
+_REACH = 0.05
+"""How far a pin is held about itself, as a share of the drawing's longer side."""
+_SOFT = 0.01
+"""Width of the edge of a tilted area, as a share of the map's longer side."""
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -33,16 +42,18 @@ class Drawing:
         hints: list of x, y and normal.
         mask: PNG, white on the object; None if there is none.
         source: where the mask comes from if there is none, as for `normalgan.painting.preparation.prepare`.
+        areas: list of what is turned as a whole or brushed, as `read_areas` takes it.
     """
 
     picture: bytes | NDArray[np.uint8]
     hints: Any
     mask: bytes | None
     source: str | None
+    areas: Any = ()
 
     def digest(self) -> bytes:
         """Return what is the same for the same drawings and for no others."""
-        return hashlib.sha256(self.lines_digest() + json.dumps(self.hints).encode()).digest()
+        return hashlib.sha256(self.lines_digest() + json.dumps([self.hints, self.areas]).encode()).digest()
 
     def lines_digest(self) -> bytes:
         """Return what is the same for drawings that differ in their hints alone, and for no others."""
@@ -69,14 +80,97 @@ class Drawing:
             return picture, None
         return picture, mask_of(read_png("mask", self.mask), picture.shape)
 
+    def edit(self, normals: Floats, mask: NDArray[np.bool_], shape: tuple[int, int]) -> Floats:
+        """Return a painted map held to what the hand says: areas in their order, then pins, exactly.
+
+        Args:
+            normals: (h, w, 3), unit.
+            mask: (h, w), the object.
+            shape: (H, W) of the drawing, in whose pixels hints and areas are.
+
+        Raises:
+            InputError: if a hint or an area cannot be used.
+        """
+        scale = normals.shape[1] / shape[1]
+        for area in read_areas(self.areas):
+            points = area.points * np.float32(scale)
+            size = (normals.shape[0], normals.shape[1])
+            if area.size is None:
+                cover = polygon(size, points, _SOFT * max(size))
+                normals = tilt(normals, mask, cover, area.normal)
+            else:
+                normals = brush(normals, stroke(size, points, area.size * scale), area.normal)
+        if not self.hints:
+            return normals
+        hints = parse_hints(self.hints, "the request", shape)
+        usual = _REACH * max(shape)
+        reaches = np.array([_number(each.get("reach"), usual, MOST_SIDE) for each in self.hints], np.float32)
+        return hold_pins(
+            normals, hints.points * np.float32(scale), hints.normals, reaches * np.float32(scale)
+        )
+
     def read_hints(self, shape: tuple[int, int]) -> Hints | None:
-        """Return the hints of the drawing, which has (H, W) pixels; None if there are none.
+        """Return the hints for the model, which has (H, W) pixels; None if there are none.
+
+        Those with a reach of their own are none: they work as far as that, not as far as the model thinks.
 
         Raises:
             InputError: if one cannot be used.
         """
         hints = parse_hints(self.hints, "the request", shape)
-        return hints if len(hints.points) else None
+        free = [each.get("reach") is None for each in self.hints]
+        return Hints(hints.points[free], hints.normals[free]) if any(free) else None
+
+
+@dataclass(frozen=True)
+class Area:
+    """A part of the map to which a hand gives a direction.
+
+    Args:
+        points: (K, 2), x and y in pixels of the drawing: of a closed polygon, or of a stroke.
+        normal: (3,), unit.
+        size: width of the brush; None for a polygon, which is turned as a whole.
+    """
+
+    points: Floats
+    normal: Floats
+    size: float | None
+
+
+def read_areas(given: Any) -> list[Area]:
+    """Return areas: ``points`` (x, y, x, y, …), ``normal``, and ``size`` if it is a stroke of the brush.
+
+    Raises:
+        InputError: if one cannot be used.
+    """
+    areas = []
+    for number, each in enumerate(given, 1):
+        try:
+            points = np.array(each["points"], np.float32).reshape(-1, 2)
+            normal = np.array(each["normal"], np.float32).reshape(3)
+            size = None if each.get("size") is None else float(each["size"])
+            length = float(np.linalg.norm(normal))
+            fits = len(points) <= MOST_POINTS and bool(np.isfinite(points).all()) and 0.75 < length < 1.25
+            fits = fits and (len(points) >= 3 if size is None else len(points) >= 1 and 0 < size <= MOST_SIDE)
+        except (TypeError, ValueError, KeyError, AttributeError):
+            fits = False
+        if not fits:
+            raise InputError(
+                f"area {number} is {json.dumps(each)[:60]}; it has points x, y, x, y, … (3 or more, or 1 and "
+                f"a size; {MOST_POINTS} at the most) and a normal of length 1."
+            )
+        inside = np.clip(points, -MOST_SIDE, 2 * MOST_SIDE)
+        areas.append(Area(inside, normal / np.float32(length), size))
+    return areas
+
+
+def _number(value: Any, usual: float, most: float) -> float:
+    """Return a hint's reach in pixels; None takes the usual one."""
+    if value is None:
+        return usual
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= most:
+        raise InputError(f"a hint's reach is {json.dumps(value)[:40]}; it is 0 to {most:g} pixels.")
+    return float(value)
 
 
 def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Drawing:
@@ -94,11 +188,15 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
         raise InputError('the hints are no list; they are like [{"x": 9, "y": 7, "normal": [0, 0, 1]}].')
     if len(hints) > MOST_HINTS:
         raise InputError(f"there are {len(hints)} hints; a drawing has at most {MOST_HINTS}.")
+    areas = fields.get("areas", [])
+    if not isinstance(areas, list) or len(areas) > MOST_AREAS:
+        raise InputError(f"areas are to be a list of at most {MOST_AREAS}.")
     return Drawing(
         take_bytes(fields, "picture") if picture is None else picture,
         hints,
         None if fields.get("mask") is None else take_bytes(fields, "mask"),
         take_choice(fields, "source", (None, OUTLINE, MODEL)),
+        areas,
     )
 
 

@@ -1,6 +1,7 @@
 """Painter: the model at work for the studio; what was painted last is remembered."""
 
 from collections import OrderedDict
+from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 from typing import TypeVar
@@ -59,6 +60,7 @@ class Painter:
         if painted is None:
             prepared, shape = self._prepare(drawing, longest)
             painted = paint(self.model, hinted(prepared, drawing.read_hints(shape), shape))
+            painted = replace(painted, extended=drawing.edit(painted.extended, painted.mask, shape))
             self._remember(self._painted, key, painted)
         return painted
 

@@ -13,6 +13,7 @@ from starlette.routing import Route
 
 from normalgan.errors import InputError, RunError
 from normalgan.normals import encode
+from normalgan.painting.hint_files import parse_hints
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.suggestion import suggest
 from normalgan.studio.bodies import check_type, gone, read_body
@@ -125,9 +126,8 @@ class PaintingRoutes:
 
     def _points(self, drawing: Drawing, count: int) -> list[dict[str, object]]:
         painted = self._painter.paint(drawing)
-        hints = drawing.read_hints((painted.mask.shape[0], painted.mask.shape[1]))
-        taken = np.empty((0, 2), np.float32) if hints is None else hints.points
-        found = suggest(painted.extended, painted.mask, painted.confidence, taken, count)
+        hints = parse_hints(drawing.hints, "the request", (painted.mask.shape[0], painted.mask.shape[1]))
+        found = suggest(painted.extended, painted.mask, painted.confidence, hints.points, count)
         return [
             {"x": point.x, "y": point.y, "normal": list(point.normal), "gain": point.gain} for point in found
         ]

@@ -1,7 +1,7 @@
 /** Board: the pane of the drawing: the sheet, and above it points, suggestions and the tool's nib. */
 
 import { Camera } from "./camera.js";
-import { drawHints, drawSuggestions } from "./marks.js";
+import { drawAreas, drawHints, drawSuggestions } from "./marks.js";
 import { Sheet } from "./sheet.js";
 
 export class Board {
@@ -81,6 +81,7 @@ export class Board {
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+    drawAreas(context, camera, editor);
     drawSuggestions(context, camera, editor);
     drawHints(context, camera, editor);
     this.#nib();

@@ -7,17 +7,21 @@ import { text } from "./text.js";
  * @typedef {{kind: "picture", picture: string, x: number, y: number, width: number, height: number}} Placed
  * @typedef {Line | Placed} Stroke what the ink is made of, in order; `picture` is a data URL
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
- * @typedef {{x: number, y: number, normal: Normal}} Hint in pixels of the drawing, x right, y down
+ * @typedef {{x: number, y: number, normal: Normal, reach?: number}} Hint in pixels of the drawing, x right, y down;
+ *   reach: how far it has an effect
+ * @typedef {{points: number[], normal: Normal, size?: number}} Area x, y, x, y, … of a polygon that is turned as a
+ *   whole, or of a stroke of that width that is brushed with a direction
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Layer
  * @typedef {{source: null | "outline" | "model", name: string}} Settings
  * @typedef {{format: string, version: number, width: number, height: number, strokes: Stroke[],
- *   hints: Hint[], layers: Layer[], settings: Settings}} Doc
+ *   hints: Hint[], areas: Area[], layers: Layer[], settings: Settings}} Doc
  */
 
 export const FORMAT = "normalgan-studio";
-export const VERSION = 1;
+export const VERSION = 2;
 export const SIDES = { least: 16, most: 2048 };
 const MOST_STROKES = 20000;
+export const MOST_AREAS = 200;
 
 /**
  * Returns an empty drawing.
@@ -27,7 +31,7 @@ const MOST_STROKES = 20000;
  */
 export function newDocument(width, height) {
   const settings = { source: null, name: "" };
-  return { format: FORMAT, version: VERSION, width, height, strokes: [], hints: [], layers: [], settings };
+  return { format: FORMAT, version: VERSION, width, height, strokes: [], hints: [], areas: [], layers: [], settings };
 }
 
 /** @param {Doc} doc @returns {boolean} */
@@ -47,6 +51,25 @@ export function changedHint(doc, index, change) {
 /** @param {Doc} doc @param {number} index @returns {Doc} */
 export const withoutHint = (doc, index) => ({ ...doc, hints: doc.hints.filter((_, i) => i !== index) });
 
+/** @param {Doc} doc @param {Area} area @returns {Doc} */
+export const withArea = (doc, area) => ({ ...doc, areas: [...doc.areas, area] });
+
+/** @param {Doc} doc @param {number} index @param {Partial<Area>} change @returns {Doc} */
+export function changedArea(doc, index, change) {
+  return { ...doc, areas: doc.areas.map((area, i) => (i === index ? { ...area, ...change } : area)) };
+}
+
+/** @param {Doc} doc @param {number} index @returns {Doc} */
+export const withoutArea = (doc, index) => ({ ...doc, areas: doc.areas.filter((_, i) => i !== index) });
+
+/** Where the mark of an area is. @param {Area} area @returns {{x: number, y: number}} */
+export function anchorOf({ points, size }) {
+  const count = points.length / 2;
+  if (size) return { x: points[2 * (count >> 1)], y: points[2 * (count >> 1) + 1] };
+  const mean = (offset) => points.reduce((sum, value, i) => (i % 2 === offset ? sum + value : sum), 0) / count;
+  return { x: mean(0), y: mean(1) };
+}
+
 /** @param {Doc} doc @param {Layer[]} layers @returns {Doc} */
 export const withLayers = (doc, layers) => ({ ...doc, layers });
 
@@ -56,7 +79,7 @@ export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.set
 /** Whether two documents are painted alike. @param {Doc} a @param {Doc} b @returns {boolean} */
 export function paintsAlike(a, b) {
   const alike = a.width === b.width && a.height === b.height && a.settings.source === b.settings.source;
-  return alike && a.strokes === b.strokes && a.hints === b.hints;
+  return alike && a.strokes === b.strokes && a.hints === b.hints && a.areas === b.areas;
 }
 
 /** All pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
@@ -71,9 +94,14 @@ const isPlaced = (value) =>
 const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber);
+const isNormal = (value) =>
+  Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05;
 const isHint = (value) =>
-  isNumber(value.x) && isNumber(value.y) && Array.isArray(value.normal) && value.normal.length === 3 &&
-  value.normal.every(isNumber) && Math.abs(Math.hypot(...value.normal) - 1) < 0.05;
+  isNumber(value.x) && isNumber(value.y) && isNormal(value.normal) && (value.reach === undefined || isNumber(value.reach));
+const isArea = (value) =>
+  Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
+  value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
+  (value.size === undefined || (isNumber(value.size) && value.size > 0));
 const isLayer = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";
 const isList = (list, check, most) => Array.isArray(list) && list.length <= most && list.every((each) => each && check(each));
 
@@ -88,11 +116,11 @@ export function parseDocument(value) {
   if (!doc || doc.format !== FORMAT) throw new Error(text.notProject);
   if (doc.version > VERSION) throw new Error(text.newerProject);
   const whole = isSide(doc.width) && isSide(doc.height) && isList(doc.hints, isHint, 200) &&
-    isList(doc.layers, isLayer, 8) &&
+    isList(doc.areas ?? [], isArea, MOST_AREAS) && isList(doc.layers, isLayer, 8) &&
     isList(doc.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES);
   if (!whole) throw new Error(text.notProject);
   const source = ["outline", "model"].includes(doc.settings?.source) ? doc.settings.source : null;
   const { width, height, strokes, hints, layers } = doc;
   const settings = { source, name: String(doc.settings?.name ?? "") };
-  return { format: FORMAT, version: VERSION, width, height, strokes, hints, layers, settings };
+  return { format: FORMAT, version: VERSION, width, height, strokes, hints, areas: doc.areas ?? [], layers, settings };
 }

@@ -17,10 +17,16 @@ export class Editor extends EventTarget {
     /** @type {Doc | null} what a gesture shows before it ends */
     this.draft = null;
     this.tool = "pen";
-    this.widths = { pen: 6, eraser: 24 };
+    this.widths = { pen: 6, eraser: 24, brush: 48 };
+    /** @type {import("./document.js").Normal | null} what the brush paints; null takes what is under it */
+    this.direction = null;
     this.smoothing = 0.4;
     /** Index of the chosen hint, -1 is none. */
     this.chosen = -1;
+    /** Index of the chosen area, -1 is none; no hint is chosen then. */
+    this.area = -1;
+    /** @type {import("./document.js").Area | null} what is being drawn */
+    this.outline = null;
     /** @type {{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]} */
     this.suggestions = [];
   }
@@ -58,7 +64,7 @@ export class Editor extends EventTarget {
   open(doc) {
     this.draft = null;
     this.history = new History(doc);
-    this.set({ chosen: -1, suggestions: [] });
+    this.set({ chosen: -1, area: -1, suggestions: [] });
     this.dispatchEvent(new CustomEvent("open"));
     this.#changed(false);
   }
@@ -75,12 +81,15 @@ export class Editor extends EventTarget {
   /** Changes tool, choice or settings of the page. @param {Partial<Editor>} values */
   set(values) {
     Object.assign(this, values);
+    if ((values.chosen ?? -1) >= 0) this.area = -1;
+    if ((values.area ?? -1) >= 0) this.chosen = -1;
     this.dispatchEvent(new CustomEvent("state"));
   }
 
   /** @param {boolean} live */
   #changed(live) {
     if (this.chosen >= this.doc.hints.length) this.set({ chosen: -1 });
+    if (this.area >= this.doc.areas.length) this.set({ area: -1 });
     this.dispatchEvent(new CustomEvent("change", { detail: { live } }));
   }
 }

@@ -22,8 +22,8 @@ import { Status } from "./status.js";
 import { claimTab } from "./tab.js";
 import { say, text } from "./text.js";
 import { followTheme } from "./theme.js";
-import { TOOLS, followTools, widen } from "./toolbar.js";
-import { HintTool, LineTool } from "./tools.js";
+import { followTools, widen } from "./toolbar.js";
+import { AreaTool, HintTool, LineTool } from "./tools.js";
 
 fill();
 followTheme($("theme"));
@@ -41,8 +41,9 @@ const importing = new Importing(editor, board, status, projects);
 const exporting = new Exporting(editor, painter, status);
 const lines = new LineTool(board);
 const pins = new HintTool(board, () => painter.painted, (words) => status.say(words));
+const areas = new AreaTool(board, () => painter.painted, (words) => status.say(words));
 const points = new Points(board, pins, painter, status);
-const tool = () => ({ pen: lines, eraser: lines, hint: pins, hand: null })[editor.tool];
+const tool = () => ({ pen: lines, eraser: lines, hint: pins, region: areas, brush: areas, hand: null })[editor.tool];
 const pointers = followPointers(board, tool);
 followKeyboard(board, tool, status);
 followTools(editor, board);
@@ -62,7 +63,7 @@ const create = async () => {
 };
 const escape = () => {
   pointers.cancel();
-  editor.set({ chosen: -1, suggestions: [] });
+  editor.set({ chosen: -1, area: -1, suggestions: [] });
 };
 const clicks = {
   new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs(),
@@ -70,9 +71,9 @@ const clicks = {
   "zoom-in": () => board.zoom(1.25), "zoom-out": () => board.zoom(0.8), "zoom-fit": () => board.fit(),
 };
 for (const [id, action] of Object.entries(clicks)) $(id).addEventListener("click", action);
-const letters = { p: 0, b: 0, e: 1, h: 2, v: 3 };
+const letters = { p: "pen", b: "pen", e: "eraser", h: "hint", r: "region", d: "brush", v: "hand" };
 followKeys({
-  ...Object.fromEntries(Object.entries(letters).map(([key, i]) => [key, () => editor.set({ tool: TOOLS[i] })])),
+  ...Object.fromEntries(Object.entries(letters).map(([key, tool]) => [key, () => editor.set({ tool })])),
   ...Object.fromEntries(VIEWS.map((view, i) => [String(i + 1), () => result.show(view)])),
   "[": () => widen(editor, -1), "]": () => widen(editor, 1),
   "ctrl+z": undo, "ctrl+shift+z": redo, "ctrl+y": redo,

@@ -1,5 +1,6 @@
 /** Marks: how points and suggestions look on the board, and which one is meant by a click. */
 
+import { anchorOf } from "./document.js";
 import { colourOf } from "./normal.js";
 
 /** @typedef {import("./camera.js").Camera} Camera @typedef {import("./editor.js").Editor} Editor */
@@ -39,6 +40,43 @@ export function drawHints(context, camera, editor) {
   editor.doc.hints.forEach((hint, i) => {
     drawMark(context, camera.toPane(hint.x, hint.y), hint.normal, i === editor.chosen);
   });
+}
+
+/**
+ * Draws areas where a tool works on them.
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor
+ */
+export function drawAreas(context, camera, editor) {
+  if (!["hint", "region", "brush"].includes(editor.tool)) return;
+  const { outline, doc } = editor;
+  for (const [i, area] of [...doc.areas, ...(outline ? [outline] : [])].entries()) {
+    const chosen = i === editor.area;
+    context.beginPath();
+    for (let k = 0; k < area.points.length; k += 2) {
+      const { x, y } = camera.toPane(area.points[k], area.points[k + 1]);
+      context.lineTo(x, y);
+      if (area.points.length === 2) context.lineTo(x + 0.01, y); // a dab
+    }
+    [context.lineJoin, context.lineCap] = ["round", "round"];
+    if (area.size) {
+      context.lineWidth = area.size * camera.scale;
+      context.globalAlpha = chosen ? 0.3 : 0.15;
+      context.strokeStyle = ACCENT;
+      context.stroke();
+      context.globalAlpha = 1;
+    } else {
+      context.closePath();
+      context.setLineDash([6, 4]);
+      for (const [colour, width] of [["rgb(255 255 255 / 90%)", 4], [chosen ? ACCENT : "#33343c", 1.5]]) {
+        [context.strokeStyle, context.lineWidth] = [colour, width];
+        context.stroke();
+      }
+      context.setLineDash([]);
+    }
+    if (area === outline) continue;
+    const at = anchorOf(area);
+    drawMark(context, camera.toPane(at.x, at.y), area.normal, chosen);
+  }
 }
 
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */

@@ -62,3 +62,32 @@ export function normalAt(map, x, y) {
   const length = Math.hypot(...vector);
   return length > 0.1 ? /** @type {Normal} */ (vector.map((value) => value / length)) : [0, 0, 1];
 }
+
+/** How many points a side the mean of an area is taken of. */
+const GRID = 32;
+
+/**
+ * Returns the mean normal of a map inside a polygon, or one towards the viewer where it has none.
+ * @param {{rgba: Uint8Array, width: number, height: number} | null} map
+ * @param {number[]} points x, y, x, y, … in pixels of the drawing
+ * @param {{width: number, height: number}} doc
+ * @returns {Normal}
+ */
+export function meanNormal(map, points, { width, height }) {
+  const outline = new Path2D();
+  for (let i = 0; i < points.length; i += 2) outline.lineTo(points[i], points[i + 1]);
+  const [xs, ys] = [0, 1].map((offset) => points.filter((_, i) => i % 2 === offset));
+  const [left, top] = [Math.min(...xs), Math.min(...ys)];
+  const [across, down] = [Math.max(...xs) - left, Math.max(...ys) - top];
+  const context = new OffscreenCanvas(1, 1).getContext("2d");
+  const sum = [0, 0, 0];
+  for (let row = 0; row < GRID; row++) {
+    for (let column = 0; column < GRID; column++) {
+      const [x, y] = [left + ((column + 0.5) / GRID) * across, top + ((row + 0.5) / GRID) * down];
+      if (!context.isPointInPath(outline, x, y)) continue;
+      normalAt(map, x / width, y / height).forEach((value, i) => { sum[i] += value; });
+    }
+  }
+  const length = Math.hypot(...sum);
+  return length > 0 ? /** @type {Normal} */ (sum.map((value) => value / length)) : [0, 0, 1];
+}

@@ -97,7 +97,7 @@ export class Painter extends EventTarget {
     const fields = {
       tab: this.tab, number: this.number, base: alike ? this.base : null,
       planes: [{ name: "ink", width, height, channels, box: all }],
-      hints: doc.hints, source: doc.settings.source, ...more,
+      hints: doc.hints, areas: doc.areas, source: doc.settings.source, ...more,
     };
     this.base = this.number;
     this.channels = channels;

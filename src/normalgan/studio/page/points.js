@@ -2,13 +2,16 @@
 
 import { suggest } from "./api.js";
 import { Ball } from "./ball.js";
-import { changedHint, withoutHint } from "./document.js";
+import { anchorOf, changedArea, changedHint, withoutArea, withoutHint } from "./document.js";
 import { $, label, make } from "./dom.js";
 import { colourOf, inWords } from "./normal.js";
 import { say, text } from "./text.js";
 
 const COUNT = 6;
 const GAP = 30;
+/** The farthest that a point has an effect, as a share of the drawing's longer side, and how far if nothing is said. */
+const MOST_REACH = 0.4;
+const USUAL_REACH = 0.05;
 /** How far about its middle a mark reaches. */
 const MARK = 14;
 
@@ -30,6 +33,10 @@ export class Points {
     this.dragged = null;
     this.#followHandle($("point-handle"));
     this.ball = new Ball($("ball"), (normal, ended) => this.#turn(normal, ended));
+    /** @type {HTMLInputElement} */
+    this.slider = $("point-reach");
+    this.slider.addEventListener("input", () => this.#reach(false));
+    this.slider.addEventListener("change", () => this.#reach(true));
     $("point-remove").addEventListener("click", () => this.remove());
     $("point-done").addEventListener("click", () => this.done());
     $("suggest").addEventListener("click", () => this.suggest());
@@ -61,20 +68,20 @@ export class Points {
     this.choose((from + step + length) % length);
   }
 
-  /** Removes the chosen point. */
+  /** Removes the chosen point or area. */
   remove() {
     const { editor } = this;
-    if (editor.chosen < 0) return;
-    const index = editor.chosen;
-    editor.set({ chosen: -1 });
-    editor.commit(withoutHint(editor.doc, index));
-    this.status.say(text.removed);
+    const { chosen, area } = editor;
+    if (chosen < 0 && area < 0) return;
+    editor.set({ chosen: -1, area: -1 });
+    editor.commit(chosen < 0 ? withoutArea(editor.doc, area) : withoutHint(editor.doc, chosen));
+    this.status.say(chosen < 0 ? text.removedArea : text.removed);
     this.board.canvas.focus();
   }
 
-  /** Leaves the chosen point. */
+  /** Leaves the chosen point or area. */
   done() {
-    this.editor.set({ chosen: -1 });
+    this.editor.set({ chosen: -1, area: -1 });
     this.board.canvas.focus();
   }
 
@@ -96,16 +103,45 @@ export class Points {
 
   #turn(normal, ended) {
     const { editor } = this;
+    const { state } = editor.history;
+    if (editor.area >= 0) {
+      if (state.areas[editor.area].size) editor.direction = normal;
+      this.#change(changedArea(state, editor.area, { normal }), ended);
+    } else if (editor.chosen >= 0) this.#change(changedHint(state, editor.chosen, { normal }), ended);
+  }
+
+  #reach(ended) {
+    const { editor } = this;
     if (editor.chosen < 0) return;
-    const doc = changedHint(editor.history.state, editor.chosen, { normal });
-    if (ended) editor.commit(doc);
-    else editor.preview(doc);
+    const { state } = editor.history;
+    // Finer where it is small.
+    const share = (this.slider.valueAsNumber / 100) ** 2 * MOST_REACH;
+    const reach = Math.round(share * Math.max(state.width, state.height));
+    this.#change(changedHint(state, editor.chosen, { reach }), ended);
+  }
+
+  #change(doc, ended) {
+    if (ended) this.editor.commit(doc);
+    else this.editor.preview(doc);
+  }
+
+  /** Returns the chosen point or area: where it is, its direction, and what it is called. */
+  #chosen() {
+    const { editor } = this;
+    const hint = editor.doc.hints[editor.chosen];
+    if (hint) return { ...hint, ball: "ball", number: editor.chosen + 1 };
+    const area = editor.doc.areas[editor.area];
+    return area && { ...anchorOf(area), normal: area.normal, ball: "areaBall", number: editor.area + 1 };
   }
 
   #show() {
     const { editor } = this;
-    const { hints } = editor.doc;
-    const chips = hints.map((hint, i) => this.#chip(i + 1, hint.normal, i === editor.chosen));
+    const { hints, areas } = editor.doc;
+    const chips = hints.map((hint, i) => this.#chip("hintName", i, hint.normal, i === editor.chosen, () => this.choose(i)));
+    chips.push(...areas.map((area, i) => this.#chip("areaName", i, area.normal, i === editor.area, () => {
+      editor.set({ area: i });
+      $("ball").focus();
+    })));
     const offers = editor.suggestions.map((point, i) => {
       const words = say("suggestion", { number: i + 1, direction: inWords(point.normal) });
       const chip = make("button", { class: "chip offer", type: "button", text: "+", "aria-label": words, title: words });
@@ -119,21 +155,29 @@ export class Points {
     $("chips").replaceChildren(...chips, ...offers);
     if (focused >= 0) $("chips").children[Math.min(focused, chips.length + offers.length - 1)]?.focus();
     $("hints-empty").hidden = chips.length + offers.length > 0;
-    const hint = hints[editor.chosen];
-    this.popover.hidden = !hint || (editor.tool !== "hint");
-    if (!hint) return;
-    const words = { number: editor.chosen + 1, direction: inWords(hint.normal) };
-    label($("ball"), say("ball", words));
+    const chosen = this.#chosen();
+    this.popover.hidden = !chosen || !["hint", "region", "brush"].includes(editor.tool);
+    if (!chosen) return;
+    const words = { number: chosen.number, direction: inWords(chosen.normal) };
+    label($("ball"), say(chosen.ball, words));
     $("point-words").textContent = words.direction;
-    if (!this.popover.hidden) this.ball.show(hint.normal);
+    $("point-reach-label").hidden = editor.chosen < 0;
+    const share = (chosen.reach ?? USUAL_REACH * this.#side()) / this.#side() / MOST_REACH;
+    this.slider.value = String(Math.round(100 * Math.sqrt(share)));
+    if (!this.popover.hidden) this.ball.show(chosen.normal);
     this.#place();
   }
 
-  #chip(number, normal, chosen) {
-    const words = say("hintName", { number, direction: inWords(normal) });
-    const chip = make("button", { class: "chip", type: "button", text: number, "aria-label": words, "aria-pressed": chosen, title: words });
+  #side() {
+    const { width, height } = this.editor.doc;
+    return Math.max(width, height);
+  }
+
+  #chip(name, index, normal, chosen, choose) {
+    const words = say(name, { number: index + 1, direction: inWords(normal) });
+    const chip = make("button", { class: name === "areaName" ? "chip area" : "chip", type: "button", text: index + 1, "aria-label": words, "aria-pressed": chosen, title: words });
     chip.style.setProperty("--colour", colourOf(normal));
-    chip.addEventListener("click", () => this.choose(number - 1));
+    chip.addEventListener("click", choose);
     return chip;
   }
 
@@ -156,18 +200,18 @@ export class Points {
   /** Returns where the card covers least: other points, then the drawing. */
   #spot(pin, width, height) {
     const { pane, camera } = this.board;
-    const { hints, width: side, height: other } = this.editor.doc;
+    const { hints, areas, width: side, height: other } = this.editor.doc;
+    const marks = [...hints, ...areas.map(anchorOf)].map((each) => camera.toPane(each.x, each.y));
     const [start, end] = [camera.toPane(0, 0), camera.toPane(side, other)];
     const overlap = (a, b, from, to) => Math.max(0, Math.min(b, to) - Math.max(a, from));
     const ways = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
     const spots = ways.flatMap(([x, y]) => [1, 3].map((far) => ({
       x: pin.x - width / 2 + x * (far * GAP + width / 2), y: pin.y - height / 2 + y * (far * GAP + height / 2),
     })));
+    for (const x of [8, pane.width - width - 8]) for (const y of [8, pane.height - height - 8]) spots.push({ x, y });
     const cost = ({ x, y }) => {
-      const covered = hints.filter((hint) => {
-        const at = camera.toPane(hint.x, hint.y);
-        return at.x > x - MARK && at.x < x + width + MARK && at.y > y - MARK && at.y < y + height + MARK;
-      }).length;
+      const covered = marks.filter((at) =>
+        at.x > x - MARK && at.x < x + width + MARK && at.y > y - MARK && at.y < y + height + MARK).length;
       const paper = overlap(x, x + width, start.x, end.x) * overlap(y, y + height, start.y, end.y);
       const outside = width * height - overlap(x, x + width, 0, pane.width) * overlap(y, y + height, 0, pane.height);
       return covered + (paper + 4 * outside) / (width * height);
@@ -177,9 +221,9 @@ export class Points {
 
   /** Puts the ball beside its point, inside the pane. */
   #place() {
-    const hint = this.editor.doc.hints[this.editor.chosen];
-    if (!hint || this.popover.hidden) return;
-    const { x, y } = this.board.camera.toPane(hint.x, hint.y);
+    const chosen = this.#chosen();
+    if (!chosen || this.popover.hidden) return;
+    const { x, y } = this.board.camera.toPane(chosen.x, chosen.y);
     const { offsetWidth: width, offsetHeight: height } = this.popover;
     const { pane } = this.board;
     const at = this.dragged ?? this.#spot({ x, y }, width, height);

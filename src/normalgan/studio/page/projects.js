@@ -62,7 +62,7 @@ export class Projects {
       return false;
     }
     // What was drawn while it was being saved stays unsaved.
-    const unchanged = editor.history.state.strokes === doc.strokes && editor.history.state.hints === doc.hints;
+    const unchanged = editor.history.state.strokes === doc.strokes && editor.history.state.hints === doc.hints && editor.history.state.areas === doc.areas;
     const named = unchanged ? doc : withSettings(editor.history.state, { name });
     editor.history.replace(named);
     editor.dispatchEvent(new CustomEvent("state"));

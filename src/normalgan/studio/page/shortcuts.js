@@ -2,7 +2,7 @@
 
 /** What the help shows: keys, and the key of their words. */
 export const SHOWN = [
-  ["P  E  H  V", "keyPen"],
+  ["P  E  H  R  D  V", "keyPen"],
   ["[  ]", "keyWidth"],
   ["Ctrl+Z  Ctrl+Shift+Z", "keyUndo"],
   ["Ctrl+S  Ctrl+O  Ctrl+I  Ctrl+E", "keyFile"],

@@ -4,12 +4,12 @@ import { withSettings } from "./document.js";
 import { $ } from "./dom.js";
 import { say, text } from "./text.js";
 
-export const TOOLS = ["pen", "eraser", "hint", "hand"];
+const TOOLS = ["pen", "eraser", "hint", "region", "brush", "hand"];
 const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
 
 /** @param {import("./editor.js").Editor} editor @param {number} step thinner -1, thicker 1 */
 export function widen(editor, step) {
-  const kind = editor.tool === "eraser" ? "eraser" : "pen";
+  const kind = editor.widths[editor.tool] ? editor.tool : "pen";
   const at = WIDTHS.findIndex((width) => width >= editor.widths[kind]) + step;
   const width = WIDTHS[Math.max(0, Math.min(WIDTHS.length - 1, at))];
   editor.set({ widths: { ...editor.widths, [kind]: width } });
@@ -17,7 +17,7 @@ export function widen(editor, step) {
 
 /** @param {import("./editor.js").Editor} editor @param {import("./board.js").Board} board */
 export function followTools(editor, board) {
-  for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, suggestions: [] }));
+  for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
   const size = $("size");
   size.max = String(WIDTHS.length - 1);
   size.addEventListener("input", () => {
@@ -34,6 +34,7 @@ export function followTools(editor, board) {
     const width = editor.widths[tool];
     $("line-options").hidden = !width;
     $("hint-options").hidden = tool !== "hint";
+    $("region-options").hidden = tool !== "region";
     $("hand-options").hidden = tool !== "hand";
     if (width) {
       size.value = String(WIDTHS.findIndex((each) => each >= width));
@@ -41,7 +42,7 @@ export function followTools(editor, board) {
       $("size-value").textContent = String(width);
     }
     $("smoothing").value = String(editor.smoothing * 100);
-    $("smoothing-label").hidden = tool === "eraser";
+    $("smoothing-label").hidden = tool !== "pen";
     $("source").value = doc.settings.source ?? "";
     $("undo").disabled = !editor.history.canUndo;
     $("redo").disabled = !editor.history.canRedo;

@@ -1,8 +1,8 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
-import { changedHint, withHint, withStroke } from "./document.js";
+import { MOST_AREAS, anchorOf, changedHint, withArea, withHint, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
-import { normalAt } from "./normal.js";
+import { meanNormal, normalAt } from "./normal.js";
 import { Smoother } from "./smoothing.js";
 import { text } from "./text.js";
 
@@ -134,5 +134,69 @@ export class HintTool {
     const { width, height } = this.board.editor.doc;
     const clamp = (value, side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
     return { x: clamp(x, width), y: clamp(y, height) };
+  }
+}
+
+/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction; the ball tells which. */
+export class AreaTool {
+  /**
+   * @param {import("./board.js").Board} board
+   * @param {() => import("./painter.js").Painted | null} map what was painted last
+   * @param {(words: string) => void} announce
+   */
+  constructor(board, map, announce) {
+    this.board = board;
+    this.map = map;
+    this.announce = announce;
+    /** @type {number[] | null} */
+    this.points = null;
+  }
+
+  /** @param {Touch} touch */
+  down(touch) {
+    const { editor } = this.board;
+    const index = nearest(editor.doc.areas.map(anchorOf), touch, touch.reach);
+    if (index >= 0) {
+      editor.set({ area: index });
+      return;
+    }
+    if (editor.doc.areas.length >= MOST_AREAS) {
+      this.announce(text.tooManyAreas);
+      return;
+    }
+    this.points = [];
+    this.size = editor.tool === "brush" ? editor.widths.brush : undefined;
+    this.step = touch.reach / 5;
+    this.move(touch);
+  }
+
+  /** @param {Touch} touch */
+  move({ x, y }) {
+    if (!this.points) return;
+    const { points } = this;
+    const far = points.length < 2 || Math.hypot(x - points.at(-2), y - points.at(-1)) > this.step;
+    if (!far || points.length >= 4000) return;
+    points.push(round(x), round(y));
+    this.board.editor.outline = { points, normal: [0, 0, 1], ...(this.size && { size: this.size }) };
+    this.board.redraw();
+  }
+
+  up() {
+    const { points, size } = this;
+    this.cancel();
+    if (!points || (!size && points.length < 6)) return;
+    const { editor } = this.board;
+    const { doc } = editor;
+    const normal = size
+      ? editor.direction ?? normalAt(this.map(), points[0] / doc.width, points[1] / doc.height)
+      : meanNormal(this.map(), points, doc);
+    editor.commit(withArea(doc, { points, normal, ...(size && { size }) }));
+    editor.set({ area: doc.areas.length });
+  }
+
+  cancel() {
+    this.points = null;
+    this.board.editor.outline = null;
+    this.board.redraw();
   }
 }

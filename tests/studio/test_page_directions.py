@@ -1,0 +1,91 @@
+"""Directions given by hand on the studio's page: pins that hold, regions, the direction brush."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from studio_page import SIDE, Server, Studio, open_studio
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+MIDDLE = SIDE / 2
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """A circle, painted."""
+    with open_studio(opened, server.url) as page:
+        page.new()
+        with page.repainting():
+            page.circle()
+        yield page
+
+
+def degrees(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))
+
+
+def direction(x: float, y: float) -> NDArray[np.float64]:
+    return np.array([x, y, np.sqrt(1 - x * x - y * y)])
+
+
+def test_opposed_pins_near_one_another_hold(studio: Studio) -> None:
+    for x, lean in ((MIDDLE - 8, -0.7), (MIDDLE + 8, 0.7)):
+        studio.pin(x, MIDDLE)
+        with studio.repainting():
+            studio.turn(lean, 0)
+        studio.page.locator("#point-done").click()
+    studio.page.locator("#tool-pen").click()
+    for x, lean in ((MIDDLE - 8, -0.7), (MIDDLE + 8, 0.7)):
+        # The mark covers the drawing, not the result.
+        assert degrees(studio.shown(x + 0.5, MIDDLE + 0.5), direction(lean, 0)) < 4
+
+
+def test_a_pins_reach_can_be_changed_and_is_undone(studio: Studio) -> None:
+    studio.pin(MIDDLE, MIDDLE)
+    with studio.repainting():
+        studio.turn(0, 0.8)
+    beside = studio.shown(MIDDLE + 30, MIDDLE)
+    with studio.repainting():
+        studio.page.locator("#point-reach").fill("90")
+        studio.page.locator("#point-reach").dispatch_event("change")
+    assert degrees(studio.shown(MIDDLE + 30, MIDDLE), beside) > 5
+    with studio.repainting():
+        studio.page.keyboard.press("Control+z")
+    assert degrees(studio.shown(MIDDLE + 30, MIDDLE), beside) < 1
+
+
+def test_a_region_is_turned_as_a_whole_and_a_brush_gives_a_direction(studio: Studio) -> None:
+    page = studio.page
+    page.keyboard.press("r")
+    box = [(90, 90), (130, 90), (130, 120), (90, 120), (90, 92)]
+    with studio.repainting():
+        studio.line(*box)
+    page.locator("#point").wait_for()
+    before = [studio.shown(x, 105) for x in (97, 123)]
+    with studio.repainting():
+        studio.turn(0, 0.7)
+    after = [studio.shown(x, 105) for x in (97, 123)]
+    assert degrees((after[0] + after[1]) / 2, direction(0, 0.7)) < 12
+    assert abs(degrees(*before) - degrees(*after)) < 3  # as bent as it was
+    page.keyboard.press("Escape")
+    page.keyboard.press("d")
+    with studio.repainting():
+        studio.line((110, 160), (150, 160))
+    with studio.repainting():
+        studio.turn(-0.6, 0)
+    assert degrees(studio.shown(130, 160), direction(-0.6, 0)) < 10
+    page.keyboard.press("Escape")
+    with studio.repainting():
+        studio.line((110, 180), (150, 180))  # the same direction again
+    assert degrees(studio.shown(130, 180), direction(-0.6, 0)) < 10
+    page.keyboard.press("h")
+    assert page.locator("#chips .area").count() == 3
+    with studio.repainting():
+        page.locator("#chips .area").nth(2).click()
+        page.keyboard.press("Delete")
+    assert page.locator("#chips .area").count() == 2
