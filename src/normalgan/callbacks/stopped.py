@@ -1,8 +1,12 @@
 """StoppedCheckpoint: what was learnt until a run was stopped in the middle of an epoch."""
 
+import signal
 import sys
+from threading import current_thread, main_thread
+from typing import Any
 
 from lightning.pytorch import Callback, LightningModule, Trainer
+from lightning.pytorch.trainer.states import TrainerFn
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from normalgan.checkpoints import stopped_checkpoint
@@ -16,7 +20,44 @@ class StoppedCheckpoint(Callback):
     stopped. After SIGTERM it can go on from this one too, with what was learnt since, but need not end in the
     same weights. After a loss that is not finite the weights in it are sound, but the running statistics of
     batch norm have seen the batch: it is there to be looked at.
+
+    Where several processes train, Lightning answers SIGTERM with a message to the others from within the
+    handler. It may come between two parts of another exchange, of which the others are at the first, and all
+    then wait for one another. Here the handler takes a note alone, and before each batch the processes agree.
     """
+
+    def __init__(self) -> None:
+        self._asked = False
+
+    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Take the place of Lightning's handler, which restores the one before it when training ends."""
+        if trainer.world_size > 1 and current_thread() is main_thread():
+            signal.signal(signal.SIGTERM, self._note)
+
+    def _note(self, *_: object) -> None:
+        self._asked = True
+
+    def on_train_batch_start(
+        self, trainer: Trainer, pl_module: LightningModule, batch: Any, batch_idx: int
+    ) -> None:
+        """Stop all processes if one was asked to."""
+        self._agree(trainer)
+
+    def on_validation_batch_start(
+        self,
+        trainer: Trainer,
+        pl_module: LightningModule,
+        batch: Any,
+        batch_idx: int,
+        dataloader_idx: int = 0,
+    ) -> None:
+        """Stop all processes if one was asked to; all measure as many batches."""
+        if trainer.state.fn == TrainerFn.FITTING and not trainer.sanity_checking:
+            self._agree(trainer)
+
+    def _agree(self, trainer: Trainer) -> None:
+        if trainer.world_size > 1 and trainer.strategy.reduce_boolean_decision(self._asked, all=False):
+            raise SIGTERMException
 
     def on_exception(self, trainer: Trainer, pl_module: LightningModule, exception: BaseException) -> None:
         """Save, and say where."""

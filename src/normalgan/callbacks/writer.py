@@ -12,7 +12,7 @@ from torch import Tensor
 
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, RunError, named, unwritable
+from normalgan.errors import InputError, RunError, named, one_line, unwritable
 from normalgan.normals import Bits
 from normalgan.painting.jobs import Job, plan
 from normalgan.painting.normal_map import Format, Green
@@ -112,10 +112,12 @@ class NormalMapWriter(BasePredictionWriter):
                 if len(self._jobs) == 1:
                     raise sentence from error
                 self._failed += 1
-                print(f"normalgan: {sentence}", file=sys.stderr)
+                print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
                 continue
             if painted.warning:
-                print(f"normalgan: warning: {job.files.drawing}: {painted.warning}.", file=sys.stderr)
+                print(
+                    one_line(f"normalgan: warning: {job.files.drawing}: {painted.warning}."), file=sys.stderr
+                )
             self.outputs.write(job, painted)
 
     def on_predict_end(self, trainer: Trainer, pl_module: LightningModule) -> None:

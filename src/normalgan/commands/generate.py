@@ -11,7 +11,7 @@ from jsonargparse import Namespace
 from normalgan import decoding
 from normalgan.commands.light_parser import LightParser
 from normalgan.drawings import MOST_BYTES
-from normalgan.errors import InputError, named, unwritable
+from normalgan.errors import InputError, named, one_line, unwritable
 from normalgan.painting.inputs import check_size
 from normalgan.painting.jobs import STDIN, Job, find_files, plan
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
@@ -99,9 +99,9 @@ def generate(settings: Namespace) -> int:
                 if len(jobs) == 1:
                     raise sentence from outcome
                 failed += 1
-                print(f"normalgan: {sentence}", file=sys.stderr)
+                print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
             elif outcome:
-                print(f"normalgan: warning: {job.files.drawing}: {outcome}.", file=sys.stderr)
+                print(one_line(f"normalgan: warning: {job.files.drawing}: {outcome}."), file=sys.stderr)
             advance()
             if not isinstance(outcome, Exception):
                 print(job.target)
