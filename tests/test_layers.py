@@ -11,9 +11,9 @@ SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
     {"class_settings", "metrics", "normals", "predictions", "registry", "seeds", "limits", "decoding"}
-    | {"shipped_configs"},
+    | {"shipped_configs", "warning_filters"},
     {"rendering", "hints", "models", "objectives", "drawings", "gallery"}
-    | {"checkpoints", "parser_errors", "run_lock", "warning_filters"},
+    | {"checkpoints", "parser_errors", "run_lock"},
     {"animals"},
     {"painter", "painting", "testing", "weights"},
     {"inference"},

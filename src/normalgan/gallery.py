@@ -13,7 +13,7 @@ from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.normals import Floats, encode, normalize, paint_flat, write_bytes
+from normalgan.normals import Floats, angles, encode, normalize, paint_flat, write_bytes
 
 COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
 MAX_ERROR = 60.0
@@ -47,8 +47,7 @@ class Row:
     def error(self) -> Floats:
         """Return the angular error in degrees, (H, W), nan off the object; 90° where nothing is painted."""
         preds, target = normalize(np.moveaxis(self.preds, 0, -1)), np.moveaxis(self.target, 0, -1)
-        sine = np.linalg.norm(np.cross(preds, target), axis=-1)
-        angle = np.rad2deg(np.arctan2(sine, (preds * target).sum(-1)))
+        angle = angles(preds, target)
         angle[~preds.any(-1)] = 90.0  # as `normalgan.metrics.angular_error` has it
         return np.where(self.mask, angle, np.nan).astype(np.float32)
 

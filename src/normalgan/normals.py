@@ -30,6 +30,17 @@ def normalize(vectors: NDArray[np.floating], eps: float = 1e-8) -> Floats:
     return unit
 
 
+def angles(one: NDArray[np.floating], other: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Return the angles in degrees between vectors (..., 3) of any length but zero, in their precision.
+
+    >>> float(angles(np.array([1.0, 0.0, 0.0]), np.array([1.0, 1.0, 0.0])).round(3))
+    45.0
+    """
+    # By both sine and cosine: the arc cosine is inexact near zero.
+    sine = np.linalg.norm(np.cross(one, other), axis=-1)
+    return np.asarray(np.rad2deg(np.arctan2(sine, (one * other).sum(axis=-1))))
+
+
 def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """Return the colours of normals, in any shape: [-1, 1] to the whole range of 8 or 16 bits.
 

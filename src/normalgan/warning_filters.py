@@ -3,6 +3,8 @@
 import logging
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from normalgan.errors import one_line
@@ -33,3 +35,17 @@ def filter_warnings() -> None:
 
 def _show(message: Warning | str, *_: Any, **__: Any) -> None:
     print(f"normalgan: warning: {one_line(str(message))}", file=sys.stderr)
+
+
+@contextmanager
+def quiet_loggers(*names: str, level: int = logging.CRITICAL + 1) -> Iterator[None]:
+    """Let loggers say nothing below a level for a while: what is to be told, we tell in a sentence."""
+    loggers = [logging.getLogger(name) for name in names]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(level)
+    try:
+        yield
+    finally:
+        for logger, before in zip(loggers, levels, strict=True):
+            logger.setLevel(before)

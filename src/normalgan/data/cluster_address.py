@@ -3,8 +3,8 @@
 import importlib
 import logging
 import re
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from normalgan.data.remote import reason
 from normalgan.data.workers import one_thread_each
 from normalgan.errors import InputError
 from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.warning_filters import quiet_loggers
 
 TIMEOUT = 10.0
 """Seconds in which a scheduler must answer."""
@@ -47,7 +48,7 @@ def connect(where: str, stack: ExitStack) -> tuple[Any, float]:
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise InputError("a cluster needs Dask: pip install 'normalgan[cluster]'.") from error
-    stack.enter_context(_silence())
+    stack.enter_context(_quiet_dask())
     address: Any = where
     patience, settings = _PATIENCE, {}
     if found := re.fullmatch(r"local:(\d+)", where):
@@ -84,18 +85,10 @@ def _client(client: Callable[..., Any], address: Any, where: str, settings: dict
         ) from error
 
 
-@contextmanager
-def _silence() -> Iterator[None]:
+def _quiet_dask() -> AbstractContextManager[None]:
     """Keep Dask from telling what we tell in a sentence, or what is no matter: that a worker has gone."""
     names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
-    before = {name: logging.getLogger(name).level for name in names}
-    for name in names:
-        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        for name, level in before.items():
-            logging.getLogger(name).setLevel(level)
+    return quiet_loggers(*names)
 
 
 def read_cluster(file: Path) -> dict[str, Any]:

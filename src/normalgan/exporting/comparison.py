@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from normalgan.exporting.deployed import Deployed
 from normalgan.exporting.formats import Run
+from normalgan.normals import angles
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.strokes.stroke import Stroke
 
@@ -66,8 +67,7 @@ def turn_in_degrees(model: Deployed, run: Run) -> tuple[float, float]:
     sketch, hints = examples(4, model.size)
     wanted = paint(model, sketch, hints)[0].astype(np.float64)
     found = run(sketch, hints)[0].astype(np.float64)
-    sine = np.linalg.norm(np.cross(wanted, found, axis=1), axis=1)
-    angle = np.rad2deg(np.arctan2(sine, (wanted * found).sum(axis=1)))
+    angle = angles(np.moveaxis(wanted, 1, -1), np.moveaxis(found, 1, -1))
     there = np.linalg.norm(wanted, axis=1) > _OBJECT
     angle = angle[there] if there.any() else angle
     return float(angle.mean()), float(angle.max())

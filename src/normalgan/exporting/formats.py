@@ -3,8 +3,7 @@
 import json
 import logging
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 
@@ -16,6 +15,7 @@ from torch.export import Dim
 
 from normalgan.errors import InputError
 from normalgan.exporting.deployed import Deployed
+from normalgan.warning_filters import quiet_loggers
 from normalgan.weights.file import Weights, parse_weights
 from normalgan.weights.notes import Notes
 
@@ -53,7 +53,7 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
     from normalgan.exporting.onnx_file import finish
 
     batch = {0: Dim.DYNAMIC}
-    with warnings.catch_warnings(), _silence("torch.onnx", "onnxscript", "onnx_ir"):
+    with warnings.catch_warnings(), quiet_loggers("torch.onnx", "onnxscript", "onnx_ir", level=logging.ERROR):
         warnings.simplefilter("ignore")  # between torch and its own parts
         program = torch.onnx.export(
             model,
@@ -156,17 +156,3 @@ def _tensors(module: Callable[[Tensor, Tensor], Sequence[Tensor]]) -> Run:
         return [output.numpy() for output in outputs]
 
     return run
-
-
-@contextmanager
-def _silence(*names: str) -> Iterator[None]:
-    """Keep loggers from telling what they do."""
-    loggers = [logging.getLogger(name) for name in names]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)

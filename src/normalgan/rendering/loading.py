@@ -1,6 +1,5 @@
 """Triangles out of a mesh file: every format that trimesh reads, scenes flattened, nothing repaired."""
 
-import logging
 import re
 import warnings
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import buffer_file, check_limits, gltf_tree
+from normalgan.warning_filters import quiet_loggers
 
 if TYPE_CHECKING:
     from trimesh import Scene, Trimesh
@@ -122,14 +122,7 @@ def _placed(mesh: "Trimesh", matrix: NDArray[np.float64]) -> Triangles:
 @contextmanager
 def _silence() -> Iterator[None]:
     """Keep what trimesh and the parsers under it warn and log out of the user's sight."""
-    loggers = [logging.getLogger(name) for name in ("trimesh", "charset_normalizer", "chardet")]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
+    loggers = quiet_loggers("trimesh", "charset_normalizer", "chardet")
+    with loggers, warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        yield

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh.creation import icosphere
 
+from normalgan.normals import angles
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.views import Camera, framed, look_at_origin
@@ -63,6 +64,4 @@ def exact_ellipsoid(radii: tuple[float, float, float], seen_by: Camera, size: in
 
 def degrees(one: NDArray[np.floating], other: NDArray[np.floating]) -> Doubles:
     """Return the angles in degrees between vectors (..., 3)."""
-    a, b = one.astype(np.float64), other.astype(np.float64)
-    across = np.linalg.norm(np.cross(a, b), axis=-1)
-    return np.asarray(np.rad2deg(np.arctan2(across, (a * b).sum(axis=-1))))
+    return np.asarray(angles(one.astype(np.float64), other.astype(np.float64)))
