@@ -127,3 +127,15 @@ def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> Non
             check_specification(found, path)
     with pytest.raises(InputError, match="cannot be read"):
         check_specification(found, tmp_path / "gone.json")
+
+
+def test_the_frozen_specification_holds_for_its_own_sizes_alone() -> None:
+    path = Path(__file__).parents[2] / "configs" / "benchmark" / "v2.json"
+    frozen = json.loads(path.read_text(encoding="utf-8"))
+    assert [one["size"] for one in frozen["sizes"]] == [64, 128, 256]
+    for one in frozen["sizes"]:
+        check_specification(one, path)
+    # Hints are given by a rule that no plan changes but for the seed, which is 0 in ours.
+    assert {one["hints"] for one in frozen["sizes"]} == {specify(data(), HintTests([0]))["hints"]}
+    with pytest.raises(InputError, match=r"frozen as v2: its meshes and views differ"):
+        check_specification({**specify(data(), HintTests([0])), "size": 128}, path)
