@@ -1,6 +1,7 @@
 # make demo   sets everything up and runs the main job on the embedded animals
 # make test   sets everything up and runs the tests
 # make coverage   sets everything up, runs the tests, and reports the lines and branches that they do not reach
+# make audit   sets everything up and looks at the licences of what it depends on, and for known advisories
 # make docs   sets everything up and builds the documentation into site/index.html
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -8,7 +9,7 @@ RUN := runs/quickstart
 # As many processes as cores, but no more than four: each needs 1.5 GB. A file's tests share fixtures, so they stay together.
 PYTEST := $(BIN)/pytest --numprocesses=logical --maxprocesses=4 --dist=loadfile --no-loadscope-reorder --durations=10
 
-.PHONY: help install dev demo test processors coverage docs lint types clean
+.PHONY: help install dev demo test processors coverage audit docs lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
@@ -46,6 +47,11 @@ coverage: dev
 # Warnings are errors. The variable silences an advertisement that the theme prints.
 docs: dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
+# Apart from the rest: what is known of a package changes without a change here, and may not be reached at all.
+audit: dev
+	$(BIN)/pip install --quiet 'pip-audit>=2.7' || echo "pip-audit cannot be installed here."
+	$(BIN)/python tools/audit.py
 
 lint: dev
 	$(BIN)/ruff check

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from normalgan.__main__ import main
+
 ROOT = Path(__file__).parents[1]
 PAGES = [
     ROOT / "README.md",
@@ -65,6 +67,10 @@ def test_python_runs(name: str, tmp_path: Path) -> None:
 @pytest.mark.slow  # imports lightning, renders and trains
 def test_python_of_training_runs(tmp_path: Path) -> None:
     run_python(ROOT / "docs" / "training.md", tmp_path)
+    # What it saved is as good as what the command line saves.
+    (saved,) = (tmp_path / "run" / "checkpoints").glob("*.ckpt")
+    target = str(tmp_path / "model.safetensors")
+    assert main(["export", str(saved), "-o", target, "--format", "safetensors"]) == 0
 
 
 def test_no_page_with_python_is_forgotten() -> None:

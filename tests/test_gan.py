@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from normalgan.objectives import (
     Wasserstein,
     WassersteinGradientPenalty,
 )
+from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from small import gan as make
 from small import trainer
 from spheres import batch, loader
@@ -343,3 +345,50 @@ def test_the_worst_places_are_those_of_the_generator_and_looking_changes_nothing
     wanted = WorstErrorHints(4).sample_by_error(error, given["mask"], torch.Generator())
     assert torch.equal(hints[:, 3:], wanted)
     assert torch.equal(gan.measured_hints(given)[:, 3:], wanted)
+
+
+def saved(folder: Path, **settings: Any) -> Checkpoint:
+    """Return what is in a checkpoint of a model that was made in Python, read without running anything."""
+    model = make(**settings)
+    content: dict[str, Any] = {"state_dict": model.state_dict(), "pytorch-lightning_version": "2.6.0"}
+    model.on_save_checkpoint(content)
+    torch.save(content, folder / "python.ckpt")
+    return read_checkpoint(folder / "python.ckpt")
+
+
+def test_a_checkpoint_made_in_python_names_what_it_is_made_of(tmp_path: Path) -> None:
+    checkpoint = saved(
+        tmp_path,
+        generator_optimizer=partial(torch.optim.RAdam, lr=1e-3, betas=(0.9, 0.98)),
+        discriminator_optimizer=torch.optim.SGD,
+        lr_scheduler=partial(torch.optim.lr_scheduler.StepLR, step_size=2),
+    )
+    settings = checkpoint.training_settings()
+    expected = {
+        "size": 32,
+        "width": 4,
+        "depth": None,
+        "kernel": 4,
+        "norm": "batch",
+        "bias": False,
+        "dropout": 0.5,
+    }
+    assert settings["generator"]["init_args"] == expected
+    assert settings["hint_sampler"]["init_args"] == {"minimum": 3, "maximum": 3, "none": 0.0}
+    assert settings["generator_optimizer"] == {
+        "class_path": "torch.optim.radam.RAdam",
+        "init_args": {"lr": 1e-3, "betas": [0.9, 0.98]},
+    }
+    assert settings["discriminator_optimizer"]["class_path"] == "torch.optim.sgd.SGD"
+    assert settings["lr_scheduler"]["init_args"] == {"step_size": 2}
+    painted = checkpoint.weights(32).generator().state_dict()
+    assert all(torch.equal(tensor, painted[name]) for name, tensor in make().generator.state_dict().items())
+    again = NormalGAN.load_from_checkpoint(checkpoint.path, weights_only=True)
+    assert again.hint_sampler == make().hint_sampler
+
+
+def test_what_no_file_can_say_is_left_to_python(tmp_path: Path) -> None:
+    checkpoint = saved(tmp_path, generator_optimizer=lambda parameters: torch.optim.SGD(parameters, lr=1.0))
+    assert checkpoint.weights(32).generator()  # painting needs no optimiser
+    with pytest.raises(InputError, match=r"its generator_optimizer, .*lambda.*, was made in Python of more"):
+        checkpoint.training_settings()

@@ -10,10 +10,20 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
-    {"class_settings", "metrics", "normals", "predictions", "registry", "seeds", "limits", "decoding"}
+    {
+        "class_settings",
+        "metrics",
+        "normals",
+        "predictions",
+        "registry",
+        "seeds",
+        "limits",
+        "torch_files",
+        "decoding",
+    }
     | {"shipped_configs", "warning_filters"},
     {"rendering", "hints", "models", "objectives", "drawings", "gallery"}
-    | {"checkpoints", "parser_errors", "run_lock"},
+    | {"checkpoints", "config_files", "parser_errors", "run_lock"},
     {"animals"},
     {"painter", "painting", "testing", "weights"},
     {"inference"},
@@ -28,7 +38,7 @@ LAYERS = (
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 LIGHT = (
     *("errors", "normals", "registry", "rendering", "animals", "drawings", "decoding"),
-    *("gallery", "parser_errors", "commands", "painting", "studio"),
+    *("gallery", "config_files", "parser_errors", "commands", "painting", "studio"),
 )
 """Rooms that never import torch."""
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from normalgan.__main__ import main
+from normalgan.config_files import ConfigCheck
 from normalgan.errors import InputError
-from normalgan.parser_errors import check_config
 from normalgan.shipped_configs import find_config, shipped_folder, shipped_names
 
 ROOT = Path(__file__).parents[1]
@@ -35,7 +35,7 @@ def test_a_file_of_that_name_wins(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 def test_a_name_that_is_nearly_one_is_told() -> None:
     with pytest.raises(InputError, match=r"^there is no configuration file papr\. Did you mean paper\?$"):
-        check_config("papr", ())
+        ConfigCheck(()).check("papr")
 
 
 def test_a_command_takes_names_in_any_spelling_and_order(

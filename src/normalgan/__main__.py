@@ -31,6 +31,7 @@ Commands:
   plugins    list the samplers, networks, losses, renderers and line styles there are
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
+A configuration is a program; with --safe-config it can name known classes only.
 """
 TRAINING = ("fit", "validate", "test", "predict", "render")
 OTHERS = {

@@ -56,6 +56,13 @@ class AtomicCheckpointIO(TorchCheckpointIO):
         torch.save(checkpoint, buffer)
         write_bytes(path, buffer.getbuffer())
 
+    def remove_checkpoint(self, path: str | Path) -> None:
+        """Remove a checkpoint that a better one replaces: a file, and never all that is under a folder."""
+        if "://" in str(path):
+            super().remove_checkpoint(path)
+        else:
+            Path(path).unlink(missing_ok=True)
+
 
 def checkpoint_folder(root: str | None) -> str:
     """Return where the checkpoints of a run go, by the run's folder."""
@@ -79,28 +86,6 @@ def check_unused(folder: Path) -> None:
                 f"{folder} holds a run already: resume it with --ckpt_path {there}, "
                 "or give another --trainer.default_root_dir."
             )
-
-
-def read_settings(path: Path) -> dict[str, Any]:
-    """Return the settings of the model in a checkpoint.
-
-    Raises:
-        InputError: if it is missing, damaged or not one of ours.
-    """
-    if not path.is_file():
-        raise InputError(f"there is no checkpoint {path}.")
-    try:
-        checkpoint = torch.load(path, map_location="cpu", weights_only=True, mmap=True)
-    except PermissionError:
-        raise InputError(f"the checkpoint {path} may not be read; change its permissions.") from None
-    except Exception:  # whatever torch raises on other bytes; what it says is advice for programmers
-        raise InputError(
-            f"{path} is damaged or no checkpoint; give one that `normalgan fit` saved."
-        ) from None
-    settings = checkpoint.get("hyper_parameters") if isinstance(checkpoint, dict) else None
-    if not isinstance(settings, dict) or not {"generator", "hint_sampler", "objective"} <= settings.keys():
-        raise InputError(f"{path} holds no normalgan model; give one that `normalgan fit` saved.")
-    return settings
 
 
 def check_sizes(path: Path, settings: Mapping[str, Any], size: int) -> None:
@@ -176,7 +161,11 @@ def overruled(given: Mapping[str, Any], defaults: Mapping[str, Any], saved: Mapp
 
 
 def _same_class(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
-    return a.get("class_path") == b.get("class_path")
+    """Compare by package and name: a package shows a class in other places than where it is defined."""
+    one, other = str(a.get("class_path")), str(b.get("class_path"))
+    return one.rpartition(".")[2] == other.rpartition(".")[2] and (
+        one.partition(".")[0] == other.partition(".")[0]
+    )
 
 
 def _plain(value: Any) -> Any:

@@ -7,6 +7,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from textwrap import shorten
 
+import yaml
+from jsonargparse import get_loader, set_loader
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import ModelCheckpoint
@@ -15,24 +17,22 @@ from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
-from normalgan.checkpoints import (
-    LastCheckpoint,
-    check_unused,
-    check_writable,
-    checkpoint_folder,
-)
+from normalgan.checkpoints import LastCheckpoint, check_unused, check_writable, checkpoint_folder
+from normalgan.config_files import ConfigCheck, load_bounded
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
 from normalgan.loading import ModelLoader
 from normalgan.parser import Parser, with_shipped_configs
-from normalgan.parser_errors import check_config, refusal
-from normalgan.plugins import REGISTRIES
+from normalgan.parser_errors import refusal
+from normalgan.plugins import REGISTRIES, is_safe, settings_of_classes
 from normalgan.run_lock import one_run_in
 from normalgan.warning_filters import filter_warnings
 
 SECTIONS = ("trainer", "model", "data", "checkpoint", "pictures", "report", "output")
 """The groups of settings."""
+SAFE_CONFIG = "--safe-config"
+"""The option under which a configuration may name but what cannot run a program."""
 
 
 class RenderingTrainer(Trainer):
@@ -72,7 +72,9 @@ class NormalGANCLI(ModelLoader):
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Set the defaults, and the links that keep settings in step."""
-        parser.usage = "%(prog)s [--config FILE]... [--SETTING VALUE]..."  # else 120 lines before any help
+        super().add_arguments_to_parser(parser)
+        # Else 120 lines stand before any help.
+        parser.usage = f"%(prog)s [--config FILE]... [{SAFE_CONFIG}] [--SETTING VALUE]..."
         parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
         parser.add_lightning_class_args(PictureLogger, "pictures")
         parser.add_lightning_class_args(TestReport, "report")
@@ -102,6 +104,7 @@ class NormalGANCLI(ModelLoader):
 
     def before_instantiate_classes(self) -> None:
         """Refuse to train over a finished run, or where nothing can be written."""
+        super().before_instantiate_classes()
         command = self.config["subcommand"]
         config = self.config[command]
         last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
@@ -135,9 +138,7 @@ def run(arguments: list[str]) -> int:
         InputError: if something that was given cannot be used.
         KeyboardInterrupt: if it was stopped.
     """
-    arguments, configs = with_shipped_configs(arguments)
-    for given in configs:
-        check_config(given, SECTIONS)
+    arguments = _check_configs(arguments)
     # One command's parser alone: each takes a fifth of a second to build.
     only = {command: skip for command, skip in NormalGANCLI.subcommands().items() if command == arguments[0]}
     with warnings.catch_warnings(), ExitStack() as held:
@@ -145,6 +146,9 @@ def run(arguments: list[str]) -> int:
         filter_warnings()
         for registry in REGISTRIES.values():
             registry.load_entry_points()
+        load = get_loader("yaml")
+        held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
+        set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
         try:
             cli(
                 NormalGAN,
@@ -170,3 +174,18 @@ def run(arguments: list[str]) -> int:
             return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
     sys.stdout.flush()
     return 0
+
+
+def _check_configs(arguments: list[str]) -> list[str]:
+    """Look at the configurations before anything in them is used; return the parser's arguments.
+
+    Raises:
+        InputError: if one cannot be used, or is not as safe as it was asked to be.
+    """
+    safe = SAFE_CONFIG in arguments
+    check = ConfigCheck(SECTIONS, settings_of_classes(), is_safe if safe else None)
+    arguments, configs = with_shipped_configs(arguments)
+    for given in configs:
+        check.check(given)
+    check.check_arguments(arguments)
+    return [argument for argument in arguments if argument != SAFE_CONFIG]

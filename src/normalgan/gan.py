@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Callable
-from typing import cast
+from typing import Any, cast
 
 import torch
 from lightning.pytorch.cli import OptimizerCallable
@@ -22,6 +22,7 @@ from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstructio
 from normalgan.objectives.finite import loss_error, not_finite
 from normalgan.painter import NormalPainter
 from normalgan.seeds import derive_seed
+from normalgan.weights.checkpoint import settings_to_save
 
 SHARE = "train/adversarial_share"
 """Length of the adversarial gradient beside that of the reconstruction, at the generator's weights."""
@@ -199,6 +200,10 @@ class NormalGAN(NormalPainter):
         """Clip the generator's gradient: here that of mixed precision is no longer scaled."""
         if self.gradient_clip is not None and optimizer is self.trainer.optimizers[0]:
             nn.utils.clip_grad_norm_(self.generator.parameters(), self.gradient_clip)
+
+    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Name classes and settings in the checkpoint, so that it is read without running what lies in it."""
+        checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self.hparams)
 
     def on_validation_start(self) -> None:
         """Average the statistics of batch norm over the processes, so that all measure the same network."""

@@ -5,17 +5,12 @@ from abc import ABC
 from pathlib import Path
 from typing import Any
 
-from lightning.pytorch.cli import LightningCLI
+from lightning.pytorch.cli import LightningArgumentParser, LightningCLI
 
-from normalgan.checkpoints import (
-    check_size,
-    check_sizes,
-    checkpoint_folder,
-    read_settings,
-    warn_of_overruled,
-)
+from normalgan.checkpoints import check_size, check_sizes, checkpoint_folder, warn_of_overruled
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
+from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
 
 
@@ -24,13 +19,25 @@ class ModelLoader(LightningCLI, ABC):
 
     ``last`` names the checkpoint in the run's folder, ``shipped`` the weights that come with the package;
     predict uses these if nothing is named.
+
+    The path is taken out of the settings before Lightning sees it, which would build from a checkpoint
+    whatever class it names. Only fit gets it back, once the checkpoint was looked at.
     """
 
     weights: Weights | None = None
-    """What the model gets, if it is not a checkpoint that Lightning loads."""
+    """What the model gets, if it does not go on learning."""
+    resumed: str | None = None
+    """The checkpoint that fit goes on from."""
+    options: LightningArgumentParser
+    """The parser of the command."""
 
-    def _parse_ckpt_path(self) -> None:
+    def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
+        """Keep the command's parser, for its defaults."""
+        self.options = parser
+
+    def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
         """Let what is saved in a file decide on the model, after a look at whether it can be used."""
+        super().parse_arguments(parser, args)
         command = self.config["subcommand"]
         config = self.config[command]
         given = None if command == "render" else config["ckpt_path"]
@@ -39,45 +46,69 @@ class ModelLoader(LightningCLI, ABC):
         if given is None and command != "predict":
             raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
         if given == "last":
-            folder = checkpoint_folder(config["trainer"]["default_root_dir"])
-            config["ckpt_path"] = given = str(Path(folder) / "last.ckpt")
+            given = str(Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt")
         path = find_weights(given or SHIPPED_NAME)
-        (self._use_weights if path.suffix.lower() == SUFFIX else self._use_checkpoint)(path, command)
+        config["ckpt_path"] = None
+        if path.suffix.lower() == SUFFIX:
+            self._use_weights(path, command)
+        elif command == "fit":
+            self._resume(path)
+        else:
+            self._use_checkpoint(path, command)
 
-    def _use_checkpoint(self, path: Path, command: str) -> None:
+    def before_instantiate_classes(self) -> None:
+        """Tell Lightning the checkpoint that fit goes on from."""
+        if self.resumed is not None:
+            self.config["fit"]["ckpt_path"] = self.resumed
+            self.config["fit"]["weights_only"] = True
+
+    def _resume(self, path: Path) -> None:
         """Read a checkpoint's settings over the configuration's."""
-        saved = read_settings(path)
-        check_sizes(path, saved, self.config[command]["data"]["size"])
-        self._warn_of_overruled(path, command, saved)
+        checkpoint = read_checkpoint(path)
+        saved = checkpoint.training_settings()
+        check_sizes(path, saved, self.config["fit"]["data"]["size"])
+        self._warn_of_overruled(path, "fit", saved)
         try:
-            super()._parse_ckpt_path()
+            self.config = self.parser.parse_object({"fit": {"model": saved}}, self.config)
         except InputError as error:
             raise InputError(f"the model in {path} cannot be built here: {error}") from error
+        self.resumed = str(path)
+
+    def _use_checkpoint(self, path: Path, command: str) -> None:
+        """Take the generator of a checkpoint and the hints it learnt with; what else learnt is left alone."""
+        size = self.config[command]["data"]["size"]
+        checkpoint = read_checkpoint(path)
+        check_size(path, checkpoint.generator_size(), size)
+        self._paint_with(path, command, checkpoint.weights(size))
 
     def _use_weights(self, path: Path, command: str) -> None:
         """Take the model's settings, and the size of its pictures, from safetensors."""
         if command == "fit":
             raise InputError(f"fit cannot go on from {path}, which has weights alone; give a checkpoint.")
-        self.weights = read_weights(path)
-        notes, size = self.weights.notes, self.config[command]["data"]["size"]
-        if size != self._parser(command).get_defaults()["data"]["size"]:
+        weights = read_weights(path)
+        notes, size = weights.notes, self.config[command]["data"]["size"]
+        if size != self.options.get_defaults()["data"]["size"]:
             check_size(path, notes.size, size)
-        saved = notes.settings()
-        self._warn_of_overruled(path, command, saved)
-        changes = {"model": {**saved, "discriminator": None}, "data": {"size": notes.size}, "ckpt_path": None}
-        self.config = self.parser.parse_object({command: changes}, self.config)
+        self._paint_with(path, command, weights)
         whose = "that come with the package" if path == SHIPPED else f"in {path}"
         print(
             f"normalgan: {command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.",
             file=sys.stderr,
         )
 
+    def _paint_with(self, path: Path, command: str, weights: Weights) -> None:
+        saved = weights.notes.settings()
+        self._warn_of_overruled(path, command, saved)
+        changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
+        self.config = self.parser.parse_object({command: changes}, self.config)
+        self.weights = weights
+
     def _warn_of_overruled(self, path: Path, command: str, saved: dict[str, Any]) -> None:
-        defaults = self._parser(command).get_defaults()["model"].as_dict()
+        defaults = self.options.get_defaults()["model"].as_dict()
         given = self.config[command]["model"].as_dict()
         warn_of_overruled(path, {k: v for k, v in given.items() if k in saved}, defaults, saved)
 
     def fill(self, model: NormalGAN) -> None:
-        """Give the model that was built its weights, unless Lightning will load a checkpoint."""
+        """Give the model that was built its weights, unless Lightning will load them."""
         if self.weights is not None:
             self.weights.load_into(model.generator)

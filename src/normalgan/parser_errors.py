@@ -2,15 +2,10 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-import yaml
-
-from normalgan.errors import InputError, brief, did_you_mean
-from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.errors import brief, did_you_mean
 from normalgan.registry import Registry
-from normalgan.shipped_configs import shipped_names
 
 _KINDS = {
     "int": "a whole number",
@@ -81,42 +76,6 @@ def refusal(error: Exception) -> str:
     reasons = re.findall(r"^ *- (.+)$", str(error), re.MULTILINE)
     own = [reason for reason in reasons if not reason.startswith(("Expected", "Does not validate"))]
     return own[0] if own else brief(error)
-
-
-def check_config(path: str | Path, sections: Iterable[str]) -> None:
-    """Look at a configuration file before it is parsed: the parser names neither the file nor the line.
-
-    Args:
-        path: the file.
-        sections: the keys that group settings.
-
-    Raises:
-        InputError: if it is missing, cannot be read, is not YAML, or is no mapping of settings.
-    """
-    try:
-        text = read_bounded(Path(path), MOST_SETTINGS).decode("utf-8")
-        if excess := yaml_excess(text):
-            raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
-        content = load_yaml(text)
-    except FileNotFoundError:
-        names = shipped_names()
-        hint = did_you_mean(str(path), names) or f" The package brings {', '.join(names)}."
-        raise InputError(f"there is no configuration file {path}.{hint}") from None
-    except OSError as error:
-        raise InputError(f"the configuration {path} cannot be read: {error.strerror}.") from None
-    except yaml.MarkedYAMLError as error:
-        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
-        raise InputError(f"the configuration {path} is not YAML: {line}{error.problem}.") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError(f"the configuration {path} is not a text in YAML.") from None
-    if not isinstance(content, dict):
-        raise InputError(
-            f"the configuration {path} holds no settings; it must be like {{data: {{size: 64}}}}."
-        )
-    for section in sections:
-        if section in content and not isinstance(content[section], (dict, str)):
-            is_now = "is empty" if content[section] is None else f"is {content[section]!r}"
-            raise InputError(f'"{section}" in the configuration {path} {is_now}; it must hold settings.')
 
 
 def _unknown(registry: Registry[Any], name: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from importlib.metadata import entry_points
 from typing import Any
 
+from normalgan.data.cluster_address import CLUSTERS
 from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.models import DISCRIMINATORS, GENERATORS
@@ -52,9 +53,53 @@ def namable() -> dict[str, Registry[Any]]:
     }
 
 
+_OPTIMIZERS = "ASGD Adadelta Adagrad Adam AdamW Adamax NAdam RAdam RMSprop Rprop SGD"
+_SCHEDULES = (
+    "ConstantLR CosineAnnealingLR CosineAnnealingWarmRestarts CyclicLR ExponentialLR LinearLR MultiStepLR "
+    "OneCycleLR PolynomialLR ReduceLROnPlateau StepLR"
+)
+_CALLBACKS = (
+    "DeviceStatsMonitor EarlyStopping LearningRateMonitor ModelCheckpoint ModelSummary RichModelSummary "
+    "RichProgressBar TQDMProgressBar Timer"
+)
+_SAFE = {
+    f"{module}.{name}"
+    for module, names in {
+        "torch.optim": _OPTIMIZERS,
+        "torch.optim.lr_scheduler": _SCHEDULES,
+        "lightning.pytorch.cli": "ReduceLROnPlateau",
+        "lightning.pytorch.callbacks": _CALLBACKS,
+        "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
+        "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
+        "normalgan.checkpoints": "AtomicCheckpointIO LastCheckpoint",
+        "normalgan.data.augmentation": "Augmentation",
+    }.items()
+    for name in names.split()
+}
+"""What a stranger's configuration may name beside plug-ins: none of it takes a function in turn."""
+_SAFE_NAMES = {name.rpartition(".")[2] for name in _SAFE}
+
+
+def is_safe(name: str) -> bool:
+    """Return whether a configuration that is not trusted may name a class; nothing is imported for it.
+
+    >>> is_safe("torch.optim.RAdam"), is_safe("UNetGenerator"), is_safe("sympy.Lambda"), is_safe("os.system")
+    (True, True, False, False)
+    """
+    if name in _SAFE | _SAFE_NAMES or name == "normalgan.gan._rmsprop":
+        return True
+    return any(registry.knows(name) for registry in REGISTRIES.values())
+
+
+def settings_of_classes() -> set[str]:
+    """Return the settings that take a class, by the last part of their name."""
+    optimizers = ("generator_optimizer", "discriminator_optimizer", "lr_scheduler")
+    return {*REGISTRIES, "styles", "augmentation", *optimizers, "logger", "callbacks"}
+
+
 def misplaced() -> list[LeftOut]:
     """Return what packages offer in groups that look like ours and are none: a typo nobody would notice."""
-    groups = [registry.group for registry in REGISTRIES.values()]
+    groups = [*(registry.group for registry in REGISTRIES.values()), CLUSTERS]
     strange = [g for g in entry_points().groups if g.startswith("normalgan.") and g not in groups]
     return [
         LeftOut(

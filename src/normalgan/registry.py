@@ -176,6 +176,29 @@ class Registry(Generic[T]):
         """Return the registered class names in alphabetical order."""
         return sorted(self._classes)
 
+    def find(self, name: str) -> type[T] | None:
+        """Return the class that a file names, None if it is not known; nothing is imported for the name.
+
+        Args:
+            name: of a registered class, or where it is in dots: its package decides, for within a package
+                classes move. A class that is not registered counts if it is imported already.
+        """
+        known = self._registered(name)
+        return known if known is not None or "." not in name else find_imported(name, self.base)
+
+    def knows(self, name: str) -> bool:
+        """Return whether a name, short or with its place in dots, is that of a registered class."""
+        return self._registered(name) is not None
+
+    def _registered(self, name: str) -> type[T] | None:
+        short = name.rpartition(".")[2]
+        if short not in self._classes:
+            self.discover()
+        known = self._classes.get(short)
+        if known is None or "." not in name:
+            return known
+        return known if known.__module__.partition(".")[0] == name.partition(".")[0] else None
+
     def __iter__(self) -> Iterator[type[T]]:
         return iter([self._classes[name] for name in self.names()])
 
@@ -183,6 +206,31 @@ class Registry(Generic[T]):
         """Return the sentence for a name that is not registered, with the nearest one that is."""
         hint = did_you_mean(name, self.names(), 0.5)
         return f"no {self.base.__name__} named {name!r}.{hint} Known: {', '.join(self.names())}."
+
+
+def find_imported(name: str, base: type[T]) -> type[T] | None:
+    """Return the concrete class derived from a base that a name in dots means; nothing is imported for it.
+
+    Its package and its own name decide: packages show a class in other places than where it is defined.
+
+    >>> class Base: ...
+    >>> class Dots(Base): ...
+    >>> find_imported(f"{__name__.partition('.')[0]}.Dots", Base)
+    <class '...Dots'>
+    >>> find_imported("os.Dots", Base)
+    """
+    package, _, rest = name.partition(".")
+    waiting, seen = [base], set()
+    while waiting:
+        for cls in type.__subclasses__(waiting.pop()):
+            if cls in seen:
+                continue
+            seen.add(cls)
+            waiting.append(cls)
+            named = cls.__name__ == rest.rpartition(".")[2] and cls.__module__.partition(".")[0] == package
+            if named and not inspect.isabstract(cls):
+                return cls
+    return None
 
 
 def summary(cls: type[Any]) -> str:

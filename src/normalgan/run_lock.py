@@ -1,12 +1,12 @@
 """Lock of a run: one run at a time trains in a folder."""
 
-import fcntl
-import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from normalgan.errors import InputError
+from filelock import FileLock, Timeout
+
+from normalgan.errors import InputError, brief
 
 NAME = ".running"
 
@@ -21,32 +21,26 @@ def one_run_in(folder: Path) -> Iterator[None]:
         folder: of the run; made if it is not there.
 
     Raises:
-        InputError: if another process holds it, on this machine or another with the same file system.
+        InputError: if another process holds it, on this machine or another with the same file system; or if
+            files cannot be locked there.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    held = _hold(folder / NAME)
-    if held is None:
-        raise InputError(f"another run trains in {folder} now; give another --trainer.default_root_dir.")
+    lock = FileLock(folder / NAME, blocking=False)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise InputError(
+            f"another run trains in {folder} now; give another --trainer.default_root_dir."
+        ) from None
+    except (OSError, NotImplementedError) as error:  # some network file systems have no locks
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else brief(error)
+        raise InputError(
+            f"{folder} cannot be locked for this run ({reason}); give a --trainer.default_root_dir on "
+            "another file system."
+        ) from error
     try:
         yield
     finally:
-        (folder / NAME).unlink(missing_ok=True)  # while it is held: nobody can take it between
-        os.close(held)
-
-
-def _hold(path: Path) -> int | None:
-    """Return a file's descriptor, locked, or None if another process has it."""
-    while True:
-        held = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # A run that ended just now may have taken the name away from what was opened.
-            if path.exists() and os.path.samestat(os.fstat(held), path.stat()):
-                return held
-        except BlockingIOError:
-            os.close(held)
-            return None
-        except BaseException:
-            os.close(held)
-            raise
-        os.close(held)
+        with suppress(OSError):  # Windows removes no file that is open
+            (folder / NAME).unlink()  # while it is held: nobody can take it between
+        lock.release()

@@ -47,5 +47,5 @@ def _backend(name: str, size: int | None) -> Backend:
         return TorchBackend(weights.generator(), weights.notes.size)
     from normalgan.exporting.deployed import load as load_checkpoint
 
-    model = load_checkpoint(path, size)
+    model, _ = load_checkpoint(path, size)
     return TorchBackend(model.generator, model.size)

@@ -48,6 +48,29 @@ def test_a_bad_checkpoint_is_refused(
     assert left_in(tmp_path) == ["bad.ckpt"]
 
 
+def harmful(checkpoint: dict[str, Any]) -> None:
+    text = "__import__('pathlib').Path('touched').touch()"  # which sympy runs
+    function = {"class_path": "sympy.Lambda", "init_args": {"signature": "x", "expr": text}}
+    checkpoint["hyper_parameters"]["lr_scheduler"] = {
+        "class_path": "torch.optim.lr_scheduler.LambdaLR",
+        "init_args": {"lr_lambda": function},
+    }
+
+
+def test_a_checkpoint_runs_nothing(
+    bench: Bench, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bad = tmp_path / "bad.ckpt"
+    change(trained / "checkpoints" / "last.ckpt", bad, harmful)
+    monkeypatch.chdir(tmp_path)
+    resumed = bench.run("fit", tmp_path / "run", "--ckpt_path", bad)
+    resumed.refused(str(bad), "lr_lambda of torch.optim.lr_scheduler.LambdaLR is a dict")
+    # What only training needs is not looked at by those that paint.
+    assert bench.run("test", tmp_path / "run", "--ckpt_path", bad).code == 0
+    assert not (tmp_path / "touched").exists()
+    assert not (bench.meshes.parent / "touched").exists()
+
+
 def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
     bench.run("test", tmp_path, "--ckpt_path", "gone.ckpt").refused("there is no checkpoint gone.ckpt.")
     bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no checkpoint", "last.ckpt")

@@ -32,9 +32,9 @@ def rig(path: Path) -> None:
 
 def configuration(path: Path) -> None:
     """Look at a configuration as every training command does first."""
-    from normalgan.parser_errors import check_config
+    from normalgan.config_files import ConfigCheck
 
-    check_config(path, ("trainer", "data", "model"))
+    ConfigCheck(("trainer", "data", "model")).check(path)
 
 
 def drawing(path: Path) -> None:
@@ -92,10 +92,12 @@ def cluster(path: Path) -> None:
 
 
 def checkpoint(path: Path) -> None:
-    """Read the settings in a checkpoint, as all that use one do first."""
-    from normalgan.checkpoints import read_settings
+    """Read the model in a checkpoint: as commands do that paint with it, and as `fit` does to go on."""
+    from normalgan.weights.checkpoint import read_checkpoint
 
-    read_settings(path)
+    found = read_checkpoint(path)
+    found.weights(32)
+    found.training_settings()
 
 
 READERS: dict[str, Callable[[Path], None]] = {
@@ -145,7 +147,7 @@ def answer(read: Callable[[Path], None], path: Path, seconds: float) -> dict[str
 def main(name: str, memory: int, seconds: float) -> None:
     """Read all files."""
     if name == "checkpoint":
-        import normalgan.checkpoints  # takes seconds, and the libraries alone map gigabytes
+        import normalgan.weights.checkpoint  # takes seconds, and the libraries alone map gigabytes
     if name in {"mesh", "rig"}:
         import trimesh  # noqa: F401
 

@@ -8,7 +8,7 @@ import pytest
 import torch
 from safetensors import safe_open
 from safetensors.torch import load_file
-from small_weights import SETTINGS, make_generator, make_weights
+from small_weights import make_generator, make_weights
 
 from normalgan import __version__
 from normalgan.hints import HINT_SAMPLERS, UniformHints
@@ -84,21 +84,6 @@ def test_a_plug_in_is_found_by_its_entry_point(site: Path) -> None:
     built = parse_weights(content).generator()
     assert type(built).__name__ == "Borrowed"
     assert type(built).__module__ == "lent"
-
-
-def test_notes_of_a_checkpoint() -> None:
-    settings = {
-        "generator": {"class_path": "normalgan.models.UNetGenerator", "init_args": SETTINGS},
-        "hint_sampler": {"class_path": "normalgan.hints.NoHints"},
-        "noise_at_test": True,
-        "seed": 3,
-    }
-    notes = Notes.of_checkpoint(settings, 32, "MIT")
-    assert Notes.parse(notes.metadata()) == notes
-    built = notes.settings()
-    assert built["generator"]["class_path"] == "normalgan.models.unet_generator.UNetGenerator"
-    assert built["hint_sampler"] == {"class_path": "normalgan.hints.none.NoHints", "init_args": {}}
-    assert (built["noise_at_test"], built["seed"]) == (True, 3)
 
 
 @pytest.mark.parametrize("suffix", [".safetensors", ".onnx"])

@@ -10,7 +10,7 @@ from moments import Moment
 from nursery import Child, rear
 from test_resume import assert_same
 
-from normalgan.checkpoints import read_settings
+from normalgan.weights.checkpoint import read_checkpoint
 from small import write_meshes
 
 CONF = Path(__file__).parents[2] / "tests" / "conf"
@@ -74,7 +74,7 @@ class TinyRun:
         found = []
         for name, path in self.checkpoints.items():
             try:
-                read_settings(path)
+                read_checkpoint(path)
                 load(path)
             except Exception as error:
                 found.append(f"{name} does not load: {error!r}")

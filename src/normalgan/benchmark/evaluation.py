@@ -20,7 +20,7 @@ from normalgan.benchmark.methods import (
     constant_method,
     inflation_method,
     mean_method,
-    trained_method,
+    weights_method,
 )
 from normalgan.benchmark.pins import STRATEGIES, Strategy, pin_curve, pin_one_by_one
 from normalgan.benchmark.placements import placements
@@ -36,6 +36,7 @@ from normalgan.data.items import collate
 from normalgan.gan import SHARE
 from normalgan.hints import hints_at
 from normalgan.normals import Floats, write_bytes
+from normalgan.weights.checkpoint import read_checkpoint
 
 _BATCH = 16  # of all methods alike: noise that is kept at test depends on it
 _VERSION = 2  # raise it when a result holds more, or other figures: models are measured anew then
@@ -96,7 +97,8 @@ class Evaluation:
             method = self._classical(run.row.classical)
         else:
             checkpoint = best_checkpoint(run, self.plan.checkpoint)
-            method = trained_method(checkpoint, self.device)
+            weights = read_checkpoint(checkpoint).weights(self.data.recipe.size)
+            method = weights_method(weights, self.device)
             curve = read_curve(run.folder)
             result |= {"checkpoint": checkpoint.name, "curve": curve, "images": curve[-1]["images"]}
         maps = BytesIO()

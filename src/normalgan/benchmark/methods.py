@@ -2,17 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import torch
 from torch import Tensor, nn
 
 from normalgan.batch import Batch
 from normalgan.benchmark.inflation import inflated_normals
-from normalgan.checkpoints import read_settings
 from normalgan.gan import NormalGAN
-from normalgan.hints import HintSampler, NoHints
+from normalgan.hints import HINT_SAMPLERS, HintSampler, NoHints
+from normalgan.objectives import Wasserstein
 from normalgan.seeds import derive_seed
+from normalgan.weights.file import Weights
 
 Paint = Callable[[Batch, Tensor | None], Tensor]
 """From a batch and hints (N, 4, H, W), or none, to normals (N, 3, H, W), or with confidence (N, 4, H, W)."""
@@ -60,14 +60,17 @@ def inflation_method() -> Method:
     return Method(paint)
 
 
-def trained_method(checkpoint: Path, device: torch.device) -> Method:
-    """Return the model of a checkpoint, in float32, ready to paint.
-
-    Raises:
-        InputError: if it is missing, damaged or not one of ours.
-    """
-    read_settings(checkpoint)
-    model = NormalGAN.load_from_checkpoint(checkpoint, map_location="cpu", weights_only=True)
+def weights_method(weights: Weights, device: torch.device) -> Method:
+    """Return the model that weights and their notes make, in float32, ready to paint."""
+    notes = weights.notes
+    model = NormalGAN(
+        generator=weights.generator(),
+        discriminator=None,
+        hint_sampler=notes.hint_sampler.build(HINT_SAMPLERS),
+        objective=Wasserstein(),  # nothing is learnt
+        noise_at_test=notes.noise_at_test,
+        seed=notes.seed,
+    )
     return model_method(model.to(device))
 
 

@@ -10,8 +10,9 @@ from typing import Any, Literal, TypeVar
 import yaml
 
 from normalgan.commands.light_parser import LightParser
+from normalgan.config_files import ConfigCheck
 from normalgan.errors import InputError, did_you_mean
-from normalgan.parser_errors import check_config, refusal
+from normalgan.parser_errors import refusal
 from normalgan.shipped_configs import find_config
 
 Settings = dict[str, Any]
@@ -172,7 +173,7 @@ def read_yaml(path: str | Path) -> Settings:
         InputError: if it cannot be read as one.
     """
     path = find_config(str(path))
-    check_config(path, ())
+    ConfigCheck(()).check(path)
     content: Settings = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     return content
 

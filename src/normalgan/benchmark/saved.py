@@ -6,14 +6,13 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.benchmark.methods import Method, model_method, trained_method
-from normalgan.checkpoints import check_size, check_sizes, read_settings
+from normalgan.benchmark.methods import Method, weights_method
+from normalgan.checkpoints import check_size
 from normalgan.errors import InputError
-from normalgan.gan import NormalGAN
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.normals import Floats
-from normalgan.objectives import Wasserstein
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SUFFIX, find_weights, read_weights
 from normalgan.weights.part import Part
 
@@ -34,24 +33,12 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
         case ".onnx":
             return _onnx_method(find_model(name), size)
         case suffix if suffix == SUFFIX:
-            return _weights_method(path, size, device)
-    check_sizes(path, read_settings(path), size)
-    return trained_method(path, device)
-
-
-def _weights_method(path: Path, size: int, device: torch.device) -> Method:
-    weights = read_weights(path)
-    notes = weights.notes
-    check_size(path, notes.size, size)
-    model = NormalGAN(
-        generator=weights.generator(),
-        discriminator=None,
-        hint_sampler=notes.hint_sampler.build(HINT_SAMPLERS),
-        objective=Wasserstein(),  # nothing is learnt
-        noise_at_test=notes.noise_at_test,
-        seed=notes.seed,
-    )
-    return model_method(model.to(device))
+            weights = read_weights(path)
+            check_size(path, weights.notes.size, size)
+            return weights_method(weights, device)
+    checkpoint = read_checkpoint(path)
+    check_size(path, checkpoint.generator_size(), size)
+    return weights_method(checkpoint.weights(size), device)
 
 
 def _onnx_method(path: Path, size: int) -> Method:

@@ -1,21 +1,16 @@
 """A run that begins with what another one has learnt."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
-from torch import Tensor
 from torch.nn import Module
 
-from normalgan.checkpoints import read_settings
 from normalgan.errors import InputError
 from normalgan.models import ResidualUNetGenerator
 from normalgan.models.growth import grow
+from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED_NAME, SUFFIX, find_weights, read_weights
-
-_PREFIX = "generator."
 
 
 class StartFrom(Callback):
@@ -55,7 +50,8 @@ class StartFrom(Callback):
         if self.grow:
             _grow(path, pl_module.get_submodule("generator"))
             return
-        tensors = read_weights(path).tensors if path.suffix.lower() == SUFFIX else _of_checkpoint(path)
+        saved = path.suffix.lower() == SUFFIX
+        tensors = read_weights(path).tensors if saved else read_checkpoint(path).generator_tensors()
         network = pl_module.get_submodule("generator")
         own = {name: tensor.shape for name, tensor in network.state_dict().items()}
         if {name: tensor.shape for name, tensor in tensors.items()} != own:
@@ -73,10 +69,3 @@ def _grow(path: Path, network: Module) -> None:
             f"StartFrom was given {path} to grow from, but only a ResidualUNetGenerator grows, into another."
         )
     grow(small, network)
-
-
-def _of_checkpoint(path: Path) -> Mapping[str, Tensor]:
-    """Return the generator's tensors by name."""
-    read_settings(path)  # says what is wrong with it
-    saved = torch.load(path, map_location="cpu", weights_only=True, mmap=True)["state_dict"]
-    return {name.removeprefix(_PREFIX): w for name, w in saved.items() if name.startswith(_PREFIX)}

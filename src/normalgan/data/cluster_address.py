@@ -5,6 +5,7 @@ import logging
 import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,17 @@ from normalgan.warning_filters import quiet_loggers
 TIMEOUT = 10.0
 """Seconds in which a scheduler must answer."""
 
+CLUSTERS = "normalgan.clusters"
+"""The group of entry points in which a package offers a class of clusters."""
+
 _FORMS = "tcp://host:port, a scheduler file (.json), local:N or a YAML file that names a cluster class"
 _KEYS = {"class_path", "init_args", "scale", "adapt", "patience"}
 _PATIENCE = 60.0
+_PACKAGES = frozenset(
+    ("distributed", "dask", "dask_jobqueue", "dask_kubernetes", "dask_cloudprovider", "dask_cuda", "coiled")
+)
+_CODE = re.compile(r"preload.*|(.*_)?(cls|class)|plugins?|extensions")
+"""Arguments of Dask's clusters that take a class by its name, or Python's source."""
 _LOCAL = {
     # A mesh that kills is tried again alone, so a second death is enough here, instead of a fourth.
     "distributed.scheduler.allowed-failures": 1,
@@ -35,9 +44,9 @@ def connect(where: str, stack: ExitStack) -> tuple[Any, float]:
 
     Args:
         where: ``tcp://host:port``; a scheduler file ``….json``; ``local:N`` for N processes of this machine;
-            or ``….yaml`` with ``class_path`` and ``init_args`` of any class or function that makes a Dask
-            cluster, and if wanted ``scale`` or ``adapt`` with the arguments of its methods of these names,
-            and ``patience`` in seconds, if the first worker may take longer than a minute to come.
+            or ``….yaml`` with ``class_path`` and ``init_args`` of a class of Dask clusters, and if wanted
+            ``scale`` or ``adapt`` with the arguments of its methods of these names, and ``patience`` in
+            seconds, if the first worker may take longer than a minute to come.
         stack: ends what is started here.
 
     Raises:
@@ -117,20 +126,59 @@ def read_cluster(file: Path) -> dict[str, Any]:
 
 def _make(file: str, content: dict[str, Any], stack: ExitStack) -> Any:
     """Return the cluster that a YAML file describes; ``stack`` ends it."""
-    module, _, name = str(content["class_path"]).rpartition(".")
-    try:
-        kind = getattr(importlib.import_module(module), name)
-    except (ImportError, AttributeError, ValueError) as error:
+    path = str(content["class_path"])
+    kind = _cluster_class(file, path)
+    arguments = content.get("init_args") or {}
+    if code := _names_code(arguments):
         raise InputError(
-            f"{content['class_path']} in the cluster file {file} cannot be imported: {reason(error)}."
-        ) from error
+            f"the cluster file {file} sets {code[:40]}, which could run any program here; leave it out."
+        )
     try:
-        cluster = stack.enter_context(kind(**(content.get("init_args") or {})))
+        cluster = stack.enter_context(kind(**arguments))
         for method in ("scale", "adapt"):
             if method in content:
                 getattr(cluster, method)(**content[method])
     except Exception as error:  # whatever a queue or a cloud answers
-        raise InputError(
-            f"{content['class_path']} in the cluster file {file} cannot be started: {reason(error)}."
-        ) from error
+        raise InputError(f"{path} in the cluster file {file} cannot be started: {reason(error)}.") from error
     return cluster
+
+
+def _cluster_class(file: str, path: str) -> Callable[..., Any]:
+    """Return the class of clusters that a file names; no other module is imported for it.
+
+    Raises:
+        InputError: if it is none, or cannot be imported.
+    """
+    from distributed import SSHCluster
+    from distributed.deploy.cluster import Cluster
+
+    module, _, name = path.rpartition(".")
+    offered = {entry.value.replace(":", ".") for entry in entry_points(group=CLUSTERS)}
+    # SpecCluster takes the names of further classes.
+    known = module.partition(".")[0] in _PACKAGES and name.endswith("Cluster") and name != "SpecCluster"
+    if not known and path not in offered:
+        raise InputError(
+            f"{ascii(path)[:80]} in the cluster file {file} is no known class of Dask clusters: it is one of "
+            f"{', '.join(sorted(_PACKAGES))}, or one that an installed package offers as {CLUSTERS}."
+        )
+    try:
+        kind = getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise InputError(f"{path} in the cluster file {file} cannot be imported: {reason(error)}.") from error
+    if kind is not SSHCluster and not (isinstance(kind, type) and issubclass(kind, Cluster)):
+        raise InputError(f"{path} in the cluster file {file} is no class of Dask clusters.")
+    made: Callable[..., Any] = kind
+    return made
+
+
+def _names_code(arguments: Any) -> str:
+    """Return the name of an argument that takes code, however deep it lies; empty if there is none."""
+    if isinstance(arguments, dict):
+        for key, value in arguments.items():
+            if _CODE.fullmatch(str(key)):
+                return str(key)
+            if found := _names_code(value):
+                return found
+    if isinstance(arguments, list):
+        return next(filter(None, map(_names_code, arguments)), "")
+    return ""

@@ -1,14 +1,15 @@
 """LocalCache: objects of a distant store kept on a disk nearby, never more bytes than allowed."""
 
-import fcntl
 import hashlib
 import os
 import time
 import uuid
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+
+from filelock import FileLock
 
 from normalgan.errors import InputError, unwritable
 
@@ -94,7 +95,7 @@ class LocalCache:
             )
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            with _locked(path.parent):
+            with FileLock(path.parent / _LOCK, poll_interval=0.01):
                 _make_room(path.parent, share - len(content))
                 partial = path.parent / f"{uuid.uuid4().hex}{_PARTIAL}"
                 try:
@@ -108,13 +109,6 @@ class LocalCache:
                 "another folder.",
                 error,
             ) from error
-
-
-@contextmanager
-def _locked(bucket: Path) -> Iterator[None]:
-    with (bucket / _LOCK).open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
 
 
 def _make_room(bucket: Path, allowed: int) -> None:

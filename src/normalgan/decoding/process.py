@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -252,13 +253,12 @@ def _folders() -> list[str]:
 def _widen(*pipes: int) -> None:
     """Let pipes hold a whole picture of usual size, where that can be asked for."""
     if sys.platform == "linux":
-        import fcntl
+        # A user may have so much of it only; and not every Python on Linux has the module.
+        with suppress(OSError, ImportError):
+            import fcntl
 
-        for pipe in pipes:
-            try:
+            for pipe in pipes:
                 fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, _PIPE)
-            except OSError:  # a user may have so much of it only
-                return
 
 
 def _told(words: bytes) -> str:

@@ -62,14 +62,11 @@ def export(checkpoint: Path, target: Path, options: Namespace) -> str:
         InputError: if the checkpoint cannot be used or the file not be written.
         RunError: if the exported model paints something else than torch; nothing is written then.
     """
-    from normalgan.checkpoints import read_settings
     from normalgan.exporting.comparison import largest_difference, turn_in_degrees
     from normalgan.exporting.deployed import load
     from normalgan.exporting.formats import FORMATS
-    from normalgan.weights.notes import Notes
 
-    model, form = load(checkpoint, options.size), FORMATS[options.format]
-    notes = Notes.of_checkpoint(read_settings(checkpoint), model.size, options.licence)
+    (model, notes), form = load(checkpoint, options.size, options.licence), FORMATS[options.format]
     content = form.write(model, notes.metadata())
     difference = largest_difference(model, form.read(content))
     if not difference <= TOLERANCE:

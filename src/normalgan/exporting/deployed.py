@@ -1,17 +1,15 @@
 """Deployed: a generator with the inputs and outputs that an exported model has."""
 
 from pathlib import Path
-from typing import Any
 
 import torch
-import yaml
 from torch import Tensor, nn
 
-from normalgan.checkpoints import read_settings
-from normalgan.errors import InputError, brief
-from normalgan.gan import NormalGAN
+from normalgan.errors import InputError
 from normalgan.models import Generator
 from normalgan.models.condition import make_condition
+from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.notes import Notes
 
 
 class Deployed(nn.Module):
@@ -56,41 +54,22 @@ class Deployed(nn.Module):
         return painted
 
 
-def load(path: Path, size: int | None = None) -> Deployed:
-    """Read a checkpoint; nothing in it is executed.
+def load(path: Path, size: int | None = None, licence: str = "not stated") -> tuple[Deployed, Notes]:
+    """Return the generator in a checkpoint and the notes on it; nothing in the file is executed.
 
     Args:
         path: of the checkpoint.
         size: side of the pictures; None for that which it was trained at, if it or its run says so.
+        licence: of the weights.
 
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.
     """
-    settings = read_settings(path)
-    size = size or trained_size(path, settings)
+    checkpoint = read_checkpoint(path)
+    size = size or checkpoint.trained_size()
     if size is None:
         raise InputError(
             f"{path} does not say the size of its pictures; give the --data.size of its training as --size."
         )
-    try:
-        model = NormalGAN.load_from_checkpoint(path, map_location="cpu", weights_only=True)
-    except Exception as error:  # plug-ins that are gone, settings of other versions, weights that do not fit
-        raise InputError(f"the model in {path} cannot be built here: {brief(error)}") from error
-    return Deployed(model.generator.float(), size)
-
-
-def trained_size(path: Path, settings: dict[str, Any]) -> int | None:
-    """Return the size that a generator was built for or, where any would do, that of the run's data.
-
-    Args:
-        path: of the checkpoint; ``config.yaml`` of its run lies in the folder above.
-        settings: in the checkpoint.
-    """
-    size = ((settings["generator"] or {}).get("init_args") or {}).get("size")
-    if size is None:
-        try:
-            config = yaml.safe_load((path.absolute().parent.parent / "config.yaml").read_text("utf-8"))
-            size = config["data"]["size"]
-        except (OSError, yaml.YAMLError, KeyError, TypeError, UnicodeDecodeError):
-            return None
-    return size if isinstance(size, int) else None
+    weights = checkpoint.weights(size, licence)
+    return Deployed(weights.generator(), size), weights.notes

@@ -1,6 +1,8 @@
 """Generator and Discriminator: the bases of the networks."""
 
+import inspect
 from abc import ABC, abstractmethod
+from typing import Any, Self
 
 from torch import Tensor, nn
 
@@ -12,7 +14,26 @@ INPUT_CHANNELS = 4
 input, in the reading of Su et al. 2018, Fig. 2."""
 
 
-class Generator(nn.Module, ABC):
+class Network(nn.Module, ABC):
+    """Base of all networks: remembers what one was built with, so that a checkpoint can name it."""
+
+    built_with: dict[str, Any]
+    """The arguments it was built with, defaults among them, by name."""
+
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
+        """Note the arguments, before a subclass sees them."""
+        network = super().__new__(cls)
+        try:
+            given = inspect.signature(cls.__init__).bind_partial(network, *args, **kwargs)
+        except TypeError:  # __init__ says it better
+            return network
+        given.apply_defaults()
+        _, *named = given.arguments.items()
+        network.__dict__["built_with"] = dict(named)  # nn.Module is not set up yet
+        return network
+
+
+class Generator(Network):
     """Base of the networks that paint a normal map."""
 
     @abstractmethod
@@ -39,7 +60,7 @@ class Generator(nn.Module, ABC):
         return Predictions(output[:, :3], confidence=output[:, 3:] if output.shape[1] > 3 else None)
 
 
-class Discriminator(nn.Module, ABC):
+class Discriminator(Network):
     """Base of the networks that tell painted maps from true ones (critics, if Wasserstein)."""
 
     @abstractmethod

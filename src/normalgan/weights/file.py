@@ -12,7 +12,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.limits import read_bounded
-from normalgan.models import Generator
+from normalgan.models import GENERATORS, Generator
 from normalgan.weights.network import build_generator, check_fit
 from normalgan.weights.notes import Notes
 
@@ -83,7 +83,7 @@ def parse_weights(content: bytes, name: str = "the file") -> Weights:
         ) from None
     try:
         notes = Notes.parse(metadata)
-        check_fit(notes.generator, tensors)
+        check_fit(notes.generator, tensors, GENERATORS)
     except KeyError:
         raise InputError(
             f"{name} holds weights of another program; give a file that `normalgan export` wrote."

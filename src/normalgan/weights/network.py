@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import TypeVar
 
 import torch
 from torch import Tensor, nn
@@ -9,28 +10,36 @@ from torch.nn.modules.module import register_module_parameter_registration_hook
 
 from normalgan.errors import InputError
 from normalgan.models import GENERATORS, Generator
+from normalgan.registry import Registry
 from normalgan.weights.part import Part
 
 Tensors = Mapping[str, Tensor]
-_FLOATS = {torch.float16, torch.bfloat16, torch.float32}
+T = TypeVar("T", bound=nn.Module)
+_FLOATS = {torch.float16, torch.bfloat16, torch.float32, torch.float64}
 
 
-def check_fit(part: Part, tensors: Tensors) -> None:
-    """Make sure that tensors are the weights of a generator; no memory is taken for it.
+def check_fit(part: Part, tensors: Tensors, registry: Registry[T], finite: bool = True) -> None:
+    """Make sure that tensors are the weights of a network; no memory is taken for it.
+
+    Args:
+        part: the network.
+        tensors: by name.
+        registry: of its kind.
+        finite: whether they must all be finite numbers.
 
     Raises:
         InputError: if it cannot be built, or they are not its weights, or not finite.
     """
     # Without memory, and no further than there are tensors: settings may ask for billions of layers.
     with torch.device("meta"), _at_most(2 * len(tensors) + 16):
-        wanted = part.build(GENERATORS).state_dict()
+        wanted = part.build(registry).state_dict()
     for name in [*wanted, *tensors]:
         if name not in wanted or name not in tensors or not _alike(tensors[name], wanted[name]):
             raise InputError(
                 f"its weights are not those of a {part.name} with these settings: {name[:80]} is "
                 f"{_shape(tensors, name)}, not {_shape(wanted, name)}."
             )
-    for name, tensor in tensors.items():
+    for name, tensor in tensors.items() if finite else ():
         if tensor.is_floating_point() and not tensor.isfinite().all():
             raise InputError(f"its weights {name[:80]} are not all finite numbers.")
 

@@ -33,20 +33,6 @@ class Notes:
     licence: str = "not stated"
     version: str = __version__
 
-    @classmethod
-    def of_checkpoint(cls, settings: Mapping[str, Any], size: int, licence: str) -> "Notes":
-        """Return the notes on the model in a checkpoint.
-
-        Args:
-            settings: as `normalgan.checkpoints.read_settings` returns them.
-            size: side of the pictures in pixels.
-            licence: of the weights.
-        """
-        return cls(
-            *(Part.of(settings["generator"]), Part.of(settings["hint_sampler"]), size),
-            *(bool(settings.get("noise_at_test", False)), int(settings.get("seed", 0)), licence),
-        )
-
     def metadata(self) -> dict[str, str]:
         """Return the notes as texts by name, which is what files of models can hold."""
         return {

@@ -1,0 +1,282 @@
+"""The model in a checkpoint: its settings are checked as those of any file, and nothing is imported."""
+
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path, PurePath
+from typing import Any
+
+import yaml
+from torch import Tensor
+from torch.optim import Optimizer
+from torch.optim.lr_scheduler import LRScheduler
+
+from normalgan.errors import InputError
+from normalgan.hints import HINT_SAMPLERS
+from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.models import DISCRIMINATORS, GENERATORS
+from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
+from normalgan.registry import Registry, find_imported
+from normalgan.torch_files import load_torch_file
+from normalgan.weights.file import Weights
+from normalgan.weights.network import check_fit
+from normalgan.weights.notes import Notes
+from normalgan.weights.part import ANY_NUMBER, LARGEST, Part, is_plain
+
+_REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
+    "generator": (GENERATORS, LARGEST),
+    "discriminator": (DISCRIMINATORS, LARGEST),
+    "hint_sampler": (HINT_SAMPLERS, LARGEST),
+    "objective": (ADVERSARIAL_OBJECTIVES, ANY_NUMBER),  # weights of losses, which take no memory
+    "reconstruction": (RECONSTRUCTIONS, ANY_NUMBER),
+}
+_OF_TORCH: dict[str, type[Any]] = {
+    "generator_optimizer": Optimizer,
+    "discriminator_optimizer": Optimizer,
+    "lr_scheduler": LRScheduler,
+}
+_DEFAULT_OPTIMIZER = "normalgan.gan._rmsprop"
+_PYTHON = "made_in_python"
+_PATHS = ("best_model_path", "kth_best_model_path", "last_model_path")
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """What `normalgan fit` saved, read without running, importing or building anything.
+
+    Args:
+        path: of the file.
+        settings: of the model, as the file has them.
+        tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
+        callbacks: states of callbacks by their names.
+    """
+
+    path: Path
+    settings: Mapping[str, Any]
+    tensors: Mapping[str, Tensor]
+    callbacks: Mapping[Any, Any]
+
+    def weights(self, size: int, licence: str = "not stated") -> Weights:
+        """Return the generator and the notes on it, as a file of weights has them.
+
+        Args:
+            size: side of the pictures in pixels.
+            licence: of the weights.
+
+        Raises:
+            InputError: if the generator cannot be built here, or the tensors are not its own.
+        """
+        with _named(self.path):
+            generator = _part("generator", self.settings["generator"])
+            tensors = self.generator_tensors()
+            check_fit(generator, tensors, GENERATORS)
+            notes = Notes(
+                generator=generator,
+                hint_sampler=_part("hint_sampler", self.settings["hint_sampler"]),
+                size=size,
+                noise_at_test=bool(self.settings.get("noise_at_test", False)),
+                seed=int(_number("seed", self.settings.get("seed", 0))),
+                licence=licence,
+            )
+            notes.settings()  # the classes are known
+            return Weights(notes, tensors)
+
+    def generator_tensors(self) -> dict[str, Tensor]:
+        """Return the generator's weights and statistics by name."""
+        return self._tensors_of("generator")
+
+    def trained_size(self) -> int | None:
+        """Return the size that the generator was built for or, where any would do, that of the run's data.
+
+        That is in ``config.yaml`` of the run, in the folder above.
+        """
+        size = self.generator_size()
+        return _size_of_run(self.path.absolute().parent.parent / "config.yaml") if size is None else size
+
+    def generator_size(self) -> int | None:
+        """Return the size that the generator was built for, None for any."""
+        arguments = self.settings["generator"].get("init_args") or {}
+        size = arguments.get("size") if isinstance(arguments, Mapping) else None
+        return size if type(size) is int else None
+
+    def training_settings(self) -> dict[str, Any]:
+        """Return the settings of the model with all that goes on learning, as a configuration names them.
+
+        Raises:
+            InputError: if they name anything but registered classes, optimisers and schedules that are
+                imported already, and plain values; or if networks and tensors do not go together.
+        """
+        with _named(self.path):
+            self._check_callbacks()
+            settings = {name: _configuration(name, value) for name, value in self.settings.items()}
+            for name in ("generator", "discriminator"):
+                if self.settings.get(name) is not None:
+                    part, tensors = _part(name, self.settings[name]), self._tensors_of(name)
+                    # Numbers that are not finite may be what someone wants to look into.
+                    check_fit(part, tensors, _REGISTRIES[name][0], finite=False)
+        return settings
+
+    def _tensors_of(self, network: str) -> dict[str, Tensor]:
+        prefix = f"{network}."
+        return {k.removeprefix(prefix): v for k, v in self.tensors.items() if k.startswith(prefix)}
+
+    def _check_callbacks(self) -> None:
+        """Make sure that what a run deletes, when it has a better checkpoint, is a checkpoint in a folder."""
+        for state in self.callbacks.values():
+            if not isinstance(state, Mapping) or "best_model_path" not in state:
+                continue
+            best = state.get("best_k_models")
+            for path in [*(state.get(name) for name in _PATHS), *(best if isinstance(best, Mapping) else ())]:
+                text = path if isinstance(path, str) else ""
+                if path and (not text.endswith(".ckpt") or "://" in text or ".." in PurePath(text).parts):
+                    raise InputError(f"it names {ascii(path)[:60]} as a checkpoint of its run.")
+
+
+def read_checkpoint(path: Path) -> Checkpoint:
+    """Return what a checkpoint says of its model; whether that can be used is for `Checkpoint` to say.
+
+    Raises:
+        InputError: if it is missing, damaged or not one of ours.
+    """
+    content = load_torch_file(path)
+    if not isinstance(content, dict):
+        content = {}
+    settings, tensors = content.get("hyper_parameters"), content.get("state_dict")
+    callbacks = content.get("callbacks", {})
+    if (
+        not isinstance(settings, dict)
+        or not {"generator", "hint_sampler", "objective"} <= settings.keys()
+        or not isinstance(settings["generator"], dict)
+        or not isinstance(tensors, dict)
+        or not all(isinstance(k, str) and isinstance(v, Tensor) for k, v in tensors.items())
+        or not isinstance(callbacks, dict)
+    ):
+        raise InputError(f"{path} holds no normalgan model; give one that `normalgan fit` saved.")
+    # Lightning's note on how it builds the model, which is not asked.
+    settings = {str(name): value for name, value in settings.items() if name != "_instantiator"}
+    return Checkpoint(path, settings, tensors, callbacks)
+
+
+def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a model as a checkpoint holds them: classes and values in place of objects.
+
+    What cannot be said so is named alone: the model can be gone on with in Python, where it was made.
+
+    Args:
+        given: as Lightning saves them: configurations, if the command line built the model, or the objects.
+    """
+    saved: dict[str, Any] = {"_instantiator": "lightning.pytorch.cli.instantiate_module"}
+    for name, value in given.items():
+        if name in _OF_TORCH:
+            saved[name] = _optimizer_to_save(value)
+        elif name in _REGISTRIES and value is not None and not isinstance(value, Mapping):
+            part = Part.of_object(value)
+            saved[name] = _made_in_python(value) if part is None else _as_configuration(part)
+        else:
+            saved[name] = value
+    return saved
+
+
+def _optimizer_to_save(value: Any) -> Any:
+    if value is None or isinstance(value, str | Mapping):
+        return value
+    if getattr(value, "__module__", None) == "normalgan.gan" and value.__qualname__ == "_rmsprop":
+        return _DEFAULT_OPTIMIZER
+    kind, settings = (value.func, value.keywords) if isinstance(value, partial) else (value, {})
+    named = isinstance(kind, type) and not getattr(value, "args", ())
+    if named and all(is_plain(setting, ANY_NUMBER) for setting in settings.values()):
+        return _as_configuration(Part(f"{kind.__module__}.{kind.__qualname__}", dict(settings)))
+    return _made_in_python(kind)
+
+
+def _as_configuration(part: Part) -> dict[str, Any]:
+    return {"class_path": part.name, "init_args": dict(part.settings)}
+
+
+def _made_in_python(value: object) -> dict[str, str]:
+    kind = value if hasattr(value, "__qualname__") else type(value)
+    return {_PYTHON: f"{kind.__module__}.{kind.__qualname__}"}
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Say of which file it is that a model cannot be built."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"the model in {path} cannot be built here: {error}") from error
+
+
+def _part(name: str, value: Any) -> Part:
+    registry, largest = _REGISTRIES[name]
+    _check_named(name, value)
+    part = Part.of(value, largest)
+    cls = registry.find(part.name)
+    if cls is None:
+        raise InputError(
+            f"{registry.explain_unknown(part.name[:60])} A class of your own is known once its package "
+            "offers it, or the configuration names it."
+        )
+    own = registry.find(cls.__name__) is cls
+    return Part(cls.__name__ if own else f"{cls.__module__}.{cls.__qualname__}", part.settings)
+
+
+def _configuration(name: str, value: Any) -> Any:
+    """Return a setting of the model as a configuration names it."""
+    if name in _REGISTRIES:
+        optional = name == "discriminator" and value is None
+        return None if optional else _as_named(value, _part(name, value).configuration(_REGISTRIES[name][0]))
+    if name not in _OF_TORCH:
+        if name.startswith("_"):  # Lightning's, for a model of another class
+            raise InputError(f"it has the setting {ascii(name)[:60]}, which no model of ours has.")
+        return _number(name, value)
+    if value is None or value == _DEFAULT_OPTIMIZER:
+        return value
+    _check_named(name, value)
+    part = Part.of(value, ANY_NUMBER)
+    base = _OF_TORCH[name]
+    cls = find_imported(part.name, base)
+    if cls is None:
+        raise InputError(
+            f"its {name} is {part.name[:60]}; a checkpoint may name a class of torch.optim, or a "
+            f"{base.__name__} that the configuration names too."
+        )
+    return _as_named(
+        value, {"class_path": f"{cls.__module__}.{cls.__qualname__}", "init_args": dict(part.settings)}
+    )
+
+
+def _as_named(value: Mapping[str, Any], found: dict[str, Any]) -> dict[str, Any]:
+    """Return a configuration by the path that the file has for the class, if it leads there still."""
+
+    def leads_to(path: str) -> object:
+        module, _, name = path.rpartition(".")
+        return getattr(sys.modules.get(module), name, None)
+
+    same = leads_to(value["class_path"]) is leads_to(found["class_path"]) is not None
+    return {**found, "class_path": value["class_path"]} if same else found
+
+
+def _check_named(name: str, value: Any) -> None:
+    if isinstance(value, dict) and value.keys() == {_PYTHON}:
+        raise InputError(
+            f"its {name}, {ascii(value[_PYTHON])[:80]}, was made in Python of more than plain values; use "
+            "the checkpoint from there."
+        )
+
+
+def _number(name: str, value: Any) -> Any:
+    if isinstance(value, str) or not is_plain(value, ANY_NUMBER) or isinstance(value, list):
+        raise InputError(f"its {name} is {ascii(value)[:40]}, not a number.")
+    return value
+
+
+def _size_of_run(config: Path) -> int | None:
+    try:
+        text = read_bounded(config, MOST_SETTINGS).decode("utf-8")
+        size = None if yaml_excess(text) else load_yaml(text)["data"]["size"]
+        return size if type(size) is int and 1 <= size <= LARGEST else None
+    except (OSError, InputError, yaml.YAMLError, KeyError, TypeError, UnicodeDecodeError):
+        return None
