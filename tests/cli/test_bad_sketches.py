@@ -101,7 +101,7 @@ def test_sketches_that_are_not_there(predict: Callable[..., Outcome], tmp_path: 
 def test_hints_that_cannot_be_used(predict: Callable[..., Outcome], tmp_path: Path) -> None:
     Image.fromarray(drawing()).save(tmp_path / "sketches" / "ring.png")
     hints = tmp_path / "hints"
-    predict("--data.hints", hints).refused("there is no folder of hints")
+    predict("--data.hints", hints).refused("there is no file or folder", "for the hints")
     hints.mkdir()
     predict("--data.hints", hints).refused("holds no hints for any sketch")
     for picture, words in (
