@@ -63,7 +63,9 @@ def test_a_full_disk_leaves_the_last_checkpoint_whole(
 def test_a_full_disk_leaves_no_part_of_a_map(
     bench: Bench, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    Image.fromarray((255 * (1 - np.eye(40))).astype(np.uint8)).save(tmp_path / "line.png")
+    y, x = np.mgrid[:40, :40] - 19.5
+    ring = np.where(np.abs(np.hypot(x, y) - 14) < 1.5, 0, 255).astype(np.uint8)
+    Image.fromarray(ring).save(tmp_path / "line.png")
     monkeypatch.setattr("normalgan.normals.os.fsync", failing(errno.ENOSPC))
     outcome = bench.run(
         "predict",

@@ -2,6 +2,7 @@ import os
 import pickle
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from jsonargparse import auto_cli
@@ -57,7 +58,7 @@ def test_a_machine_without_egl_is_told_what_to_install(platform: str, before: st
 def test_a_process_that_rendered_ends_quietly_and_may_fork() -> None:
     script = (
         "import multiprocessing as mp, sys\n"
-        "sys.path.insert(0, sys.argv[1])\n"
+        "sys.path[:0] = sys.argv[1:]\n"
         "from mesh_shapes import camera_at, ellipsoid\n"
         "from normalgan.rendering import PyrenderRenderer\n"
         "def draw(_): return float(PyrenderRenderer().render(mesh, camera_at(mesh), 32).depth.min())\n"
@@ -67,8 +68,9 @@ def test_a_process_that_rendered_ends_quietly_and_may_fork() -> None:
         "    assert pool.map_async(draw, [0]).get(timeout=30) == [here]\n"
     )
     environment = {name: value for name, value in os.environ.items() if name != "LP_NUM_THREADS"}
+    here = Path(__file__).parent
     done = subprocess.run(
-        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", script, os.path.dirname(__file__)],  # noqa: PTH120
+        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", script, here, here.parent],
         capture_output=True,
         text=True,
         env=environment,
