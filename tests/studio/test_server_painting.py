@@ -75,6 +75,8 @@ def test_a_warning_can_be_read_from_its_header(model: Path, tmp_path: Path) -> N
         warning = client.post("/api/paint", json=asking(picture=b64(png(arc)))).headers["x-warning"]
         assert client.post("/api/paint", json=asking(2)).headers["x-warning"] == ""
     assert "its outline has a wide gap" in unquote(warning)
+    assert "choose another Object" in unquote(warning)  # the page has no --mask
+    assert "--" not in unquote(warning)
     assert " " not in warning
 
 

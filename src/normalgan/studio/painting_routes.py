@@ -143,6 +143,8 @@ class PaintingRoutes:
 
 
 _OCTETS = "application/octet-stream"
+_WORDS = "give --mask", "choose another Object above"
+"""What the command line is told to do, and what is done on the page instead."""
 
 
 def _pixels(content: bytes, painted: NormalMap, start: float) -> Response:
@@ -150,7 +152,7 @@ def _pixels(content: bytes, painted: NormalMap, start: float) -> Response:
     headers = {
         "X-Width": str(width),
         "X-Height": str(height),
-        "X-Warning": quote(painted.warning),
+        "X-Warning": quote(painted.warning.replace(*_WORDS)),
         "X-Seconds": f"{time.perf_counter() - start:.4f}",
     }
     return Response(content, headers=headers, media_type=_OCTETS)

@@ -117,6 +117,8 @@ export class Points {
     // Finer where it is small.
     const share = (this.slider.valueAsNumber / 100) ** 2 * MOST_REACH;
     const reach = Math.round(share * Math.max(state.width, state.height));
+    // Some browsers tell of the end twice; that is one step in history.
+    if (!editor.draft && state.hints[editor.chosen].reach === reach) return;
     this.#change(changedHint(state, editor.chosen, { reach }), ended);
   }
 
