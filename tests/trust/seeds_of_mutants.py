@@ -3,6 +3,7 @@
 import io
 import json
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import trimesh
@@ -63,6 +64,7 @@ def sound() -> dict[str, dict[str, bytes]]:
         "split": {"split.json": json.dumps({"train": ["a"], "val": ["b"], "test": ["c"]}).encode()},
         "plan": {"plan.yaml": PLAN.encode()},
         "cluster": {"cluster.yaml": CLUSTER.encode()},
+        "model": {"ramp.onnx": _model()},
     }
 
 
@@ -74,6 +76,13 @@ def sound_checkpoint() -> bytes:
     buffer = io.BytesIO()
     torch.save(sound_tree(), buffer)
     return buffer.getvalue()
+
+
+def _model() -> bytes:
+    from onnx_models import write_model  # its format's own library
+
+    with TemporaryDirectory() as folder:
+        return write_model(Path(folder) / "ramp.onnx", size=16).read_bytes()
 
 
 def _picture(pixels: "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]", kind: str) -> bytes:
