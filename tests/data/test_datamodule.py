@@ -164,7 +164,7 @@ def test_augmentation_is_for_training_alone_and_seeded_by_the_step(
     plain = ready(data(meshes, cache))
     stored = {item["name"]: item for item in (plain.train_dataset[i] for i in range(6))}
     kept = {item["name"]: item for item in (plain.val_dataset[i] for i in range(2))}
-    seen = seen_in(data(meshes, cache, augmentation=Augmentation()), tmp_path, epochs=2)
+    seen = seen_in(data(meshes, cache, augmentation=Augmentation()), tmp_path / "a", epochs=2)
     for batch in seen.validation:
         for i, name in enumerate(batch["name"]):
             assert torch.equal(batch["normal"][i], kept[name]["normal"])
@@ -177,7 +177,7 @@ def test_augmentation_is_for_training_alone_and_seeded_by_the_step(
                 assert not torch.equal(batch["normal"][i], first[name])  # other steps, other changes
             first.setdefault(name, batch["normal"][i])
     torch.manual_seed(7)
-    again = seen_in(data(meshes, cache, augmentation=Augmentation()), tmp_path, epochs=2)
+    again = seen_in(data(meshes, cache, augmentation=Augmentation()), tmp_path / "b", epochs=2)
     for a, b in zip(seen.training, again.training, strict=True):
         assert torch.equal(a["normal"], b["normal"])
         assert torch.equal(a["sketch"], b["sketch"])
