@@ -12,8 +12,8 @@ from normalgan.errors import brief
 _ATTEMPTS = 3
 """Attempts of botocore at a request, the first included."""
 _ROUNDS = 2
-"""Rounds of such attempts, where a request was accepted and not answered, or the answer broke off."""
-_SECONDS = 15
+"""Rounds of such attempts where no answer came, and again of these where an answer broke off."""
+_SECONDS = 10
 """Seconds without a byte after which a request is given up."""
 
 
@@ -44,8 +44,8 @@ def options(url: str) -> dict[str, Any]:
 def connect(url: str) -> tuple[AbstractFileSystem, str]:
     """Return the file system behind a URL, and what it calls the place there.
 
-    s3fs repeats what botocore has repeated already, five times: an endpoint that accepts requests and answers
-    none would hold a command for minutes.
+    s3fs repeats what botocore has repeated already, five times, and to read an object that five times: an
+    endpoint that accepts requests and answers none would hold a command for many minutes.
 
     Raises:
         ValueError, ImportError: if none is known or installed.
