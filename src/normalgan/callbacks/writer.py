@@ -114,11 +114,11 @@ class NormalMapWriter(BasePredictionWriter):
                 self._failed += 1
                 print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
                 continue
+            self.outputs.write(job, painted)
             if painted.warning:
                 print(
                     one_line(f"normalgan: warning: {job.files.drawing}: {painted.warning}."), file=sys.stderr
                 )
-            self.outputs.write(job, painted)
 
     def on_predict_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Say where the maps are.
