@@ -9,9 +9,10 @@ from pathlib import Path
 
 import torch
 import yaml
+from lightning.pytorch import Callback, LightningModule, Trainer
 from torch import Tensor
 
-from normalgan.callbacks import TestReport
+from normalgan.callbacks import TestReport, WarmAverage
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.gan import NormalGAN
 from normalgan.hints.base import HintSampler
@@ -33,6 +34,19 @@ class Lattice(HintSampler):
         return where
 
 
+class Measured(Callback):
+    """Notes the network that is measured: the average of the weights, with its statistics of batch norm."""
+
+    def __init__(self) -> None:
+        self.networks: list[dict[str, Tensor]] = []
+
+    def on_validation_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        self.networks.append({})
+
+    def on_validation_batch_start(self, trainer: Trainer, pl_module: LightningModule, *_: object) -> None:
+        self.networks[-1] = {name: value.clone() for name, value in pl_module.state_dict().items()}
+
+
 def model() -> NormalGAN:
     """The network that is trained."""
     return gan(hint_sampler=Lattice())
@@ -46,18 +60,22 @@ def samples(meshes: Path, cache: Path) -> MeshDataModule:
 def main(processes: int, meshes: Path, cache: Path, results: Path) -> None:
     """Fit, validate and test."""
     overlay = yaml.safe_load((Path(__file__).parents[1] / "configs" / "ddp.yaml").read_text())["trainer"]
+    measured = Measured()
     run = trainer(
-        results, **(overlay | {"devices": processes}), max_epochs=2, callbacks=[TestReport(samples=2)]
+        results,
+        **(overlay | {"devices": processes}),
+        max_epochs=2,
+        callbacks=[TestReport(samples=2), WarmAverage(0.5), measured],
     )
     network, module = model(), samples(meshes, cache)
     before = {name: value.clone() for name, value in network.state_dict().items()}
     run.fit(network, module)
     after = {name: value.clone() for name, value in network.state_dict().items()}
-    seeds = list(SEEDS)
+    seeds, networks = list(SEEDS), list(measured.networks)
     (val,) = run.validate(network, module, verbose=False)
     (test,) = run.test(network, module, verbose=False)
     torch.save(
-        {"before": before, "after": after, "seeds": seeds, "val": val, "test": test},
+        {"before": before, "after": after, "seeds": seeds, "val": val, "test": test, "measured": networks},
         results / f"{run.global_rank}.pt",
     )
 

@@ -49,6 +49,16 @@ def test_both_processes_end_with_the_same_weights(ranks: list[dict[str, Any]]) -
         assert any(changed)
 
 
+def test_both_processes_measure_the_same_network(ranks: list[dict[str, Any]]) -> None:
+    """The average of the weights, in whose statistics of batch norm each process had its own batches."""
+    first, second = (rank["measured"] for rank in ranks)
+    assert len(first) == len(second) >= 2
+    for one, other in zip(first, second, strict=True):
+        assert any(name.endswith("running_mean") for name in one)
+        for name, value in one.items():
+            assert torch.equal(value, other[name]), name
+
+
 def test_each_process_draws_hints_of_its_own(ranks: list[dict[str, Any]]) -> None:
     first, second = (rank["seeds"] for rank in ranks)
     assert len(first) == len(second) >= 2

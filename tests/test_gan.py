@@ -392,3 +392,37 @@ def test_what_no_file_can_say_is_left_to_python(tmp_path: Path) -> None:
     assert checkpoint.weights(32).generator()  # painting needs no optimiser
     with pytest.raises(InputError, match=r"its generator_optimizer, .*lambda.*, was made in Python of more"):
         checkpoint.training_settings()
+
+
+def test_losses_are_read_while_backward_is_at_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A GPU that is asked for a value before it is given more work stands still."""
+    gan = make()
+    assert gan.discriminator is not None
+    networks = [gan.discriminator, gan.generator]
+    reads: list[bool] = []
+
+    def watched(values: Tensor) -> Callable[[], list[float]]:
+        network = networks[len(reads) % 2]
+        network.zero_grad()
+
+        def read() -> list[float]:
+            reads.append(all(p.grad is not None for p in network.parameters()))
+            return list(values.tolist())
+
+        return read
+
+    monkeypatch.setattr("normalgan.gan.read_behind", watched)
+    trainer(tmp_path).fit(gan, loader())
+    assert reads == [True] * 8  # four batches, a step of each network
+
+
+def test_figures_of_training_are_logged_from_the_cpu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The progress bar asks for them at every batch."""
+    logged: dict[str, Any] = {}
+    gan = make()
+    monkeypatch.setattr(gan, "log", lambda name, value, **more: logged.update({name: value}))
+    monkeypatch.setattr(gan, "log_dict", lambda values, **more: logged.update(values))
+    monkeypatch.setattr("normalgan.gan.read_behind", lambda values: lambda: [7.0] * len(values))
+    trainer(tmp_path, limit_train_batches=1).fit(gan, loader())
+    assert {"train/discriminator", "train/l1", "train/adversarial", "l1"} <= logged.keys()
+    assert {float(value) for value in logged.values()} == {7.0}  # what was read, not what is on the device

@@ -16,6 +16,7 @@ from lightning.pytorch.callbacks import ModelCheckpoint
 
 from normalgan.errors import InputError
 from normalgan.normals import write_bytes
+from normalgan.torch_files import load_torch_file
 
 
 class LastCheckpoint(ModelCheckpoint):
@@ -64,14 +65,64 @@ class AtomicCheckpointIO(TorchCheckpointIO):
             Path(path).unlink(missing_ok=True)
 
 
+def run_folder(root: str | None) -> str:
+    """Return the folder of a run: ``trainer.default_root_dir``, or the working directory without it."""
+    return root or "."
+
+
 def checkpoint_folder(root: str | None) -> str:
     """Return where the checkpoints of a run go, by the run's folder."""
-    return str(Path(root or ".") / "checkpoints")
+    return str(Path(run_folder(root)) / "checkpoints")
 
 
 def stopped_checkpoint(root: str | None) -> Path:
     """Return where a run that is stopped within an epoch leaves its checkpoint, by the run's folder."""
     return Path(checkpoint_folder(root)) / "stopped.ckpt"
+
+
+def best_checkpoint(last: Path) -> Path | None:
+    """Return the checkpoint of a run that was best on the validation split; None if none was measured.
+
+    Args:
+        last: ``last.ckpt`` of the run, which knows it; the run's folder may have been moved since. The age of
+            files tells nothing: a run that was stopped and resumed leaves ``stopped.ckpt`` behind.
+
+    Raises:
+        InputError: if it cannot be read, or the best checkpoint is gone.
+    """
+    content = load_torch_file(last)
+    callbacks = content.get("callbacks") if isinstance(content, dict) else None
+    states = callbacks.values() if isinstance(callbacks, dict) else []
+    monitoring = [state for state in states if isinstance(state, dict) and state.get("monitor")]
+    paths = [
+        path
+        for path in (state.get("best_model_path") for state in monitoring)
+        if path and isinstance(path, str)
+    ]
+    if not paths:
+        return None
+    best = last.with_name(Path(paths[0]).name)
+    if not best.is_file():
+        raise InputError(f"{best}, the best checkpoint of its run, is gone.")
+    return best
+
+
+def named_checkpoint(last: Path, name: str) -> Path:
+    """Return the checkpoint that ``last`` or ``best`` names.
+
+    Args:
+        last: ``last.ckpt`` of the run.
+        name: which one.
+
+    Raises:
+        InputError: if none is the best.
+    """
+    if name == "last":
+        return last
+    best = best_checkpoint(last)
+    if best is None:
+        raise InputError(f"no epoch of the run of {last} was validated, so that none is its best.")
+    return best
 
 
 def check_unused(folder: Path) -> None:

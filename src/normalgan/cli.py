@@ -3,9 +3,11 @@
 import signal
 import sys
 import warnings
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from textwrap import shorten
+from typing import Any
 
 import yaml
 from jsonargparse import get_loader, set_loader
@@ -17,7 +19,7 @@ from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
-from normalgan.checkpoints import LastCheckpoint, check_unused, check_writable, checkpoint_folder
+from normalgan.checkpoints import LastCheckpoint, check_unused, check_writable, checkpoint_folder, run_folder
 from normalgan.config_files import ConfigCheck, load_bounded
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
@@ -33,6 +35,25 @@ SECTIONS = ("trainer", "model", "data", "checkpoint", "pictures", "report", "out
 """The groups of settings."""
 SAFE_CONFIG = "--safe-config"
 """The option under which a configuration may name but what cannot run a program."""
+
+
+INSTEAD = {
+    "gradient_clip_val": "model.gradient_clip",
+    "gradient_clip_algorithm": "model.gradient_clip, which is a norm",
+    "accumulate_grad_batches": "a larger data.batch_size",
+}
+"""Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
+
+
+def check_trainer(settings: Mapping[str, Any]) -> None:
+    """Refuse what cannot be had under manual optimisation.
+
+    Raises:
+        InputError: if such a setting was given; the sentence names the one to use.
+    """
+    for name, instead in INSTEAD.items():
+        if settings[name] not in {None, 1 if name == "accumulate_grad_batches" else None}:
+            raise InputError(f"trainer.{name} cannot be used with two optimisers; use {instead}.")
 
 
 class RenderingTrainer(Trainer):
@@ -97,7 +118,12 @@ class NormalGANCLI(ModelLoader):
                 "checkpoint.enable_version_counter": False,
             }
         )
-        parser.link_arguments("trainer.default_root_dir", "trainer.logger.init_args.save_dir")
+        parser.link_arguments(
+            "trainer.default_root_dir", "trainer.logger.init_args.save_dir", compute_fn=run_folder
+        )
+        for name in ("generator", "discriminator", "hint_sampler", "objective"):
+            action = next(action for action in parser._actions if action.dest == f"model.{name}")
+            action.required = False  # it has a default here, if not in Python
         parser.link_arguments("trainer.default_root_dir", "checkpoint.dirpath", compute_fn=checkpoint_folder)
         for network in ("generator", "discriminator"):
             parser.link_arguments("data.size", f"model.{network}.init_args.size")
@@ -108,6 +134,7 @@ class NormalGANCLI(ModelLoader):
         command = self.config["subcommand"]
         config = self.config[command]
         last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
+        check_trainer(config["trainer"])
         if command in {"predict", "render"}:
             config["trainer"]["logger"] = False  # it has nothing to log, but would leave its files
         if command == "test":
@@ -159,7 +186,7 @@ def run(arguments: list[str]) -> int:
                 trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
                 seed_everything_default=0,
                 parser_class=Parser,
-                parser_kwargs={"prog": "normalgan"},
+                parser_kwargs={"prog": "normalgan", "allow_abbrev": False},
                 auto_configure_optimizers=False,
                 args=arguments,
             )

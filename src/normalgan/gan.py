@@ -19,7 +19,7 @@ from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
 from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
-from normalgan.objectives.finite import loss_error, not_finite
+from normalgan.objectives.finite import loss_error, not_finite, read_behind
 from normalgan.painter import NormalPainter
 from normalgan.seeds import derive_seed
 from normalgan.weights.checkpoint import settings_to_save
@@ -135,7 +135,7 @@ class NormalGAN(NormalPainter):
             terms = self.reconstruction.terms(
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
-            self._step_generator(condition, terms, preds.normal, fake, batch)
+            self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def _step_discriminator(
         self, discriminator: Discriminator, condition: Tensor, batch: Batch, fake: Tensor
@@ -147,12 +147,13 @@ class NormalGAN(NormalPainter):
                 discriminator(condition, real), discriminator(condition, fake)
             )
             penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
-            self._check_losses({"discriminator": loss, "penalty": penalty}, batch)
+            look = self._watch({"discriminator": loss, "penalty": penalty})
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
+            values = look(batch)
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
-        self.log("train/discriminator", loss.detach(), prog_bar=True)
+        self.log("train/discriminator", values["discriminator"], prog_bar=True)
 
     def _step_generator(
         self, condition: Tensor, terms: dict[str, Term], painted: Tensor, fake: Tensor | None, batch: Batch
@@ -165,13 +166,14 @@ class NormalGAN(NormalPainter):
                 if self._logs_share():
                     self._log_share(_weighted(terms), _weighted({"": adversarial}), painted)
                 terms = {**terms, "adversarial": adversarial}
-            self._check_losses({name: term.value for name, term in terms.items()}, batch)
+            look = self._watch({name: term.value for name, term in terms.items()})
             optimizer.zero_grad()
             self.manual_backward(_weighted(terms))
+            values = look(batch)
             optimizer.step()
-        self.log_dict({f"train/{name}": term.value.detach() for name, term in terms.items()})
-        first = next(iter(terms))
-        self.log(first, terms[first].value.detach(), prog_bar=True, logger=False)
+        self.log_dict({f"train/{name}": value for name, value in values.items()})
+        first = next(iter(values))
+        self.log(first, values[first], prog_bar=True, logger=False)
 
     def _logs_share(self) -> bool:
         step = self.trainer.fit_loop.total_batch_idx // self.n_critic
@@ -189,12 +191,28 @@ class NormalGAN(NormalPainter):
             ]
             self.log(name, lengths[0] / lengths[1])
 
-    def _check_losses(self, losses: dict[str, Tensor], batch: Batch) -> None:
-        """Stop before a step that would make all weights NaN; in every process, lest the others wait."""
-        bad = not_finite(losses)
-        strategy, loop = self.trainer.strategy, self.trainer.fit_loop.epoch_loop
-        if strategy.reduce_boolean_decision(bool(bad), all=False):
-            raise loss_error(bad, batch.get("name", []), self.current_epoch, loop.batch_idx)
+    def _watch(self, losses: dict[str, Tensor]) -> Callable[[Batch], dict[str, Tensor]]:
+        """Return what looks at the losses while backward is at work, before the weights are changed.
+
+        It raises `LossError` where the step would make all weights NaN, in every process, lest the others
+        wait; else it returns the losses on the CPU: to log a figure that is on a GPU would wait for it.
+        """
+        values = torch.stack([value.detach().float() for value in losses.values()])
+        if self.trainer.world_size > 1:
+            total = values.clone()
+            torch.distributed.all_reduce(total)  # Lightning's own reduction waits for all processes first
+            values = torch.cat([values, total])
+        read = read_behind(values)
+
+        def look(batch: Batch) -> dict[str, Tensor]:
+            numbers = read()
+            own = dict(zip(losses, numbers, strict=False))
+            if not_finite(dict(enumerate(numbers))):
+                loop = self.trainer.fit_loop.epoch_loop
+                raise loss_error(not_finite(own), batch.get("name", []), self.current_epoch, loop.batch_idx)
+            return {name: torch.tensor(number) for name, number in own.items()}
+
+        return look
 
     def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
         """Clip the generator's gradient: here that of mixed precision is no longer scaled."""
@@ -211,8 +229,7 @@ class NormalGAN(NormalPainter):
 
     def _average_statistics(self) -> None:
         if self.trainer.world_size > 1:
-            strategy = self.trainer.strategy
-            average_statistics(self, lambda buffer: cast(Tensor, strategy.reduce(buffer, reduce_op="mean")))
+            average_statistics(self, self.trainer.strategy)
 
     def on_train_epoch_end(self) -> None:
         """Step the learning rates: Lightning leaves that to manual optimisation."""

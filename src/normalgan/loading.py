@@ -7,7 +7,13 @@ from typing import Any
 
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI
 
-from normalgan.checkpoints import check_size, check_sizes, checkpoint_folder, warn_of_overruled
+from normalgan.checkpoints import (
+    check_size,
+    check_sizes,
+    checkpoint_folder,
+    named_checkpoint,
+    warn_of_overruled,
+)
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.weights.checkpoint import read_checkpoint
@@ -17,8 +23,8 @@ from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_
 class ModelLoader(LightningCLI, ABC):
     """Lets the file that ``ckpt_path`` names decide on the model: a checkpoint or safetensors.
 
-    ``last`` names the checkpoint in the run's folder, ``shipped`` the weights that come with the package;
-    predict uses these if nothing is named.
+    ``last`` and ``best`` name checkpoints in the run's folder, ``shipped`` the weights that come with the
+    package; predict uses these if nothing is named.
 
     The path is taken out of the settings before Lightning sees it, which would build from a checkpoint
     whatever class it names. Only fit gets it back, once the checkpoint was looked at.
@@ -45,8 +51,9 @@ class ModelLoader(LightningCLI, ABC):
             return
         if given is None and command != "predict":
             raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
-        if given == "last":
-            given = str(Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt")
+        if given in {"last", "best"}:
+            folder = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
+            given = str(named_checkpoint(folder / "last.ckpt", given))
         path = find_weights(given or SHIPPED_NAME)
         config["ckpt_path"] = None
         if path.suffix.lower() == SUFFIX:

@@ -132,3 +132,16 @@ def test_the_critics_are_as_wide_as_the_generators() -> None:
 def test_a_missing_plan_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"there is no configuration file .*none\.yaml"):
         read_plan(tmp_path / "none.yaml")
+
+
+def test_configs_are_found_beside_the_plan_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "plans").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    for place in ("mine.yaml", "elsewhere/mine.yaml", "elsewhere/other.yaml"):
+        (tmp_path / place).write_text("data: {size: 32}")
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    row = {"name": "a", "label": "A", "configs": ["../mine.yaml", "other.yaml"]}
+    read = read_plan(written(tmp_path / "plans", plan(rows=[row])))
+    first, second = read.rows[0].configs
+    assert Path(first).resolve() == tmp_path / "mine.yaml"
+    assert second == "other.yaml"  # beside the plan there is none: that of the working directory

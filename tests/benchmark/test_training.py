@@ -1,13 +1,18 @@
 import json
+import os
+import signal
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+import torch
+import yaml
 
 from normalgan.benchmark.plan import Row
 from normalgan.benchmark.runs import Run
-from normalgan.benchmark.training import best_checkpoint, read_result, read_state, run_all
+from normalgan.benchmark.training import fit, measured_checkpoint, read_result, read_state, run_all
 from normalgan.errors import InputError, RunError
 
 DATA = {"animals": 3, "fractions": [0.34, 0.33, 0.33], "size": 32}
@@ -136,11 +141,53 @@ def test_a_damaged_record_is_named(tmp_path: Path) -> None:
 def test_the_best_checkpoint_or_the_last(tmp_path: Path) -> None:
     one = run(tmp_path, "a")
     with pytest.raises(RunError, match="no checkpoint"):
-        best_checkpoint(one, "best")
+        measured_checkpoint(one, "best")
     folder = one.folder / "checkpoints"
     folder.mkdir(parents=True)
-    (folder / "last.ckpt").touch()
-    assert best_checkpoint(one, "best").name == "last.ckpt"  # validation never gave a figure
+
+    def save(best: str) -> None:
+        monitored = {"monitor": "val/hints/angular_mean", "best_model_path": best}
+        callbacks = {
+            "ModelCheckpoint{}": monitored,
+            "LastCheckpoint{}": {"monitor": None, "best_model_path": "x"},
+        }
+        torch.save({"callbacks": callbacks}, folder / "last.ckpt")
+
+    save("")
+    assert measured_checkpoint(one, "best").name == "last.ckpt"  # validation never gave a figure
+    save("/moved/since/checkpoints/003-20.00.ckpt")
+    with pytest.raises(InputError, match=r"003-20\.00\.ckpt, the best checkpoint of its run, is gone"):
+        measured_checkpoint(one, "best")
     (folder / "003-20.00.ckpt").touch()
-    assert best_checkpoint(one, "best").name == "003-20.00.ckpt"
-    assert best_checkpoint(one, "last").name == "last.ckpt"
+    (folder / "stopped.ckpt").touch()  # later, but not better
+    assert measured_checkpoint(one, "best").name == "003-20.00.ckpt"
+    assert measured_checkpoint(one, "last").name == "last.ckpt"
+
+
+@pytest.mark.slow
+def test_a_run_that_was_stopped_and_resumed_is_measured_at_its_best(
+    meshes: Path, cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """End to end: SIGTERM in the second epoch leaves stopped.ckpt, the newest file there is."""
+    root = Path(__file__).parents[1]
+    settings = yaml.safe_load((root / "conf" / "tiny.yaml").read_text(encoding="utf-8"))
+    one = replace(run(tmp_path, "a"), settings=settings)
+    settings["trainer"] |= {"default_root_dir": str(one.folder), "max_epochs": 3}
+    settings["data"] |= {"meshes": str(meshes), "cache": str(cache)}
+    still = {"class_path": "torch.optim.SGD", "init_args": {"lr": 0.0}}  # no epoch is better than the first
+    settings["model"]["generator"]["init_args"]["norm"] = "none"  # whose statistics would move all the same
+    settings["model"] |= {"generator_optimizer": still, "discriminator_optimizer": still}
+    stop = {
+        "class_path": "killer.KillAt",
+        "init_args": {"epoch": 1, "batch": 0, "number": int(signal.SIGTERM)},
+    }
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(root / "cli"), *sys.path]))
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    one.folder.mkdir(parents=True)
+    settings["trainer"]["callbacks"] = [stop]
+    with pytest.raises(RunError, match=f"code {128 + signal.SIGTERM}"):
+        fit(one)
+    assert (one.folder / "checkpoints" / "stopped.ckpt").is_file()
+    settings["trainer"]["callbacks"] = []
+    fit(one)
+    assert measured_checkpoint(one, "best").name.startswith("000-")

@@ -1,7 +1,8 @@
 from pathlib import Path
 
 import pytest
-from command import Bench, left_in, run
+import yaml
+from command import CONF, Bench, left_in, run
 
 PLUGINS = {
     "model.generator": ("UnetGenerator", "Generator", "UNetGenerator"),
@@ -61,7 +62,11 @@ def test_a_plugin_that_is_not_known_is_answered_by_its_near_miss(setting: str, t
         ("trainer: {max_epoch: 3}", ["Did you mean trainer.max_epochs?"]),
         ("trainer: {max_epochs: many}", ["expected a whole number or null, not many."]),
         ("trainer: {accelerator: quantum}", ["a setting cannot be used", "accelerator='quantum'"]),
-        ("trainer: {gradient_clip_val: 1.0}", ["gradient"]),
+        (
+            "trainer: {gradient_clip_val: 1.0}",
+            ["trainer.gradient_clip_val cannot", "use model.gradient_clip."],
+        ),
+        ("trainer: {accumulate_grad_batches: 4}", ["accumulate_grad_batches cannot", "data.batch_size."]),
         ("output: {bits: 12}", ["expected one of 8, 16, not 12."]),
         ("model: {n_critic: 0}", ["n_critic must be 1 or more, not 0."]),
         ("model: {objective: WassersteinGradientPenalty}", ["without batch norm"]),
@@ -97,3 +102,32 @@ def test_a_configuration_is_looked_at_however_it_is_given(tmp_path: Path, spelli
 def test_the_folder_of_the_run_can_be_none(bench: Bench, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     bench.run("fit", tmp_path / "file" / "run").refused("file/run", "folder")
+
+
+def test_an_option_is_not_completed_from_its_beginning(bench: Bench, tmp_path: Path) -> None:
+    """As in YAML, where it is refused too."""
+    outcome = bench.run("fit", tmp_path / "run", "--trainer.max_epoch", 3)
+    outcome.refused("trainer.max_epoch", "Did you mean", "trainer.max_epochs")
+
+
+def test_a_run_needs_no_folder_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Then it is the working directory, as for Lightning; the logger was given none at all."""
+    monkeypatch.chdir(tmp_path)
+    outcome = run("fit", "--config", CONF / "tiny.yaml", "--print_config")
+    assert yaml.safe_load(outcome.out)["trainer"]["default_root_dir"] is None
+    outcome = run("fit", "--config", CONF / "tiny.yaml", "--data.size", 48)
+    outcome.refused("a power of two", "not 48")  # of the networks, which are built after the trainer's parts
+
+
+def test_what_has_a_default_is_not_required(bench: Bench, tmp_path: Path) -> None:
+    help_page = run("fit", "--help").out
+    for name in ("generator", "discriminator", "hint_sampler", "objective"):
+        (line,) = (line for line in help_page.splitlines() if line.strip().startswith(f"--model.{name} "))
+        assert "required" not in help_page[help_page.index(line) :][:400].split("--model.", 2)[1]
+
+
+@pytest.mark.parametrize("name", ["best", "last"])
+def test_a_run_that_has_no_checkpoint_is_said(bench: Bench, tmp_path: Path, name: str) -> None:
+    bench.run("validate", tmp_path / "run", "--ckpt_path", name).refused(
+        "there is no checkpoint", "last.ckpt"
+    )

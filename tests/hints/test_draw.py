@@ -1,4 +1,5 @@
 import torch
+from torch._subclasses import FakeTensorMode
 
 from normalgan.hints import UniformHints
 from normalgan.hints.draw import draw_hints, draw_hints_by_name
@@ -24,3 +25,19 @@ def test_a_sample_gets_the_same_hints_in_any_batch() -> None:
     assert torch.equal(both, turned.flip(0))
     assert torch.equal(both[1:], alone)
     assert not torch.equal(both, draw_hints_by_name(sampler, normal, mask, NAMES, 1))
+
+
+def test_hints_by_name_are_drawn_on_the_cpu_whatever_the_device() -> None:
+    """A GPU draws other numbers from the same seed; here it is one that only says that it is there."""
+    places: list[torch.device] = []
+
+    class Watched(UniformHints):
+        def sample(self, normal: torch.Tensor, mask: torch.Tensor, rng: torch.Generator) -> torch.Tensor:
+            places.extend([normal.device, mask.device, rng.device])
+            return torch.zeros_like(mask)
+
+    with FakeTensorMode(allow_non_fake_inputs=True):
+        normal, mask = torch.empty(2, 3, 8, 8, device="cuda"), torch.empty(2, 1, 8, 8, device="cuda")
+        hints = draw_hints_by_name(Watched(), normal, mask, NAMES, 0)
+    assert {place.type for place in places} == {"cpu"}
+    assert hints.device.type == "cuda"

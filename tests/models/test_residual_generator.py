@@ -137,3 +137,19 @@ def test_detail_layers_may_see_folded_squares() -> None:
     assert change[16:18, 8:10].max() > 0
     with pytest.raises(InputError, match="power of two up to its patch of 4, not 8"):
         ResidualUNetGenerator((8, 12), (1, 1), 4, detail=8)
+
+
+@pytest.mark.parametrize("patch", [1, 2, 4])
+def test_every_convolution_is_given_its_own_layout(patch: int) -> None:
+    """What is joined with features of another layout is copied, and the convolution copies it back."""
+    network, strange = generator(patch), []
+
+    def look(module: torch.nn.Module, given: tuple[torch.Tensor, ...]) -> None:
+        if not given[0].is_contiguous(memory_format=torch.channels_last):
+            strange.append(tuple(given[0].shape))
+
+    for module in network.modules():
+        if isinstance(module, torch.nn.Conv2d | torch.nn.ConvTranspose2d):
+            module.register_forward_pre_hook(look)
+    network(condition())
+    assert strange == []

@@ -3,6 +3,7 @@ from typing import Any
 import pytest
 import torch
 from torch import Tensor, nn
+from torch.nn.utils.parametrizations import spectral_norm
 
 from normalgan.models import Discriminator, Generator, Predictions
 from normalgan.testing import ConformanceError, check_discriminator, check_generator
@@ -238,6 +239,18 @@ def test_a_fault_of_a_discriminator_is_told(cls: type[Discriminator], sentence: 
         check_discriminator(cls())
 
 
+class Spectral(Discriminator):
+    """A convolution held Lipschitz by torch's own parametrisation, which cannot be pickled."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.conv = spectral_norm(nn.Conv2d(7, 1, 4, 4))
+
+    def forward(self, condition: Tensor, normal: Tensor) -> Any:
+        return (self.conv(torch.cat([condition, normal], dim=1)),)
+
+
 def test_those_without_a_fault_pass() -> None:
+    check_discriminator(Spectral())
     check_generator(Painter())
     check_discriminator(Judge())

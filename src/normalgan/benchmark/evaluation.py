@@ -29,7 +29,7 @@ from normalgan.benchmark.points import hint_points
 from normalgan.benchmark.runs import Run, build_data
 from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify
-from normalgan.benchmark.training import Result, best_checkpoint
+from normalgan.benchmark.training import Result, measured_checkpoint
 from normalgan.callbacks.rows import spread
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.items import collate
@@ -96,7 +96,7 @@ class Evaluation:
         if run.row.classical:
             method = self._classical(run.row.classical)
         else:
-            checkpoint = best_checkpoint(run, self.plan.checkpoint)
+            checkpoint = measured_checkpoint(run, self.plan.checkpoint)
             weights = read_checkpoint(checkpoint).weights(self.data.recipe.size)
             method = weights_method(weights, self.device)
             curve = read_curve(run.folder)
@@ -159,7 +159,9 @@ class Evaluation:
                 return constant_method()
             case "mean":
                 # Data of its own, so that the training split does not stay in memory.
-                return mean_method(build_data(self.shared, batch_size=_BATCH).mean_normal_map())
+                data = build_data(self.shared, batch_size=_BATCH)
+                data.render(thorough=False)
+                return mean_method(data.mean_normal_map())
             case _:
                 return inflation_method()
 

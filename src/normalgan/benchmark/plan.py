@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from copy import deepcopy
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -33,7 +33,7 @@ class Row:
         label: in tables and pictures.
         group: heading that it stands under.
         classical: a method with no learning.
-        configs: files that it is put together from; relative to the working directory.
+        configs: files that it is put together from; relative to the plan, or else to the working directory.
         changes: settings, in dots, before the overlays of the scale.
         settings: settings, in dots, that win over these.
         takes: parts of the overlays, in dots, that it takes; None takes all.
@@ -163,7 +163,14 @@ def read_plan(path: str | Path) -> Plan:
     read = [
         _read(Row, row, f"the row {row.get('name', i + 1)} of the plan {path}") for i, row in enumerate(rows)
     ]
+    read = [replace(row, configs=[_beside(Path(path), name) for name in row.configs]) for row in read]
     return _read(Plan, content, f"the plan {path}", rows=read)
+
+
+def _beside(plan: Path, name: str) -> str:
+    """Return the file of a name beside the plan or, if there is none, the name, for the working directory."""
+    beside = plan.parent / name
+    return str(beside) if beside.is_file() else name
 
 
 def read_yaml(path: str | Path) -> Settings:

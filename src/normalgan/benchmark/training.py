@@ -11,6 +11,7 @@ import yaml
 
 from normalgan.benchmark.runs import Run
 from normalgan.benchmark.settings import differences
+from normalgan.checkpoints import best_checkpoint
 from normalgan.errors import InputError, RunError, brief
 from normalgan.normals import write_bytes
 
@@ -117,19 +118,17 @@ def fit(run: Run) -> None:
         raise RunError(f"its training ended with code {done.returncode}: {said[-1] if said else 'no word'}")
 
 
-def best_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
+def measured_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
     """Return the checkpoint that is measured.
 
     Raises:
         RunError: if training has left none.
+        InputError: if it cannot be read, or the best one is gone.
     """
-    folder = run.folder / "checkpoints"
-    last = folder / "last.ckpt"
-    best = sorted((p for p in folder.glob("*.ckpt") if p != last), key=lambda path: path.stat().st_mtime)
-    found = best[-1] if best and which == "best" else last
-    if not found.is_file():
-        raise RunError(f"training has left no checkpoint in {folder}.")
-    return found
+    last = run.folder / "checkpoints" / "last.ckpt"
+    if not last.is_file():
+        raise RunError(f"training has left no checkpoint in {last.parent}.")
+    return (best_checkpoint(last) if which == "best" else None) or last
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -1,10 +1,15 @@
 """An average of the weights over the last steps, which is measured and saved in their place."""
 
+from typing import Any
+
 import torch
+from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import WeightAveraging
 from torch import Tensor
+from torch.optim.swa_utils import get_ema_multi_avg_fn
 
 from normalgan.errors import InputError
+from normalgan.models.statistics import average_statistics
 
 
 class WarmAverage(WeightAveraging):
@@ -14,6 +19,9 @@ class WarmAverage(WeightAveraging):
     which is worse than none in a short run. This one forgets fast at first: after n steps the former average
     counts ``min(decay, (1 + n) / (10 + n))``, so that it reaches over about the last ninth of the run until
     ``decay`` holds it (the schedule of TensorFlow's ``ExponentialMovingAverage`` with ``num_updates``).
+
+    It lies on the device of the weights. The running statistics of batch norm are averaged with them, and
+    over the processes before anything is measured or saved.
 
     Args:
         decay: share that the former average keeps at a step in the end, in [0, 1).
@@ -26,15 +34,56 @@ class WarmAverage(WeightAveraging):
         if not 0 <= decay < 1:
             raise InputError(f"WarmAverage was given decay={decay}; use a share from 0 to below 1.")
         self.decay = decay
-        super().__init__(avg_fn=self._mix)
+        super().__init__()
+        self._steps = 0  # as the average's own count, which lies on the device
+        self._pairs: tuple[list[Tensor], list[Tensor]] = ([], [])
+        self._counts: list[tuple[Tensor, Tensor]] = []
 
-    def _mix(self, average: Tensor, weights: Tensor, steps: Tensor | int) -> Tensor:
-        if not weights.is_floating_point():  # such as a count of batches
-            return weights
-        number = int(steps)
-        share = min(self.decay, (1 + number) / (10 + number))
-        return torch.lerp(weights, average, share)
+    def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Take the average to the device, where the weights have come since it was made."""
+        average = self._average()
+        average.to(pl_module.device)
+        self._steps = int(average.n_averaged)
+        averaged = [*average.module.parameters(), *average.module.buffers()]
+        pairs = [
+            (kept.detach(), current.detach())
+            for kept, current in zip(averaged, [*pl_module.parameters(), *pl_module.buffers()], strict=True)
+        ]
+        self._pairs = (
+            [kept for kept, _ in pairs if kept.is_floating_point()],
+            [current for kept, current in pairs if kept.is_floating_point()],
+        )
+        self._counts = [(kept, current) for kept, current in pairs if not kept.is_floating_point()]
 
-    def should_update(self, step_idx: int | None = None, epoch_idx: int | None = None) -> bool:
-        """Return whether the average takes the weights in: after each step."""
-        return step_idx is not None
+    @torch.no_grad()
+    def on_train_batch_end(
+        self, trainer: Trainer, pl_module: LightningModule, outputs: Any, batch: Any, batch_idx: int
+    ) -> None:
+        """Take the weights in after a step, all tensors at once; no value leaves the device."""
+        if trainer.global_step <= self._latest_update_step:
+            return
+        share = min(self.decay, (1 + self._steps) / (10 + self._steps)) if self._steps else 0.0
+        get_ema_multi_avg_fn(share)(*self._pairs, None)
+        for kept, current in self._counts:  # such as a count of batches
+            kept.copy_(current)
+        self._steps += 1
+        self._average().n_averaged += 1
+        self._latest_update_step = trainer.global_step
+
+    def on_validation_epoch_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Put the average in the place of the weights, the same in every process."""
+        self._share_statistics(trainer)
+        super().on_validation_epoch_start(trainer, pl_module)
+
+    def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Make the average the same in every process for the checkpoint, should there be no validation."""
+        self._share_statistics(trainer)
+
+    def _share_statistics(self, trainer: Trainer) -> None:
+        if self._average_model is not None and trainer.world_size > 1:
+            average_statistics(self._average_model.module, trainer.strategy)
+
+    def _average(self) -> Any:
+        if self._average_model is None:
+            raise RuntimeError("the average is made when fit begins.")
+        return self._average_model

@@ -36,7 +36,7 @@ def draw_hints_by_name(
     seed: int,
     error: Tensor | None = None,
 ) -> Tensor:
-    """Return the hints (N, 4, H, W) of samples by name: the same in whatever batch and process they come.
+    """Return the hints (N, 4, H, W) of samples by name: the same in whatever batch, process and device.
 
     Args:
         sampler: chooses the points.
@@ -46,7 +46,8 @@ def draw_hints_by_name(
         seed: another seed gives other hints.
         error: as in `draw_hints`.
     """
-    errors = [None] * len(names) if error is None else error.split(1)
-    singles = zip(normal.split(1), mask.split(1), errors, names, strict=True)
+    # On the CPU, whatever the device: a GPU draws other numbers from the same seed.
+    errors = [None] * len(names) if error is None else error.cpu().split(1)
+    singles = zip(normal.cpu().split(1), mask.cpu().split(1), errors, names, strict=True)
     drawn = [draw_hints(sampler, n, m, derive_seed("hints", seed, name), e) for n, m, e, name in singles]
-    return torch.cat(drawn)
+    return torch.cat(drawn).to(normal.device)

@@ -107,7 +107,10 @@ class ResidualUNetGenerator(Generator):
                 "is left at the coarsest level; use batches of 2 or more, or norm: none."
             )
         where = condition[:, 3:]
-        hints = torch.cat([condition[:, :3] * where, where], dim=1)
+        # Each level takes hints in the layout of its features: to join two layouts is to copy one of them.
+        hints = torch.cat([condition[:, :3] * where, where], dim=1).contiguous(
+            memory_format=torch.channels_last
+        )
         # Ink 1 on paper 0, as the padding is; at a hint the sketch is painted over and taken for paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - where)
         given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)

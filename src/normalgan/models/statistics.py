@@ -1,11 +1,18 @@
 """The running statistics of batch norm, where several processes train side by side."""
 
-from collections.abc import Callable
+from typing import Any, Protocol
 
 from torch import Tensor, nn
 
 
-def average_statistics(module: nn.Module, mean: Callable[[Tensor], Tensor]) -> None:
+class Processes(Protocol):
+    """What takes means over the processes that train: a strategy of Lightning."""
+
+    def reduce(self, tensor: Tensor, *, reduce_op: str) -> Any:
+        """Return the mean of a tensor over the processes."""
+
+
+def average_statistics(module: nn.Module, processes: Processes) -> None:
     """Average the buffers of a module over the processes, so that all have the same network.
 
     DistributedDataParallel broadcasts buffers before each step, but never under manual optimisation, for
@@ -13,8 +20,8 @@ def average_statistics(module: nn.Module, mean: Callable[[Tensor], Tensor]) -> N
 
     Args:
         module: holds the buffers.
-        mean: returns the mean of a tensor over the processes.
+        processes: take the mean.
     """
     for buffer in module.buffers():
         if buffer.is_floating_point():
-            buffer.copy_(mean(buffer.clone()))
+            buffer.copy_(processes.reduce(buffer.clone(), reduce_op="mean"))

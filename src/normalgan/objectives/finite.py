@@ -1,7 +1,10 @@
 """Finite losses: a loss that is no number stops the run before it spoils the weights."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -20,21 +23,43 @@ class LossError(RunError):
         self.args = (f"{self} The weights from before this step are in {path}.",)
 
 
-def not_finite(losses: Mapping[str, Tensor]) -> list[str]:
+def read_behind(values: Tensor) -> Callable[[], list[float]]:
+    """Begin to bring numbers (N,) to the CPU, and return what waits for them and returns them.
+
+    A GPU goes on meanwhile with what it is told next, such as the backward pass: the copy waits for nothing
+    that was asked for after it. ``tolist`` would wait for all, and leave the GPU idle until it is told more.
+    """
+    if values.device.type != "cuda":
+        return values.tolist
+    copies = _stream(values.device.index)
+    copies.wait_stream(torch.cuda.current_stream(values.device))
+    with torch.cuda.stream(copies):
+        here = torch.empty(values.shape, dtype=values.dtype, pin_memory=True)
+        here.copy_(values, non_blocking=True)
+        values.record_stream(copies)
+        arrived = torch.cuda.Event()
+        arrived.record(copies)
+
+    def read() -> list[float]:
+        arrived.synchronize()
+        there: list[float] = here.tolist()
+        return there
+
+    return read
+
+
+@lru_cache
+def _stream(device: int) -> torch.cuda.Stream:
+    return torch.cuda.Stream(device)
+
+
+def not_finite(losses: Mapping[Any, float]) -> list[str]:
     """Return the losses that are NaN or infinite, each with its value.
 
-    Args:
-        losses: scalars by name. They are brought to the CPU in one go: each transfer waits for the device.
-
-    >>> not_finite({"l1": torch.tensor(0.5), "hints": torch.tensor(float("nan"))})
+    >>> not_finite({"l1": 0.5, "hints": float("nan")})
     ['hints is nan']
     """
-    values = torch.stack([value.detach().float() for value in losses.values()]).tolist()
-    return [
-        f"{name} is {value}"
-        for name, value in zip(losses, values, strict=True)
-        if not -float("inf") < value < float("inf")
-    ]
+    return [f"{name} is {value}" for name, value in losses.items() if not math.isfinite(value)]
 
 
 def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int) -> LossError:
