@@ -3,9 +3,10 @@
 train_shipped.py OUT [--minutes 40] [--config OVERLAY.yaml …] [--plan PLAN.yaml …] [--workers N]
 
 Renders on all cores, trains by configs/ours.yaml and configs/shipped.yaml (on a GPU in bfloat16, if there is
-one) for what is left of the time but for the measuring, exports, and measures on the plans' held-out meshes. OUT
-then holds ours.onnx, ours.safetensors, and figures.json with what each stage took. Run from the repository's
-root, with the meshes in data/. A command that was stopped is given again: what is rendered and trained is kept.
+one) for what is left of the time but for the measuring, exports, and measures on the plans' held-out meshes.
+OUT then holds ours.onnx, ours.safetensors, and figures.json with what each stage took. Run from the root of
+the repository, with the meshes in data/. A command that was stopped is given again: what is rendered and
+trained is kept.
 """
 
 import argparse
