@@ -38,7 +38,7 @@ def figures_of(name: str, size: int) -> dict[str, Figure]:
 
 
 def test_the_shipped_files_measure_the_same() -> None:
-    by_weights, by_onnx = figures_of("shipped", 128), figures_of(str(SHIPPED.with_suffix(".onnx")), 128)
+    by_weights, by_onnx = figures_of("shipped", 256), figures_of(str(SHIPPED.with_suffix(".onnx")), 256)
     assert by_weights.keys() == by_onnx.keys() == {"0", "5", "20", "own"}
     for given, figures in by_weights.items():
         others = dict(by_onnx[given])
@@ -47,7 +47,7 @@ def test_the_shipped_files_measure_the_same() -> None:
             assert figures.pop(binned) == pytest.approx(others.pop(binned), abs=0.011)
         assert figures == pytest.approx(others, abs=2e-3)
     assert by_weights["20"]["angular_mean"] != by_weights["0"]["angular_mean"]  # the hints were looked at
-    assert saved_method("shipped", 128, CPU).sampler == UniformHints(1, 50, 0.3)
+    assert saved_method("shipped", 256, CPU).sampler == UniformHints(1, 200, 0.3, "log")
 
 
 def test_noise_sampler_and_weights_come_from_the_file(tmp_path: Path) -> None:
@@ -70,11 +70,11 @@ def test_noise_sampler_and_weights_come_from_the_file(tmp_path: Path) -> None:
 def test_models_of_another_size_or_kind(tmp_path: Path) -> None:
     onnx = str(SHIPPED.with_suffix(".onnx"))
     for name in ("shipped", onnx):
-        with pytest.raises(InputError, match=r"was trained at 128 pixels, not 64; give --data.size 128"):
+        with pytest.raises(InputError, match=r"was trained at 256 pixels, not 64; give --data.size 256"):
             saved_method(name, 64, CPU)
     for name in ("gone.onnx", "gone.safetensors", "gone.ckpt"):
         with pytest.raises(InputError, match=f"there (is|are) no .* {name}"):
             saved_method(name, 64, CPU)
     with pytest.raises(InputError, match="does not say what hints it was trained for; export it anew"):
         saved_method(str(write_model(tmp_path / "ramp.onnx")), 64, CPU)
-    assert read_weights(SHIPPED).notes.size == 128
+    assert read_weights(SHIPPED).notes.size == 256

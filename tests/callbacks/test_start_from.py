@@ -2,11 +2,15 @@ from pathlib import Path
 
 import pytest
 import torch
+import yaml
 
 from normalgan.callbacks import StartFrom
 from normalgan.errors import InputError
 from normalgan.models import UNetGenerator
+from normalgan.weights.file import SHIPPED, read_weights
 from small import QUIET, data, gan, trainer
+
+ROOT = Path(__file__).parents[2]
 
 pytestmark = pytest.mark.filterwarnings(*QUIET)
 
@@ -59,3 +63,15 @@ def test_what_cannot_be_begun_with_is_refused(other: Path, meshes: Path, cache: 
     ):
         with pytest.raises(InputError, match=said):
             trainer(tmp_path / "new", callbacks=[StartFrom(start)]).fit(wider, data(meshes, cache))
+
+
+def test_configurations_that_go_on_from_the_shipped_weights_build_their_generator() -> None:
+    notes = read_weights(SHIPPED).notes
+    for name in ("tuned", "shipped"):
+        content = yaml.safe_load((ROOT / "configs" / f"{name}.yaml").read_text(encoding="utf-8"))
+        given = content["model"]["generator"]
+        assert given["class_path"] == notes.generator.name
+        assert content["data"]["size"] == notes.size
+        for setting, value in given["init_args"].items():
+            told = notes.generator.settings[setting]
+            assert (list(told) if isinstance(value, list) else told) == value

@@ -45,7 +45,7 @@ def test_predict_needs_nothing_but_a_drawing(predict: Callable[..., Outcome], tm
     outcome = predict()
     assert outcome.code == 0, outcome.err
     assert outcome.err.splitlines()[0] == (
-        "normalgan: predict uses the weights that come with the package: ResidualUNetGenerator, 128 pixels."
+        "normalgan: predict uses the weights that come with the package: ResidualUNetGenerator, 256 pixels."
     )
     # What torch makes of the safetensors and ONNX Runtime of the ONNX file: sums in another order, no more.
     assert main(["generate", str(tmp_path / "ring.png"), "-o", str(tmp_path / "generated")]) == 0
@@ -86,11 +86,11 @@ def test_weights_that_cannot_be_used(
     predict: Callable[..., Outcome], bench: Bench, weights: Path, tmp_path: Path
 ) -> None:
     before = left_in(tmp_path)
-    predict("--data.size", 64).refused("ours.safetensors was trained at 128 pixels, not 64")
+    predict("--data.size", 64).refused("ours.safetensors was trained at 256 pixels, not 64")
     predict("--ckpt_path", "gone.safetensors").refused("there are no weights gone.safetensors")
     bench.run("fit", tmp_path / "run", "--ckpt_path", weights).refused("has weights alone")
     bench.run("test", tmp_path / "run").refused("test needs a trained model: --ckpt_path")
-    bench.run("test", tmp_path / "run", "--ckpt_path", "shipped").refused("trained at 128 pixels, not 32")
+    bench.run("test", tmp_path / "run", "--ckpt_path", "shipped").refused("trained at 256 pixels, not 32")
     bad = tmp_path.parent / f"{tmp_path.name}.safetensors"
     bad.write_bytes(weights.read_bytes()[:-9000])
     predict("--ckpt_path", bad).refused(f"{bad} is damaged or no safetensors")
