@@ -15,7 +15,7 @@ pytest_plugins = ["chromium", "fixtures_of_commands", "plugin_packages", "pytest
 
 # The same examples each time, lest a change be refused for one that it has nothing to do with;
 # --hypothesis-profile=default tries others.
-settings.register_profile("steady", derandomize=True)
+settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
 
 # Networks and pictures this small are slower with more threads, above all where tests run side by side.

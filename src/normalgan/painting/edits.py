@@ -6,6 +6,10 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
 
+REACH = 0.05
+"""How far a pin has an effect that says nothing else, as a share of the map's longer side."""
+MOST_PINS = 200
+"""More hints are areas painted in normals, not pins: the network alone follows them."""
 _LEAST_REACH = 2.0
 """Pixels that a pin holds about itself at the least."""
 

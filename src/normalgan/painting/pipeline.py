@@ -9,6 +9,7 @@ import numpy as np
 from normalgan.errors import InputError
 from normalgan.normals import Floats
 from normalgan.painting.backend import Backend
+from normalgan.painting.edits import MOST_PINS, REACH, hold_pins
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.picture import resize
 from normalgan.painting.preparation import Mark, Prepared
@@ -34,7 +35,7 @@ def finish(
     confidence: Floats | None = None,
     upsample: Upsampler = fill_and_sharpen,
 ) -> NormalMap:
-    """Bring what the network painted back to the drawing's size and place, and hold it to the mask.
+    """Bring what the network painted back to the drawing's size and place; hold it to the mask and the pins.
 
     Args:
         prepared: as `prepare` gives it.
@@ -69,6 +70,10 @@ def finish(
         normals, mask = resize(normals, prepared.shape), resize(mask.astype(np.float32), prepared.shape) > 0.5
         shown = None if shown is None else resize(shown, prepared.shape)
     normals = unit(normals, front=True)  # some have none: between opposite ones, and beyond the frame
+    pins = prepared.pins
+    if pins is not None and 0 < len(pins.points) <= MOST_PINS:
+        reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
+        normals = hold_pins(normals, pins.points, pins.normals, reaches)
     alpha = mask.astype(np.float32) if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
     return NormalMap(normals, mask, np.clip(alpha, 0, 1), prepared.seen, shown, warning)
 

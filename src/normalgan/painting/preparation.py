@@ -31,6 +31,7 @@ class Prepared:
         hints: (4, S, S), or None.
         closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
         guessed: whether that closed a gap so wide that it may have been meant.
+        pins: the hints in pixels of the map to be, or None.
     """
 
     shape: tuple[int, int]
@@ -42,6 +43,7 @@ class Prepared:
     hints: Floats | None
     closed: float
     guessed: bool
+    pins: Hints | None = None
 
 
 def prepare(
@@ -92,6 +94,7 @@ def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> P
         shape: (H, W) of the drawing.
     """
     if hints is None:
-        return replace(prepared, hints=None)
+        return replace(prepared, hints=None, pins=None)
     points = hints.points * (prepared.ink.shape[1] / shape[1])
-    return replace(prepared, hints=prepared.frame.cut_points(points, hints.normals))
+    pins = Hints(hints.points * np.float32(prepared.shape[1] / shape[1]), hints.normals)
+    return replace(prepared, hints=prepared.frame.cut_points(points, hints.normals), pins=pins)

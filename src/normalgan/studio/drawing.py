@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from normalgan.errors import InputError
 from normalgan.normals import Floats
-from normalgan.painting.edits import brush, hold_pins, polygon, stroke, tilt
+from normalgan.painting.edits import MOST_PINS, REACH, brush, hold_pins, polygon, stroke, tilt
 from normalgan.painting.hint_files import Hints, parse_hints
 from normalgan.painting.jobs import MODEL, OUTLINE
 from normalgan.painting.masks import mask_of
@@ -22,12 +22,10 @@ from normalgan.studio.fields import Fields, take_bytes, take_choice
 
 LEAST_SIDE, MOST_SIDE = 16, 2048
 """Least and greatest side of a drawing in pixels."""
-MOST_HINTS = 200
+MOST_HINTS = MOST_PINS
 MOST_AREAS = 200
 MOST_POINTS = 4000
 """Of an area."""
-_REACH = 0.05
-"""How far a pin is held about itself, as a share of the drawing's longer side."""
 _SOFT = 0.01
 """Width of the edge of a tilted area, as a share of the map's longer side."""
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -91,6 +89,8 @@ class Drawing:
         Raises:
             InputError: if a hint or an area cannot be used.
         """
+        if not self.areas and all(each.get("reach") is None for each in self.hints):
+            return normals  # held to these pins already
         scale = normals.shape[1] / shape[1]
         for area in read_areas(self.areas):
             points = area.points * np.float32(scale)
@@ -103,7 +103,7 @@ class Drawing:
         if not self.hints:
             return normals
         hints = parse_hints(self.hints, "the request", shape)
-        usual = _REACH * max(shape)
+        usual = REACH * max(shape)
         reaches = np.array([_number(each.get("reach"), usual, MOST_SIDE) for each in self.hints], np.float32)
         return hold_pins(
             normals, hints.points * np.float32(scale), hints.normals, reaches * np.float32(scale)
