@@ -46,7 +46,15 @@ def test_from_meshes_to_figures_and_on_from_where_it_stopped(meshes: Path, tmp_p
     for name, content in (("small", small), ("plan", plan)):
         (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(content))
     out = tmp_path / "out"
-    command = [sys.executable, "tools/train_shipped.py", out, "--minutes", "0.4", "--workers", "0"]
+    command: list[str | Path] = [
+        sys.executable,
+        "tools/train_shipped.py",
+        out,
+        "--minutes",
+        "0.4",
+        "--workers",
+        "0",
+    ]
     command += ["--config", tmp_path / "small.yaml", "--plan", tmp_path / "plan.yaml"]
     for _ in range(2):  # the second time all is there but the measuring
         done = subprocess.run(
