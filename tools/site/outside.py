@@ -116,7 +116,8 @@ def configurations() -> str:
 
 
 def slug(name: str) -> str:
-    """Return the anchor of a configuration; of a folder, that of its first file."""
+    """Return the anchor of a configuration; of a folder, that of its first file, splits behind settings."""
     if (ROOT / name).is_dir():
-        name = min((ROOT / name).rglob("*.yaml")).relative_to(ROOT).as_posix()
+        shown = [path for path in (ROOT / name).rglob("*") if path.suffix in LANGUAGES]
+        name = min(shown, key=lambda path: (path.suffix != ".yaml", path)).relative_to(ROOT).as_posix()
     return re.sub(r"[^a-z0-9]+", "-", name.lower())
