@@ -10,8 +10,8 @@ from moments import Moment
 from nursery import Child, rear
 from test_resume import assert_same
 
+from five_meshes import write_meshes
 from normalgan.weights.checkpoint import read_checkpoint
-from small import write_meshes
 
 CONF = Path(__file__).parents[2] / "tests" / "conf"
 COMPARED = ("state_dict", "optimizer_states", "lr_schedulers", "global_step", "epoch")

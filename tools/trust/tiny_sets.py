@@ -7,7 +7,7 @@ from moments import Moment
 from nursery import Child, rear
 from toys import contents
 
-from small import write_meshes
+from five_meshes import write_meshes
 
 CONF = Path(__file__).parents[2] / "tests" / "conf"
 
