@@ -1,5 +1,6 @@
 """Configurations that come with the package are found by name, from any folder."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -33,9 +34,26 @@ def test_a_file_of_that_name_wins(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert find_config("paper") == "paper"
 
 
-def test_a_name_that_is_nearly_one_is_told() -> None:
-    with pytest.raises(InputError, match=r"^there is no configuration file papr\. Did you mean paper\?$"):
-        ConfigCheck(()).check("papr")
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("papr", "paper"),
+        ("elsewhere/quikstart.yaml", "quickstart"),
+        ("benchmark/animls.yaml", "benchmark/animals"),
+    ],
+)
+def test_a_name_that_is_nearly_one_is_told(given: str, meant: str) -> None:
+    told = rf"^there is no configuration file {re.escape(given)}\. Did you mean {meant}\?$"
+    with pytest.raises(InputError, match=told):
+        ConfigCheck(()).check(given)
+
+
+def test_a_name_like_none_is_told_where_they_are_however_many_there_are() -> None:
+    with pytest.raises(InputError) as told:
+        ConfigCheck(()).check("zzzz.yaml")
+    where = f"Those of the package, such as paper and quickstart, are in {shipped_folder()}."
+    assert str(told.value) == f"there is no configuration file zzzz.yaml. {where}"
+    assert {"paper", "quickstart"} <= set(shipped_names())
 
 
 def test_a_command_takes_names_in_any_spelling_and_order(

@@ -11,7 +11,7 @@ import yaml
 
 from normalgan.errors import InputError, did_you_mean
 from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
-from normalgan.shipped_configs import shipped_names
+from normalgan.shipped_configs import shipped_folder, shipped_names
 
 _DOTTED = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)+")
 _STRUCTURE = re.compile(r"[\[{:\n]")  # what a text in YAML has that stands for more than itself
@@ -138,8 +138,9 @@ def _read(path: Path) -> Any:
             raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
         return load_yaml(text)
     except FileNotFoundError:
-        names = shipped_names()
-        hint = did_you_mean(str(path), names) or f" The package brings {', '.join(names)}."
+        names, given = shipped_names(), path.with_suffix("")
+        hint = did_you_mean(str(given), names) or did_you_mean(given.name, names)
+        hint = hint or f" Those of the package, such as paper and quickstart, are in {shipped_folder()}."
         raise InputError(f"there is no configuration file {path}.{hint}") from None
     except OSError as error:
         raise InputError(f"the configuration {path} cannot be read: {error.strerror}.") from None

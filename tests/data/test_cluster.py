@@ -143,6 +143,30 @@ def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: P
     assert 0 < finished(tmp_path / "cache") < 4
 
 
+@pytest.mark.slow  # starts processes of its own
+def test_a_result_that_dies_with_its_worker_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    futures = []
+    submit = Client.submit
+
+    def note(client: Client, *call: Any, **how: Any) -> Any:
+        futures.append(submit(client, *call, **how))
+        return futures[-1]
+
+    monkeypatch.setattr(Client, "submit", note)
+    with start_cluster(tmp_path) as dask_cluster:
+        doomed = dask_cluster.start_worker()
+        with Cluster(dask_cluster.address) as pool:
+            outcomes = pool.run(abs, [-1, 2, -3])
+            first = next(outcomes)
+            wait_for(lambda: all(future.status == "finished" for future in futures))
+            doomed.kill()
+            wait_for(lambda: any(future.status == "lost" for future in futures))
+            dask_cluster.start_worker()
+            assert sorted([first, *outcomes]) == [(-3, 3), (-1, 1), (2, 2)]
+
+
 def test_memory_is_not_shared_with_a_cluster() -> None:
     with pytest.raises(InputError, match="memory://x cannot be seen by other processes"):
         render_samples("memory://x", SOURCES, VIEWS, recipe(), progress=False, cluster="local:1")

@@ -103,7 +103,7 @@ def test_a_section_is_written_at_each_step_and_the_others_stay(tmp_path: Path) -
     [
         ("kills-fit", 2, "kills"),
         ("kills-render", 2, "kills"),
-        ("mutations", 9, "mutants"),
+        ("mutations", 10, "mutants"),  # one for each reader
         ("determinism", 2, "runs"),
     ],
 )

@@ -4,6 +4,7 @@ import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from queue import Empty, SimpleQueue
 from threading import Timer
@@ -11,7 +12,7 @@ from types import TracebackType
 from typing import Any, Self, TypeVar
 from uuid import uuid4
 
-from normalgan.data.cluster_address import connect
+from normalgan.data.cluster_address import TIMEOUT, connect
 from normalgan.data.cluster_worker import Unfit, flaws, order
 from normalgan.data.pool import Killed, unrelated
 from normalgan.errors import InputError, RunError
@@ -21,7 +22,12 @@ R = TypeVar("R")
 
 _AHEAD = 3  # tasks a worker has before it or at hand: none waits for the next, and few fall with it
 _LOOK = 1.0  # seconds between two looks at who is there
+_LOSSES = 5  # results of a task that may be lost, after which its worker is taken to be killed by it
 _SILENCE = 60.0  # seconds without a result or an answer, after which it is said what is waited for
+
+
+class _Lost:
+    """What comes of a task whose result is gone, though nothing was wrong with it."""
 
 
 class Cluster:
@@ -81,22 +87,22 @@ class Cluster:
             InputError: as a task does; what is finished by then is kept.
             RunError: if all workers or the scheduler are gone.
         """
-        todo = deque(tasks)
+        todo = deque((task, 0) for task in tasks)  # with how often its result was lost
         ended: SimpleQueue[Any] = SimpleQueue()
-        under_way: dict[str, tuple[Any, T]] = {}
+        under_way: dict[str, tuple[Any, T, int]] = {}
         suspicious: set[str] = set()
         heard = time.monotonic()
         try:
             while todo or under_way:
                 while todo and len(under_way) < _AHEAD * len(self._workers):
-                    task = todo.popleft()
+                    task, losses = todo.popleft()
                     if not suspicious.isdisjoint(related(task)):
                         yield task, Killed()
                         continue
                     # Never used before: of a known key the scheduler gives the old result, or the old death.
                     key = f"normalgan-{function.__name__}-{uuid4().hex}"
                     future = self._client.submit(eval, *order(function, task), key=key, pure=False)
-                    under_way[key] = future, task
+                    under_way[key] = future, task, losses
                     future.add_done_callback(ended.put)
                 future = _next(ended)
                 self._watch()
@@ -106,18 +112,23 @@ class Cluster:
                         self._tell_of_waiting(len(under_way))
                     continue
                 heard = time.monotonic()
-                _, task = under_way.pop(future.key)
+                _, task, losses = under_way.pop(future.key)
                 outcome = self._outcome(future)
                 if isinstance(outcome, Unfit):
-                    todo.appendleft(task)
+                    todo.appendleft((task, losses))
                     continue
+                if isinstance(outcome, _Lost):
+                    if losses < _LOSSES:
+                        todo.appendleft((task, losses + 1))
+                        continue
+                    outcome = Killed()
                 if isinstance(outcome, Killed):
                     suspicious.update(related(task))
                 yield task, outcome
         finally:
             if self._client.status == "running":
                 with suppress(OSError):  # the scheduler may have gone a moment ago
-                    self._client.cancel([future for future, _ in under_way.values()], force=True)
+                    self._client.cancel([future for future, _, _ in under_way.values()], force=True)
 
     def _outcome(self, future: Any) -> Any:
         from distributed import KilledWorker
@@ -127,19 +138,38 @@ class Cluster:
                 outcome = future.result()
             except KilledWorker:  # the result died with its worker, and so did those that made it anew
                 return Killed()
+            except CancelledError:
+                return self._lost_result()
             except OSError as cause:  # on the way, not of the task: that one would have ended in an error
                 raise self._lost() from cause
             if isinstance(outcome, Unfit):
                 self._watch(at_once=True)
             return outcome
         if future.status != "error":
-            raise self._lost()
+            return self._lost_result()
         error = future.exception()
         if isinstance(error, KilledWorker):
             return Killed()
         if not isinstance(error, InputError) and self._watch(at_once=True):
             return Unfit("")  # it could not even unpack what it was to do
         raise error
+
+    def _lost_result(self) -> _Lost:
+        """Say that a result is lost: with its worker just after it was finished, or with the connection.
+
+        Raises:
+            RunError: if there is no connection any more.
+        """
+        if not self._connected():
+            raise self._lost()
+        return _Lost()
+
+    def _connected(self) -> bool:
+        """Return whether there is a connection; one that broke is made again by Dask, or given up."""
+        deadline = time.monotonic() + TIMEOUT + _LOOK
+        while self._client.status == "connecting" and time.monotonic() < deadline:
+            time.sleep(0.05)
+        return bool(self._client.status == "running")
 
     def _watch(self, at_once: bool = False) -> bool:
         """See who has come and gone; return whether one was sent away."""
@@ -176,7 +206,7 @@ class Cluster:
     def _look(self) -> dict[str, str]:
         """Note which workers there are; return what is wrong with new ones, by address."""
         self._looked = time.monotonic()
-        if self._client.status != "running":
+        if not self._connected():
             raise self._lost()
         with self._tell_if_unanswered():
             there = self._client.scheduler_info(n_workers=-1)["workers"]
