@@ -7,6 +7,7 @@ import pytest
 from starlette.testclient import TestClient
 from studio_client import PORT, asking, document, serving
 
+from normalgan.painting.lighting import Clay
 from normalgan.studio.app import PAGE
 from normalgan.studio.rate_limit import TokenBucket
 from onnx_models import write_model
@@ -151,3 +152,9 @@ def test_only_this_machine_can_reach_it() -> None:
     with listen(0) as listening:
         assert listening.getsockname()[0] == "127.0.0.1"
         assert listening.family == socket.AF_INET
+
+
+def test_the_page_gets_the_clay_of_previews(client: TestClient) -> None:
+    """Its colours were written down in JavaScript a second time."""
+    clay = client.get("/page/clay.json").json()
+    assert {name: tuple(v) if isinstance(v, list) else v for name, v in clay.items()} == vars(Clay())

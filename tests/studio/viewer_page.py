@@ -13,6 +13,7 @@ from PIL import Image
 
 import normalgan
 from chromium import page as open_page
+from normalgan.painting.lighting import CLAY_FILE
 from web_folder import serve
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def open_viewer(
 
     with serve(PAGE_FOLDER) as address, open_page(opened, scale=scale, tolerate=tolerate) as page:
         page.route("**/viewer_alone.html", answer)
+        page.route("**/clay.json", lambda route: route.fulfill(path=CLAY_FILE))
         page.goto(f"{address}/viewer_alone.html")
         page.wait_for_function("window.shown !== undefined")
         viewer = Viewer(page, width, height)

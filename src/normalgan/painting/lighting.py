@@ -1,6 +1,9 @@
 """Lighting: a normal map as a lit clay surface."""
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +12,13 @@ from normalgan.errors import InputError
 from normalgan.normals import Floats
 
 Colour = tuple[float, float, float]
+
+CLAY_FILE = Path(__file__).with_name("clay.json")
+"""The clay of previews in numbers; the studio's viewer reads the same file."""
+_CLAY: dict[str, Any] = {
+    name: tuple(value) if isinstance(value, list) else value
+    for name, value in json.loads(CLAY_FILE.read_text(encoding="utf-8")).items()
+}
 
 
 @dataclass(frozen=True)
@@ -24,12 +34,12 @@ class Clay:
         sharpness: exponent of the highlight; larger is smaller.
     """
 
-    colour: Colour = (0.50, 0.465, 0.42)
-    lamp: Colour = (1.10, 1.05, 0.97)
-    sky: Colour = (0.17, 0.19, 0.22)
-    ground: Colour = (0.07, 0.06, 0.055)
-    gloss: float = 0.12
-    sharpness: float = 24.0
+    colour: Colour = _CLAY["colour"]
+    lamp: Colour = _CLAY["lamp"]
+    sky: Colour = _CLAY["sky"]
+    ground: Colour = _CLAY["ground"]
+    gloss: float = _CLAY["gloss"]
+    sharpness: float = _CLAY["sharpness"]
 
 
 def lamp_direction(azimuth: float, elevation: float) -> tuple[float, float, float]:

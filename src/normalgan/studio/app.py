@@ -17,6 +17,7 @@ from starlette.staticfiles import StaticFiles
 
 from normalgan import __version__
 from normalgan.errors import InputError
+from normalgan.painting.lighting import CLAY_FILE
 from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore
@@ -87,6 +88,9 @@ def build_app(
     async def index(_: Request) -> Response:
         return FileResponse(PAGE / "index.html")
 
+    async def clay(_: Request) -> Response:
+        return FileResponse(CLAY_FILE)  # the viewer's lit view looks like the previews of `generate`
+
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         yield
@@ -101,6 +105,7 @@ def build_app(
             *painting.routes(),
             *DocumentRoutes("/api/projects", projects, guarded=True).routes(),
             *DocumentRoutes("/api/autosave", autosaved, False, _AUTOSAVES).routes(),
+            Route("/page/clay.json", clay),
             Mount("/page", StaticFiles(directory=PAGE)),
         ],
         middleware=[

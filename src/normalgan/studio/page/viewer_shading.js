@@ -6,15 +6,11 @@
 /** @typedef {(x: number, y: number, z: number, out: Uint8ClampedArray, at: number) => void} Shader
  * writes the three sRGB levels of a unit normal into out, from index at on */
 
-/** The clay of normalgan.painting.lighting, so that the page and `generate --preview` look alike. */
-export const CLAY = {
-  colour: [0.5, 0.465, 0.42],
-  lamp: [1.1, 1.05, 0.97],
-  sky: [0.17, 0.19, 0.22],
-  ground: [0.07, 0.06, 0.055],
-  gloss: 0.12,
-  sharpness: 24,
-};
+/**
+ * The clay of normalgan.painting.lighting, so that the page and `generate --preview` look alike.
+ * @type {{colour: number[], lamp: number[], sky: number[], ground: number[], gloss: number, sharpness: number}}
+ */
+export const CLAY = await (await fetch(new URL("clay.json", import.meta.url))).json();
 
 /** Flat paints, from dark to bright, each from a threshold on, then a glint; sRGB. */
 export const CEL = {
