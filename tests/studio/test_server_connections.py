@@ -9,6 +9,7 @@ import pytest
 from studio_client import asking
 from studio_process import Studio, running, send, slow
 
+from normalgan.studio.connection import MOST_AT_ONCE
 from onnx_models import write_model
 
 PATHS = (
@@ -103,6 +104,19 @@ def test_a_request_that_breaks_off_harms_nobody(studio: Studio) -> None:
         client.sendall(b"no HTTP at all\r\n\r\n")
         assert client.recv(100).startswith(b"HTTP/1.1 400")
     assert studio.ask("POST", "/api/paint", asking(1, tab="after"))[0] == 200
+
+
+def test_heads_that_trickle_shut_nobody_out(studio: Studio) -> None:
+    trickling = []
+    for _ in range(200):
+        client = socket.create_connection(("127.0.0.1", studio.port), timeout=30)
+        client.sendall(b"GET / HTTP/1.1\r\nHost: ")
+        trickling.append(client)
+    assert studio.ask("POST", "/api/paint", asking(1, tab="beside"))[0] == 200
+    for client in trickling[: 200 - MOST_AT_ONCE]:  # those that were there first have made room
+        assert client.recv(100)[:12] in {b"HTTP/1.1 408", b""}
+    for client in trickling:
+        client.close()
 
 
 def test_bodies_that_trickle_shut_nobody_out(studio: Studio) -> None:

@@ -10,6 +10,7 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from normalgan.errors import InputError
+from normalgan.studio.connection import Connection
 
 _GRACE = 10
 """Seconds that requests have to be finished when the server is ended."""
@@ -48,7 +49,7 @@ def serve(app: ASGIApp, listening: socket.socket) -> None:
     signal.signal(signal.SIGTERM, _leave)  # uvicorn raises it again once all is shut down
     config = uvicorn.Config(
         app,
-        http="h11",
+        http=Connection,
         ws="none",
         loop="asyncio",
         lifespan="on",
