@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
+from typing import Literal
 
 from jsonargparse import Namespace
 
@@ -16,9 +17,10 @@ from normalgan.painting.inputs import check_size
 from normalgan.painting.jobs import STDIN, Job, find_files, plan
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.outputs import Outputs
+from normalgan.painting.packing import Packing
+from normalgan.painting.paint_job import JobPainter
 from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
-from normalgan.painting.picture import read_picture
 
 
 def run(arguments: list[str]) -> int:
@@ -41,22 +43,40 @@ def build_parser() -> LightParser:
         "sketches", nargs="+", help="files, folders or globs of drawings; - reads one from standard input"
     )
     parser.add_argument("-o", "--output", default="normals", help="folder where the maps go")
-    parser.add_argument(
+    parser.add_argument("--dry-run", action="store_true", help="only say what would be read and written")
+    drawing = parser.add_argument_group("How a drawing is painted")
+    drawing.add_argument(
         "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
     )
-    parser.add_argument(
+    drawing.add_argument(
         "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
     )
-    parser.add_argument(
+    drawing.add_argument(
         "--mask",
         type=str | None,
         help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill the drawing's own, "
         "or model to leave it to the model; null is its opacity if that tells, else outline",
     )
-    parser.add_argument(
+    drawing.add_argument(
         "--size",
         type=int | None,
         help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
+    )
+    sheets = parser.add_argument_group("Several drawings in one file")
+    sheets.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")
+    sheets.add_argument(
+        "--split",
+        type=Literal["auto"] | None,
+        help="auto finds a sheet's drawings: islands of opacity or of connected lines",
+    )
+    sheets.add_argument(
+        "--atlas", type=str | None, help="a sheet's JSON by TexturePacker or Aseprite, or a folder of them"
+    )
+    sheets.add_argument(
+        "--frame",
+        type=Literal["own", "shared"],
+        default="own",
+        help="what the model is shown: each drawing of a file for itself, or the same square of all",
     )
     flags = {"alpha", "show_input"}
     parser.add_class_arguments(Outputs, skip=flags)
@@ -64,7 +84,6 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--show-input", action="store_true", help="write what the model saw, <sketch>_input.png"
     )
-    parser.add_argument("--dry-run", action="store_true", help="only say what would be read and written")
     return parser
 
 
@@ -76,6 +95,9 @@ def generate(settings: Namespace) -> int:
     """
     decoding.start()  # while the model is loaded
     check_size(settings.size)
+    packing = Packing(settings.sheet, settings.split, settings.atlas)
+    if packing.given and settings.size is not None:
+        raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
     outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
     content = (
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
@@ -90,7 +112,8 @@ def generate(settings: Namespace) -> int:
         return 0
     _one_thread_each()
     painter = Painter(OnnxBackend(path, threads=1))
-    written = stream(jobs, lambda job: _paint(job, painter, settings.size, outputs))
+    work = JobPainter(painter, outputs, settings.size, packing, settings.frame == "shared")
+    written = stream(jobs, work)
     failed = 0
     with _progress(len(jobs)) as advance:
         for job, outcome in written:
@@ -115,14 +138,6 @@ def _one_thread_each() -> None:
     import cv2
 
     cv2.setNumThreads(1)
-
-
-def _paint(job: Job, painter: Painter, size: int | None, outputs: Outputs) -> str:
-    """Paint one drawing, write what belongs to it, and return what is to be said of it."""
-    files = job.files
-    preds = painter(read_picture(files.drawing, files.content, size), files.hints, files.mask, size)
-    outputs.write(job, preds)
-    return preds.warning
 
 
 def _sentence(job: Job, error: Exception) -> InputError:

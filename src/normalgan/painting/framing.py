@@ -1,5 +1,6 @@
 """Framing: the square of a drawing that a model is shown, and the way back."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Self
 
@@ -8,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
+
+Bounds = tuple[int, int, int, int]
+"""First row, row after the last, first column, column after the last."""
 
 
 @dataclass(frozen=True)
@@ -37,10 +41,14 @@ class Frame:
             size: side of the model's pictures.
             margin: share of the frame left free at each side.
         """
-        rows, columns = np.flatnonzero((ink > 0.1).any(1)), np.flatnonzero((ink > 0.1).any(0))
-        top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+        return cls.about(bounds_of(ink), ink.shape, size, margin)
+
+    @classmethod
+    def about(cls, bounds: Bounds, shape: tuple[int, ...], size: int, margin: float = 0.06) -> Self:
+        """Return the frame that holds a box of a drawing (H, W), as `around` does the box of its lines."""
+        top, bottom, left, right = bounds
         side = max(bottom - top, right - left) / (1 - 2 * margin)
-        return cls(ink.shape, (left + right - side) / 2, (top + bottom - side) / 2, side, size)
+        return cls(shape, (left + right - side) / 2, (top + bottom - side) / 2, side, size)
 
     def cut(self, ink: Floats) -> Floats:
         """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1]."""
@@ -91,3 +99,23 @@ class Frame:
         placed = np.array([[scale, 0, x0], [0, scale, y0]], np.float64)
         h, w = self.shape
         return np.asarray(cv2.warpAffine(painted, placed, (w, h), flags=cv2.INTER_LINEAR), np.float32)
+
+
+def bounds_of(ink: Floats) -> Bounds:
+    """Return the box of the lines of a drawing (H, W) that has some.
+
+    >>> bounds_of(np.pad(np.ones((2, 3), np.float32), 1))
+    (1, 3, 1, 4)
+    """
+    rows, columns = np.flatnonzero((ink > 0.1).any(1)), np.flatnonzero((ink > 0.1).any(0))
+    return int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
+
+
+def united(boxes: Iterable[Bounds]) -> Bounds:
+    """Return the box that holds several; there is one at least.
+
+    >>> united([(1, 3, 1, 4), (0, 2, 2, 9)])
+    (0, 3, 1, 9)
+    """
+    top, bottom, left, right = zip(*boxes, strict=True)
+    return min(top), max(bottom), min(left), max(right)

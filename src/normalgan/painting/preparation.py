@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats
 from normalgan.painting.cleaning import Cleaned, clean
-from normalgan.painting.framing import Frame
+from normalgan.painting.framing import Bounds, Frame
 from normalgan.painting.hint_files import Hints
 from normalgan.painting.jobs import MODEL
 from normalgan.painting.line_width import show
@@ -83,6 +83,12 @@ def prepare(
     seen = show(cleaned.ink, frame)
     prepared = Prepared(shape, cleaned.ink, mask, alpha, frame, seen, None, closed, guessed)
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
+
+
+def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:
+    """Return a prepared drawing framed about a box in pixels of its ``ink``; give hints afterwards."""
+    frame = Frame.about(bounds, prepared.ink.shape, prepared.frame.size)
+    return replace(prepared, frame=frame, seen=show(prepared.ink, frame), hints=None, pins=None)
 
 
 def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> Prepared:

@@ -3,8 +3,14 @@
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from normalgan.normals import Floats
+
+_THICK = 0.04
+"""Half the width of an object at its widest, as a share of its extent; lines have less."""
+_THICK_PARTS = ((0.12, 0.15), (0.16, 0.1))
+"""From which extent, as a share of that of all, a part with such a half width, of its own, is an object."""
 
 
 def is_silhouette(alpha: Floats) -> bool:
@@ -26,8 +32,25 @@ def is_silhouette(alpha: Floats) -> bool:
     if covered < 0.7 * enclosed:
         return False
     # Open lines enclose nothing but themselves; nowhere are they as thick as an object.
-    depth = cv2.distanceTransform(np.pad(opaque, 1).astype(np.uint8), cv2.DIST_L2, 3)
-    return float(depth.max()) > 0.04 * _extent(opaque)
+    away = cv2.distanceTransform(np.pad(opaque, 1).astype(np.uint8), cv2.DIST_L2, 3)
+    depth = np.asarray(away[1:-1, 1:-1], np.float32)
+    extent = _extent(opaque)
+    return float(depth.max()) > _THICK * extent or _thick_parts(opaque, depth, extent)
+
+
+def _thick_parts(opaque: NDArray[np.bool_], depth: Floats, extent: int) -> bool:
+    """Return whether most of what is opaque (H, W) lies in parts that are objects: the sprites of a sheet.
+
+    Against all of the sheet none of them is thick; but against itself each is, and it is larger than a dash.
+    """
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(opaque.astype(np.uint8), connectivity=8)
+    spans = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
+    deepest = np.asarray(ndimage.maximum(depth, np.asarray(labels, np.int32), np.arange(count)), np.float32)
+    objects = np.zeros(count, np.bool_)
+    for large, thick in _THICK_PARTS:
+        objects |= (spans > large * extent) & (deepest > thick * spans)
+    areas = stats[:, cv2.CC_STAT_AREA]
+    return bool(areas[1:][objects[1:]].sum() > 0.5 * areas[1:].sum())
 
 
 def enclosed_by(barrier: NDArray[np.bool_]) -> NDArray[np.bool_]:
