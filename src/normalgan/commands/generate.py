@@ -74,9 +74,9 @@ def build_parser() -> LightParser:
     )
     sheets.add_argument(
         "--frame",
-        type=Literal["own", "shared"],
-        default="own",
-        help="what the model is shown: each drawing of a file for itself, or the same square of all",
+        type=Literal["own", "shared"] | None,
+        help="what the model is shown: each drawing as large as can be, or the same square of all, so that "
+        "what stands still stays so; null is shared for an animation, own else",
     )
     flags = {"alpha", "show_input"}
     parser.add_class_arguments(Outputs, skip=flags)
@@ -112,8 +112,9 @@ def generate(settings: Namespace) -> int:
         return 0
     _one_thread_each()
     painter = Painter(OnnxBackend(path, threads=1))
-    work = JobPainter(painter, outputs, settings.size, packing, settings.frame == "shared")
-    written = stream(jobs, work)
+    work = JobPainter(painter, outputs, settings.size, packing, settings.frame)
+    together = settings.frame == "shared" and len(jobs) > 1 and not packing.given
+    written = work.together(jobs) if together else stream(jobs, work)
     failed = 0
     with _progress(len(jobs)) as advance:
         for job, outcome in written:
@@ -123,11 +124,13 @@ def generate(settings: Namespace) -> int:
                     raise sentence from outcome
                 failed += 1
                 print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
-            elif outcome:
-                print(one_line(f"normalgan: warning: {job.files.drawing}: {outcome}."), file=sys.stderr)
+            elif outcome.warning:
+                print(
+                    one_line(f"normalgan: warning: {job.files.drawing}: {outcome.warning}."), file=sys.stderr
+                )
             advance()
             if not isinstance(outcome, Exception):
-                print(job.target)
+                print(outcome.target)
     if failed:
         print(f"normalgan: {failed} of {len(jobs)} sketches could not be used.", file=sys.stderr)
     return 1 if failed else 0

@@ -6,6 +6,6 @@ it; it can open no files, has limits of memory and of processor time where the s
 by the clock everywhere.
 """
 
-from normalgan.decoding.process import Decoded, Pixels, decode, start
+from normalgan.decoding.process import Decoded, Part, Parts, Pixels, decode, decode_frames, start
 
-__all__ = ["Decoded", "Pixels", "decode", "start"]
+__all__ = ["Decoded", "Part", "Parts", "Pixels", "decode", "decode_frames", "start"]

@@ -6,18 +6,33 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.decoding.worker import MODES, PIXEL_BYTES, READY, REFUSED, REPLY, REQUEST
+from normalgan.decoding.worker import (
+    FRAMES,
+    MODES,
+    MOST_PARTS,
+    MOST_PIXELS,
+    PART,
+    PARTS,
+    PICTURE,
+    PIXEL_BYTES,
+    READY,
+    REFUSED,
+    REPLY,
+    REQUEST,
+)
 from normalgan.errors import InputError, RunError
 
+T = TypeVar("T")
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
 """(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits."""
 
@@ -46,6 +61,32 @@ class Decoded:
     shape: tuple[int, int]
 
 
+@dataclass(frozen=True)
+class Part:
+    """One frame of an animation.
+
+    Args:
+        decoded: its pixels.
+        duration: milliseconds that it is shown.
+    """
+
+    decoded: Decoded
+    duration: int
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A file of several pictures.
+
+    Args:
+        parts: the frames.
+        loop: how often they are shown; 0 is for ever.
+    """
+
+    parts: list[Part]
+    loop: int
+
+
 def decode(
     name: str,
     content: bytes,
@@ -68,9 +109,14 @@ def decode(
         InputError: if it cannot be decoded; it says why.
         RunError: if no process can be started to do it.
     """
-    return _pool.decode(
-        name, REQUEST.pack(len(content), *sides, svg_side, longest or 0, grey), content, sides[1]
-    )
+    request = REQUEST.pack(len(content), *sides, svg_side, longest or 0, grey, PICTURE)
+    return _pool.run(lambda child: child.decode(name, request, content, sides[1]))
+
+
+def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
+    """Return all frames of an animation, each whole; arguments and errors are those of `decode`."""
+    request = REQUEST.pack(len(content), *sides, sides[1], 0, False, FRAMES)
+    return _pool.run(lambda child: child.decode_parts(name, request, content, sides[1]))
 
 
 def start() -> None:
@@ -102,6 +148,13 @@ class _Child:
 
     def decode(self, name: str, request: bytes, content: bytes, most: int) -> Decoded:
         """Return the pixels of a picture; if anything but a refusal is raised, the process has ended."""
+        return self._asked(name, request, content, lambda: self._receive(name, most))
+
+    def decode_parts(self, name: str, request: bytes, content: bytes, most: int) -> Parts:
+        """Return the parts of a file, as `decode` does."""
+        return self._asked(name, request, content, lambda: self._receive_parts(name, most))
+
+    def _asked(self, name: str, request: bytes, content: bytes, receive: Callable[[], T]) -> T:
         late = threading.Event()
 
         def end() -> None:
@@ -116,7 +169,7 @@ class _Child:
                 self._greet()
             self._send(request)
             self._send(content)
-            return self._receive(name, most)
+            return receive()
         except (EOFError, OSError):
             self.close()
             raise InputError(f"{name} cannot be decoded: {self._reason(late.is_set())}.") from None
@@ -172,6 +225,23 @@ class _Child:
         self._fill(pixels.data.cast("B"))
         return Decoded(pixels, (full_height, full_width))
 
+    def _receive_parts(self, name: str, most: int) -> Parts:
+        """Return parts as the child sends them; what it says of them is not believed."""
+        kind, _, _, loop, _, count = REPLY.unpack(self._read(REPLY.size))
+        if kind == REFUSED and count <= _WORDS:
+            raise InputError(f"{name} {_told(self._read(count))}.")
+        if kind != PARTS or not 0 < count <= MOST_PARTS:
+            raise EOFError
+        parts, pixels = [], 0
+        for _ in range(count):
+            decoded = self._receive(name, most)  # or its refusal
+            _, _, duration, _ = PART.unpack(self._read(PART.size))
+            pixels += decoded.shape[0] * decoded.shape[1]
+            if pixels > MOST_PIXELS:
+                raise EOFError
+            parts.append(Part(decoded, duration))
+        return Parts(parts, loop)
+
     def _read(self, count: int) -> bytes:
         data = bytearray(count)
         self._fill(memoryview(data))
@@ -214,12 +284,12 @@ class _Pool:
             if not self._idle:
                 self._idle.append(_Child())
 
-    def decode(self, name: str, request: bytes, content: bytes, most: int) -> Decoded:
-        """Decode a picture in a child that is free."""
+    def run(self, work: Callable[[_Child], T]) -> T:
+        """Return what a child that is free gives."""
         with self._turns:
             child = self._take()
             try:
-                return child.decode(name, request, content, most)
+                return work(child)
             finally:
                 if child.ended:
                     child.close()

@@ -20,12 +20,18 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-REQUEST = struct.Struct("<QIIIIB")
-"""Bytes that follow, least and greatest side, side of an SVG, longer side to reduce to or 0, whether grey."""
+REQUEST = struct.Struct("<QIIIIBB")
+"""Bytes that follow, least and greatest side, of an SVG, longest to reduce to or 0, whether grey, what."""
+PICTURE, FRAMES = 0, 1
+"""What is asked for: the picture; all frames of an animation."""
 REPLY = struct.Struct("<BIIIIQ")
 """Kind of what follows, width, height, those before it was reduced, bytes that follow."""
-READY, REFUSED = 254, 255
-"""Kinds that are no pixels: the process is ready; a refusal in words."""
+PARTS, READY, REFUSED = 253, 254, 255
+"""Kinds that are no pixels: so many parts follow; the process is ready; a refusal in words."""
+PART = struct.Struct("<iiIH")
+"""What follows the pixels of a part: its left and top, milliseconds, bytes of its name, and these."""
+MOST_PARTS, MOST_PIXELS = 1024, 2**26
+"""Frames of an animation, and pixels of all of them together: as many as the largest drawing has."""
 MODES = ("L", "RGB", "RGBA", "I;16", "I", "F")
 """Modes of Pillow in which pixels are sent; their kind is the number here."""
 PIXEL_BYTES = (1, 3, 4, 2, 4, 4)
@@ -80,20 +86,22 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
         return
     replies.write(REPLY.pack(READY, 0, 0, 0, 0, 0))
     while len(head := _read(requests, REQUEST.size)) == REQUEST.size:
-        count, least, most, svg_side, longest, grey = REQUEST.unpack(head)
+        count, least, most, svg_side, longest, grey, what = REQUEST.unpack(head)
         content = _read(requests, count)
         if len(content) < count:
             return
         limit_time(seconds)
         try:
-            image, full = decode(content, least, most, svg_side, longest, bool(grey))
+            if what == PICTURE:
+                image, full = decode(content, least, most, svg_side, longest, bool(grey))
+                send(image, full, replies)
+                del image
+            else:
+                send_frames(content, least, most, seconds, replies)
         except RefusedError as refusal:
             _refuse(replies, str(refusal))
         except MemoryError:
             _refuse(replies, f"needs more than {memory >> 20} MiB of memory to be decoded")
-        else:
-            send(image, full, replies)
-            del image
         del content
 
 
@@ -194,6 +202,43 @@ def send(image: "Image", full: tuple[int, int], replies: "BinaryIO | io.FileIO")
         bottom = min(top + rows, image.height)
         strip = image if bottom - top == image.height else image.crop((0, top, image.width, bottom))
         _write(replies, strip.tobytes())
+
+
+def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
+    """Write all frames of an animation, each whole, with how long it is shown.
+
+    Raises:
+        RefusedError: if it, or a frame of it, cannot be decoded.
+    """
+    number = 0
+    try:
+        with _opened(content) as image:
+            _check_sides(image, least, most)
+            # A PNG may begin with a picture for those who know no animations.
+            first = 1 if getattr(image, "default_image", False) else 0
+            count = getattr(image, "n_frames", 1) - first
+            _check_parts(count, count * image.width * image.height, "frames")
+            loop = image.info.get("loop", 1)
+            _write(replies, REPLY.pack(PARTS, *image.size, loop if 0 <= loop < 2**16 else 0, 0, count))
+            for number in range(first, first + count):
+                limit_time(seconds)
+                image.seek(number)
+                image.load()
+                shown = _plain(image.copy())
+                milliseconds = min(max(int(image.info.get("duration", 0)), 0), 2**31)
+                send(shown, shown.size, replies)
+                _write(replies, PART.pack(0, 0, milliseconds, 0))
+    except (RefusedError, MemoryError):
+        raise
+    except Exception as error:  # as in `decode`
+        raise RefusedError(f"cannot be read from its frame {number + 1} on: {_brief(error)}") from None
+
+
+def _check_parts(count: int, pixels: int, name: str) -> None:
+    if not 0 < count <= MOST_PARTS or pixels > MOST_PIXELS:
+        raise RefusedError(
+            f"has {count} {name} of {pixels} pixels together; {MOST_PARTS} of {MOST_PIXELS} can be painted"
+        )
 
 
 def decode(

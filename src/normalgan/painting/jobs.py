@@ -40,14 +40,21 @@ class Job:
     Args:
         files: what is read.
         target: the normal map.
+        stem: what the names of everything else begin with.
     """
 
     files: DrawingFiles
     target: Path
+    stem: str
 
     def beside(self, ending: str) -> Path:
         """Return the name of something else that is written for the drawing, such as ``_input.png``."""
-        return self.target.with_name(self.files.drawing.stem + ending)
+        return self.target.with_name(self.stem + ending)
+
+    def numbered(self, number: int, ending: str) -> "Job":
+        """Return the job of one frame, counted from 1; ``ending`` is that of a map's name."""
+        stem = f"{self.stem}_{number:04d}"
+        return Job(self.files, self.target.with_name(stem + ending), stem)
 
 
 def find_files(
@@ -97,7 +104,7 @@ def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Seque
     Raises:
         InputError: if something that is read would be written over, or two files would have one name.
     """
-    jobs = [Job(each, folder / f"{each.drawing.stem}{ending}") for each in files]
+    jobs = [Job(each, folder / f"{each.drawing.stem}{ending}", each.drawing.stem) for each in files]
     _check_names(jobs, others)
     return jobs
 

@@ -12,6 +12,7 @@ from normalgan.errors import InputError
 from normalgan.normals import (
     Bits,
     Floats,
+    encode,
     encode_exr,
     encode_png,
     encode_tiff,
@@ -69,9 +70,7 @@ class NormalMap:
             y: up is green as in OpenGL, down as in DirectX.
             alpha: whether the object's mask is the alpha channel.
         """
-        normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)
-        if y == "down":
-            normals = flip_green(normals)
+        normals = self._flat(y, alpha)
         opacity = self.alpha if alpha else None
         match form:
             case "png":
@@ -80,6 +79,17 @@ class NormalMap:
                 return encode_exr(normals, opacity)
             case "tiff":
                 return encode_tiff(normals, opacity)
+
+    def pixels(self, y: Green = "up", alpha: bool = False) -> NDArray[np.uint8]:
+        """Return the map's colours of 8 bits, (H, W, 3), or (H, W, 4) with alpha; see `encode`."""
+        colours = encode(self._flat(y, alpha))
+        if alpha:
+            colours = np.dstack([colours, np.rint(255 * self.alpha)])
+        return colours.astype(np.uint8)
+
+    def _flat(self, y: Green, alpha: bool) -> Floats:
+        normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)
+        return flip_green(normals) if y == "down" else normals
 
     def save(self, path: str | Path, bits: Bits = 8, y: Green = "up", alpha: bool = False) -> None:
         """Write the map as PNG, EXR or TIFF, as the path ends, whole or not at all.

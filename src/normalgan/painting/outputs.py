@@ -69,6 +69,15 @@ class Outputs:
         Raises:
             OSError: if a file cannot be written.
         """
+        self.write_others(job, preds)
+        self.write_map(job, preds)  # last, so that where there is a map, there is the rest too
+
+    def write_map(self, job: Job, preds: NormalMap) -> None:
+        """Write the map alone."""
+        write_bytes(job.target, preds.encode(self.format, self.bits, self.y, self.alpha))
+
+    def write_others(self, job: Job, preds: NormalMap) -> None:
+        """Write all but the map."""
         if self.show_input:
             write_bytes(job.beside("_input.png"), encode_grey(1 - preds.seen))
         if self.preview is not None:
@@ -78,8 +87,6 @@ class Outputs:
             write_bytes(job.beside(f"_preview.{self.preview}"), lit(preds.extended, preds.mask))
         if self.height is not None or self.relief is not None:
             self._write_relief(job, preds)
-        # Last, so that where there is a map, there is the rest too.
-        write_bytes(job.target, preds.encode(self.format, self.bits, self.y, self.alpha))
 
     def _write_relief(self, job: Job, preds: NormalMap) -> None:
         from normalgan.painting.relief import relief_mesh, write_relief

@@ -1,11 +1,19 @@
 """Painting a job: a file of whatever kind, one drawing or many, to what is written for it."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from normalgan.drawings import read_pixels
+from normalgan.decoding import decode_frames
+from normalgan.drawings import LARGEST, MOST_BYTES, SMALLEST, read_pixels
+from normalgan.errors import InputError
+from normalgan.limits import read_bounded
+from normalgan.normals import write_bytes
+from normalgan.painting.animation import encode_animation, moving_kind
 from normalgan.painting.inputs import as_hints
 from normalgan.painting.jobs import DrawingFiles, Job
 from normalgan.painting.masks import load_mask
@@ -13,9 +21,27 @@ from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.outputs import Outputs
 from normalgan.painting.packing import Packing
 from normalgan.painting.painter import Painter
-from normalgan.painting.picture import read_picture, resize
+from normalgan.painting.picture import Picture, read_picture, resize, to_picture
 from normalgan.painting.preparation import Mark
+from normalgan.painting.series import Member, flat_map, paint_series
 from normalgan.painting.sheets import paint_sheet
+
+Framing = Literal["own", "shared"]
+MOST_TOGETHER = 2**26
+"""Pixels of all drawings that share a frame: they are in memory together."""
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of a job.
+
+    Args:
+        target: where the map is.
+        warning: what is to be said of it, a part of a sentence; empty if nothing is.
+    """
+
+    target: Path
+    warning: str = ""
 
 
 @dataclass(frozen=True)
@@ -27,25 +53,82 @@ class JobPainter:
         outputs: what is written.
         size: longer side of the maps in pixels; None is the drawing's.
         packing: how the drawings of a sheet are found.
-        shared: show the network the same square of all the drawings of one file.
+        frame: whether the network is shown the same square of all drawings that belong together; None is
+            ``shared`` for an animation, and ``own`` else.
     """
 
     painter: Painter
     outputs: Outputs
     size: int | None = None
     packing: Packing = field(default_factory=Packing)
-    shared: bool = False
+    frame: Framing | None = None
 
-    def __call__(self, job: Job) -> str:
-        """Paint and write one job, and return what is to be said of it; empty if nothing is.
+    def __call__(self, job: Job) -> Done:
+        """Paint and write one job.
 
         Raises:
             InputError: if the drawing cannot be used.
             OSError: if a file cannot be written.
         """
-        preds = self._sheet(job.files) if self.packing.given else self._drawing(job.files)
+        files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
+        if kind is not None and self.packing.given:
+            raise InputError(f"{files.drawing} is an animation; a sheet is a still picture.")
+        if kind is not None:
+            return self._animation(job, kind)
+        preds = self._sheet(files) if self.packing.given else self._drawing(files)
         self.outputs.write(job, preds)
-        return preds.warning
+        return Done(job.target, preds.warning)
+
+    def together(self, jobs: Sequence[Job]) -> Iterator[tuple[Job, Done | Exception]]:
+        """Yield what came of drawings in files of their own that share a frame, in order.
+
+        Raises:
+            InputError: if they differ in size, or are too many.
+        """
+        members, kept, pixels = [], [], 0
+        for job in jobs:
+            try:
+                picture = read_picture(job.files.drawing, job.files.content, self.size)
+                member = self._member(picture, job.files)
+            except InputError as error:
+                yield job, error
+                continue
+            pixels += picture.size[0] * picture.size[1]
+            if pixels > MOST_TOGETHER:
+                raise InputError(
+                    f"the drawings that are to share a frame have more than {MOST_TOGETHER} pixels together; "
+                    "name fewer, or leave --frame shared out."
+                )
+            members.append(member)
+            kept.append(job)
+        painted = paint_series(self.painter, members, True, True, self.size)
+        for job, preds in zip(kept, painted, strict=True):
+            if isinstance(preds, InputError):
+                yield job, preds
+                continue
+            try:
+                self.outputs.write(job, preds)
+                yield job, Done(job.target, preds.warning)
+            except OSError as error:
+                yield job, error
+
+    def target(self, job: Job) -> Path:
+        """Return where the map of a job goes: that of an animation is one.
+
+        Raises:
+            InputError: if it is a broken animation.
+        """
+        kind = None if self.packing.given else moving_kind(job.files.drawing, job.files.content)
+        if kind is None:
+            return job.target
+        if not self._moves:
+            return job.numbered(1, self.outputs.ending).target
+        return job.target.with_suffix(f".{kind}")
+
+    @property
+    def _moves(self) -> bool:
+        """Whether the maps of an animation fit in one: it has 8 bits."""
+        return self.outputs.format == "png" and self.outputs.bits == 8
 
     def _drawing(self, files: DrawingFiles) -> NormalMap:
         picture = read_picture(files.drawing, files.content, self.size)
@@ -53,11 +136,49 @@ class JobPainter:
 
     def _sheet(self, files: DrawingFiles) -> NormalMap:
         sheet = read_pixels(files.drawing, files.content)
-        mask: Mark | str | None = None
-        if isinstance(files.mask, Path):
-            mask = resize(load_mask(files.mask, sheet.shape).astype(np.float32), sheet.shape) > 0.5
-        else:
-            mask = files.mask
         hints = as_hints(files.hints, sheet.shape)
         cells = self.packing.cells(sheet, files.drawing)
-        return paint_sheet(self.painter, sheet, cells, hints, mask, self.shared)
+        mask = _mask(files, sheet.shape)
+        return paint_sheet(self.painter, sheet, cells, hints, mask, self.frame == "shared")
+
+    def _animation(self, job: Job, kind: Literal["gif", "webp", "png"]) -> Done:
+        path, content = job.files.drawing, job.files.content
+        data = read_bounded(path, MOST_BYTES) if content is None else content
+        found = decode_frames(str(path), data, (SMALLEST, LARGEST))
+        members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
+        shared = self.frame != "own"
+        pixels: list[NDArray[np.uint8]] = []
+        said: list[str] = []
+        failed: list[InputError] = []
+        for number, each in enumerate(paint_series(self.painter, members, shared, shared, self.size), 1):
+            if isinstance(each, InputError):
+                preds = flat_map(members[number - 1].picture.shape, self.size)
+                failed.append(each)
+                said.append(f"frame {number}: it is left flat, as {str(each).rstrip('.')}")
+            else:
+                preds = each
+                said += [f"frame {number}: {each.warning}"] if each.warning else []
+            own = job.numbered(number, self.outputs.ending)
+            self.outputs.write_others(own, preds)
+            if self._moves:
+                pixels.append(preds.pixels(self.outputs.y, self.outputs.alpha))
+            else:
+                self.outputs.write_map(own, preds)
+        if len(failed) == len(members):
+            raise failed[0]
+        target = self.target(job)
+        if self._moves:
+            durations = [each.duration for each in found.parts]
+            write_bytes(target, encode_animation(kind, pixels, durations, found.loop))
+        more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
+        return Done(target, said[0] + more if said else "")
+
+    def _member(self, picture: Picture, files: DrawingFiles) -> Member:
+        return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
+
+
+def _mask(files: DrawingFiles, shape: tuple[int, int]) -> Mark | str | None:
+    """Return a drawing's mask (H, W), or how it is to be found."""
+    if not isinstance(files.mask, Path):
+        return files.mask
+    return resize(load_mask(files.mask, shape).astype(np.float32), shape) > 0.5

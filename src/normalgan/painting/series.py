@@ -1,6 +1,6 @@
 """Series: drawings that belong together, cells of a sheet or frames of an animation, painted alike."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -14,7 +14,7 @@ from normalgan.painting.jobs import MODEL, OUTLINE
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
-from normalgan.painting.picture import Picture
+from normalgan.painting.picture import Picture, fitted
 from normalgan.painting.pipeline import finish
 from normalgan.painting.preparation import Mark, Prepared, hinted, prepare, reframed
 
@@ -42,9 +42,13 @@ class Member:
 
 
 def paint_series(
-    painter: Painter, members: Sequence[Member], shared: bool = False, steady: bool = False
-) -> list[NormalMap | InputError]:
-    """Return the map of each drawing, or what is wrong with it.
+    painter: Painter,
+    members: Sequence[Member],
+    shared: bool = False,
+    steady: bool = False,
+    size: int | None = None,
+) -> Iterator[NormalMap | InputError]:
+    """Yield the map of each drawing, or what is wrong with it.
 
     Args:
         painter: the network.
@@ -53,11 +57,12 @@ def paint_series(
             it is then has the same pixels in each; and a drawing of few lines is not enlarged to fill it.
         steady: average each drawing's normals with those of its neighbours in the series where they show the
             same lines, so that what stands still does not flicker; needs ``shared``.
+        size: longer side of the maps in pixels; None is the drawings'.
 
     Raises:
         InputError: if ``shared``, and the sizes differ.
     """
-    prepared = [got for _, got in stream(members, lambda each: _prepared(painter, each))]
+    prepared = [got for _, got in stream(members, lambda each: _prepared(painter, each, size))]
     good = [i for i, each in enumerate(prepared) if isinstance(each, Prepared)]
     if shared and good:
         _check_sizes(members)
@@ -82,7 +87,8 @@ def paint_series(
     def place(i: int) -> NormalMap:
         return finish(_known(prepared[i]), *_pair(painted[i]), painter.upsample)
 
-    return [_told(got) for _, got in stream(range(len(members)), place)]
+    for _, got in stream(range(len(members)), place):
+        yield _told(got)
 
 
 def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
@@ -118,11 +124,25 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
     ]
 
 
-def _prepared(painter: Painter, member: Member) -> Prepared:
+def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
+    """Return the map of a drawing (H, W) that could not be painted: flat, and nowhere an object.
+
+    Args:
+        shape: of the drawing.
+        size: longer side of the map in pixels; None is the drawing's.
+    """
+    shape = shape if size is None else fitted(shape, size)
+    normals = np.zeros((*shape, 3), np.float32)
+    normals[..., 2] = 1
+    nothing = np.zeros(shape, np.float32)
+    return NormalMap(normals, nothing > 0, nothing, np.zeros((8, 8), np.float32), None, "")
+
+
+def _prepared(painter: Painter, member: Member, size: int | None) -> Prepared:
     source = member.mask if isinstance(member.mask, str) else None
     assert source in {None, OUTLINE, MODEL}
     mask = None if isinstance(member.mask, str) else member.mask
-    return prepare(member.picture, painter.size, mask, source=source)
+    return prepare(member.picture, painter.size, mask, None, size, source)
 
 
 def _check_sizes(members: Sequence[Member]) -> None:

@@ -140,7 +140,7 @@ def paint_sheet(
     drawn = [(cell, member) for cell, member in members if member is not None]
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
-    painted = paint_series(painter, [member for _, member in drawn], shared)
+    painted = paint_series(painter, [member for _, member in drawn], shared, shared)
     done = [(cell, each) for (cell, _), each in zip(drawn, painted, strict=True)]
     fine = [(cell, each) for cell, each in done if isinstance(each, NormalMap)]
     if not fine:

@@ -40,7 +40,7 @@ class Wish:
         """Return the file's name and what is in it."""
         with TemporaryDirectory() as folder:
             target = Path(folder) / f"{self.name}{self.outputs.ending}"
-            job = Job(DrawingFiles(Path(f"{self.name}.png")), target)
+            job = Job(DrawingFiles(Path(f"{self.name}.png")), target, self.name)
             self.outputs.write(job, preds)
             file = target if self.kind == "map" else job.beside(next(iter(self.outputs.others())))
             return file.name, file.read_bytes()
