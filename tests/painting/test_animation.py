@@ -101,9 +101,9 @@ def test_a_frame_for_all_keeps_what_stands_still(here: Path) -> None:
     for frame in ("own", "shared"):
         assert generate("wave.png", "--frame", frame, "-o", frame) == 0
         shown, _, _ = frames_of(f"{frame}/wave_normal.png")
-        flicker[frame] = np.ptp(np.stack(shown).astype(int)[:, 40:60, 25:45], axis=0).max()
-    assert flicker["shared"] <= 2
-    assert flicker["own"] > 5
+        flicker[frame] = np.ptp(np.stack(shown).astype(int)[:, 40:60, 25:45], axis=0).mean()
+    assert flicker["shared"] < 0.5  # of 255
+    assert flicker["own"] > 2
 
 
 def test_files_of_one_size_share_a_frame(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
