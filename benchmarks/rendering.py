@@ -27,7 +27,7 @@ os.environ.update(ONE_THREAD)  # before numpy and its friends are imported, here
 import numpy as np
 from sampler import Row, endure, serve, spin, write
 
-from normalgan.animals.kinds import SPECIES
+from normalgan.animals import SPECIES
 from normalgan.animals.meshing import to_mesh
 from normalgan.rendering import RENDERERS
 from normalgan.rendering.lines import LINE_DRAWINGS

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from normalgan.animals import Animal
-from normalgan.animals.kinds import SPECIES
+from normalgan.animals import SPECIES, Animal
 from normalgan.animals.meshing import to_mesh
 from normalgan.rendering.mesh import Mesh
 

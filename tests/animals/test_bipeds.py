@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
-from normalgan.animals import Animal
-from normalgan.animals.bipeds import Measures, skeleton
-from normalgan.animals.bipeds_pose import STANCES
-from normalgan.animals.kinds.bipeds import BIPEDS
+from normalgan.animals import GROUPS, Animal
+from normalgan.animals.bipeds_bones import STANCES, Measures, skeleton
+
+BIPEDS = GROUPS["bipeds"]
 
 
 @pytest.mark.parametrize("species", BIPEDS)

@@ -4,11 +4,11 @@ from scipy.spatial import cKDTree
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import Animal
-from normalgan.animals.blobs_vessels import turned
+from normalgan.animals.blobs import BLOBS
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball
-from normalgan.animals.kinds.blobs import BLOBS
 from normalgan.animals.meshing import to_mesh
+from normalgan.animals.objects import turned
 
 
 @pytest.mark.parametrize("species", BLOBS)

@@ -4,8 +4,8 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from normalgan.animals.chain import bend, fold
 from normalgan.animals.field import Part, smooth_minimum
+from normalgan.animals.frames import bend, fold
 from normalgan.animals.meshing import drop_crumbs, fill_voids, to_mesh, unit_sphere
 from normalgan.animals.sweep import Sweep, segment_distance
 

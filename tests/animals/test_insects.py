@@ -3,8 +3,7 @@ import pytest
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import Animal
-from normalgan.animals.insects import legs, wing
-from normalgan.animals.kinds.insects import INSECTS
+from normalgan.animals.insects import INSECTS, legs, wing
 from normalgan.animals.plate import Plate
 
 

@@ -2,11 +2,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from normalgan.animals.chain import Frame, pitch, yaw
 from normalgan.animals.field import Part
+from normalgan.animals.frames import Frame, pitch, yaw
 from normalgan.animals.meshing import to_mesh
-from normalgan.animals.outline import outline_distance, rounded
-from normalgan.animals.plate import Plate
+from normalgan.animals.plate import Plate, outline_distance, rounded
 
 SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 TURNED = Frame(np.array([0.2, -0.1, 0.3]), yaw(35) @ pitch(20))

@@ -3,8 +3,7 @@ import pytest
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import Animal
-from normalgan.animals.kinds.plush import PLUSH
-from normalgan.animals.plush import HABITS, SKULL, on_skull
+from normalgan.animals.plush import HABITS, PLUSH, SKULL, on_skull
 
 
 @pytest.mark.parametrize("species", PLUSH)

@@ -2,11 +2,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from normalgan.animals.chain import Frame, pitch, yaw
 from normalgan.animals.field import Part
+from normalgan.animals.frames import Frame, pitch, yaw
 from normalgan.animals.meshing import to_mesh
-from normalgan.animals.solid import Solid
-from normalgan.animals.solids import Box, Ellipsoid, Ring
+from normalgan.animals.solids import Box, Ellipsoid, Ring, Solid
 
 TURN = yaw(35) @ pitch(-50)
 AT = np.array([0.3, -0.2, 0.5])

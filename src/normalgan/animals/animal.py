@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.kinds import GROUPS, SPECIES
 from normalgan.animals.meshing import to_mesh
+from normalgan.animals.species import GROUPS, SPECIES
 from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.mesh import Mesh
 

@@ -1,116 +1,120 @@
-"""Bipeds: a skeleton that a pose bends, and the flesh, or the metal, that goes round it."""
+"""The bipeds' body plan: bones that a pose bends, and the flesh, or the metal, that goes round them."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from normalgan.animals.bipeds_pose import STANCES, Arm, Leg, Stance
-from normalgan.animals.chain import Frame, bend, pitch, yaw
-from normalgan.animals.field import Part
-from normalgan.animals.forms import roll
-from normalgan.animals.plan import Rng
-from normalgan.animals.sweep import Floats
+from normalgan.animals.bipeds_bones import STANCES, Limb, Measures, Skeleton, skeleton, vary
+from normalgan.animals.bipeds_heads import HEADS
+from normalgan.animals.bipeds_heads import robot as robot_head
+from normalgan.animals.field import Part, Ripple
+from normalgan.animals.forms import Shape, ball, block, both, carried, fuse, mirrored, moved, tube
+from normalgan.animals.frames import Frame
+from normalgan.animals.plan import Rng, drawn_pose
+from normalgan.animals.sweep import Floats, Sweep
+
+FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
 
 
 @dataclass(frozen=True)
-class Measures:
-    """Sizes of a body, in units of an adult's height.
+class Flesh:
+    """Makes an animal of a skeleton.
 
     Args:
-        leg: from hip to ankle.
-        torso: from the hips to the line of the shoulders.
-        neck: from there to the base of the skull.
-        head: height of the head.
-        arm: from shoulder to wrist.
-        hand: length.
-        foot: length.
-        hips: half the distance of the hip joints.
-        shoulders: half the distance of the shoulder joints.
-        chest: half depth and half width.
-        waist: half depth and half width.
-        pelvis: half depth and half width.
-        belly: how far it bulges ahead of the waist; 0 for none.
-        thigh: radius.
-        calf: radius.
-        upper_arm: radius.
-        forearm: radius.
-        stoop: degrees by which it leans forward at rest.
-        crouch: degrees by which its knees are bent at rest.
+        head: human, toon, monkey, gorilla or bear.
+        hand: mitt, fingers or paw.
+        foot: shoe or paw.
+        neck: radius of the neck.
+        skirt: share of individuals in a skirt.
+        tail: length of the tail; 0 for none.
+        coat: fur, or None.
     """
 
-    leg: float = 0.47
-    torso: float = 0.30
-    neck: float = 0.055
-    head: float = 0.140
-    arm: float = 0.33
-    hand: float = 0.095
-    foot: float = 0.15
-    hips: float = 0.055
-    shoulders: float = 0.118
-    chest: tuple[float, float] = (0.068, 0.108)
-    waist: tuple[float, float] = (0.056, 0.082)
-    pelvis: tuple[float, float] = (0.066, 0.094)
-    belly: float = 0.0
-    thigh: float = 0.054
-    calf: float = 0.037
-    upper_arm: float = 0.032
-    forearm: float = 0.026
-    stoop: float = 0.0
-    crouch: float = 0.0
+    kind: ClassVar[str] = "flesh"
+    head: Annotated[str, tuple(HEADS)]
+    hand: Annotated[str, ("mitt", "fingers", "paw")] = "mitt"
+    foot: Annotated[str, ("shoe", "paw")] = "shoe"
+    neck: float = 0.036
+    skirt: float = 0.0
+    tail: float = 0.0
+    coat: Ripple | None = None
+
+    def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
+        """Return the parts in the order in which they blend."""
+        coat = self.coat
+        parts = [fuse(trunk(measures, bones), ripple=coat)]
+        if measures.belly:
+            parts.append(fuse(_belly(measures, bones), blend=0.05, ripple=coat))
+        dressed = bool(rng.uniform() < self.skirt)
+        legs = [_side(_leg(measures, limb), i) for i, limb in enumerate(bones.legs)]
+        parts.append(fuse(*legs, blend=0.03, ripple=coat))
+        feet = [
+            _side(one, i) for i, limb in enumerate(bones.legs) for one in _foot(self.foot, measures, limb)
+        ]
+        parts.append(fuse(*feet, blend=0.012))
+        if dressed and bones.legs[0].points[1, 0] - bones.legs[0].points[0, 0] < 0.3 * measures.leg:
+            parts.append(fuse(_skirt(measures, bones), blend=0.006))
+        arms = [(_arm(measures, limb), i) for i, limb in enumerate(bones.arms)]
+        parts.append(fuse(*(moved(_side(arm, i), bones.chest) for arm, i in arms), blend=0.022, ripple=coat))
+        hands = [_side(s, i) for i, limb in enumerate(bones.arms) for s in _hand(self.hand, measures, limb)]
+        parts.append(fuse(*(moved(shape, bones.chest) for shape in hands), blend=0.010))
+        throat = bones.skull.place(np.array([0.08, 0.3, 0.0]) * measures.head)
+        neck = tube([bones.chest.origin, bones.skull.origin, throat], self.neck)
+        parts.append(fuse(neck, blend=0.045, ripple=coat))
+        parts += carried(HEADS[self.head](rng), bones.skull, measures.head)
+        if self.tail:
+            parts.append(fuse(_tail(self.tail, bones, rng), blend=0.03))
+        return parts
 
 
-@dataclass(frozen=True, eq=False)
-class Limb:
-    """Where a limb is, right-handed, in the frame of the trunk's end that it grows from.
+@dataclass(frozen=True)
+class Robot:
+    """Makes a machine of boxes, balls and pipes of a skeleton."""
 
-    Args:
-        points: (3, 3) shoulder, elbow, wrist; or hip, knee, ankle.
-        end: frame of the hand or foot: its -y runs on along the forearm; a foot's x to the toes.
-    """
+    kind: ClassVar[str] = "robot"
 
-    points: Floats
-    end: Frame
-
-
-@dataclass(frozen=True, eq=False)
-class Skeleton:
-    """Where everything is.
-
-    Args:
-        spine: (6, 3) crotch, hips, waist, chest, shoulders, base of the neck.
-        turns: (6, 3, 3) rotation from rest at each.
-        chest: frame at the line of the shoulders.
-        skull: base of the skull, upright whatever the trunk does.
-        legs: right and left, the left one as if it were right, in the frame of the world.
-        arms: right and left, the left one as if it were right, in the frame of the chest.
-    """
-
-    spine: Floats
-    turns: Floats
-    chest: Frame
-    skull: Frame
-    legs: tuple[Limb, Limb]
-    arms: tuple[Limb, Limb]
-
-
-Dress = Callable[[Measures, Skeleton, Rng], list[Part]]
+    def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
+        """Return the parts in the order in which they blend."""
+        edge = float(rng.uniform(0.012, 0.04))
+        boxy = bool(rng.uniform() < 0.5)
+        depth, width = measures.chest.half_depth, measures.chest.half_width
+        chest = bones.chest
+        half = 0.36 * measures.torso
+        middle = chest.place(np.array([0.0, -half, 0.0]))
+        parts = [
+            fuse(block(middle, [depth, 1.25 * half, width], edge, chest.rotation)),
+            fuse(block(bones.spine[1], [measures.pelvis.half_depth, 0.04, measures.pelvis.half_width], edge)),
+            fuse(tube([bones.spine[1], bones.spine[2], middle], 0.7 * measures.waist.half_depth)),
+            fuse(*(moved(one, chest) for one in _panel(depth, half, width, rng))),
+            fuse(tube([chest.origin, bones.skull.place(np.array([0.0, 0.1, 0.0]) * measures.head)], 0.035)),
+        ]
+        limbs: list[Shape] = []
+        for i, limb in enumerate(bones.legs):
+            leg = [*_pipes(limb, measures.thigh, measures.calf, edge, boxy), *_boot(limb, measures, edge)]
+            limbs += leg if i == 0 else [mirrored(shape) for shape in leg]
+        for i, limb in enumerate(bones.arms):
+            arm = [*_pipes(limb, measures.upper_arm, measures.forearm, edge, boxy), *_claw(limb, measures)]
+            arm.append(tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm))
+            limbs += [moved(shape if i == 0 else mirrored(shape), chest) for shape in arm]
+        parts.append(fuse(*limbs))
+        return parts + carried(robot_head(rng), bones.skull, measures.head)
 
 
 @dataclass(frozen=True)
 class Biped:
-    """The body plan of those that go on two legs.
+    """A kind that goes on two legs.
 
     Args:
+        body: what goes round the bones.
         measures: of the average individual.
-        dress: makes the parts of measures and skeleton.
-        habits: the poses drawn from.
+        habits: the poses it is seen in; one named twice is drawn twice as often.
         spread: how much an individual's measures differ, as a fraction.
     """
 
-    measures: Measures
-    dress: Dress
-    habits: tuple[str, ...] = ("stand", "walk", "run", "sit", "wave", "arms_out")
+    body: Flesh | Robot
+    measures: Measures = field(default_factory=Measures)
+    habits: tuple[Annotated[str, tuple(STANCES)], ...] = ("stand", "walk", "run", "sit", "wave", "arms_out")
     spread: float = 0.09
 
     @property
@@ -120,56 +124,151 @@ class Biped:
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return one individual's parts."""
-        drawn = str(rng.choice(self.habits))
+        stance = STANCES[drawn_pose(self.habits, pose, rng)]
         measures = vary(self.measures, self.spread, rng)
-        return self.dress(measures, skeleton(measures, STANCES[pose or drawn](rng)), rng)
+        return self.body.parts(measures, skeleton(measures, stance(rng)), rng)
 
 
-def vary(measures: Measures, spread: float, rng: Rng) -> Measures:
-    """Return an individual's measures: lengths each on their own, all girths by one factor."""
-    long = {
-        name: getattr(measures, name) * float(rng.uniform(1 - spread, 1 + spread))
-        for name in ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
-    }
-    fat = float(rng.uniform(1 - 1.3 * spread, 1 + 1.8 * spread))
-    thick = {n: getattr(measures, n) * fat for n in ("thigh", "calf", "upper_arm", "forearm", "belly")}
-    chest, waist, pelvis = (
-        (depth * fat, width * (1 + 0.6 * (fat - 1)))
-        for depth, width in (measures.chest, measures.waist, measures.pelvis)
+def trunk(measures: Measures, bones: Skeleton) -> Sweep:
+    """Return the trunk, from the crotch to the base of the neck."""
+    pelvis, waist, chest = (
+        np.array([girth.half_depth, girth.half_width])
+        for girth in (measures.pelvis, measures.waist, measures.chest)
     )
-    return replace(measures, chest=chest, waist=waist, pelvis=pelvis, **long, **thick)
+    rows = np.array([0.6 * pelvis, pelvis, waist, chest, 0.8 * chest, 0.45 * chest])
+    points = bones.spine.copy()
+    points[-1] = (points[-1] + points[-2]) / 2
+    return tube(points, rows[:, 0].tolist(), rows[:, 1].tolist(), side=bones.turns[:, :, 2])
 
 
-def skeleton(measures: Measures, stance: Stance) -> Skeleton:
-    """Return the bones of a body in a pose, the hips at the origin."""
-    heights = np.array([-0.16, 0.0, 0.36, 0.70, 0.93, 1.06]) * measures.torso
-    rest = np.column_stack([np.zeros(6), heights, np.zeros(6)])
-    spine, turns = bend(rest, -(stance.lean + measures.stoop) * 1.2, 0.0)
-    spine = spine - spine[1]
-    turns = np.array([turn @ yaw(stance.twist * i / 5) for i, turn in enumerate(turns)])
-    chest = Frame(spine[4], turns[4])
-    up = turns[5] @ np.array([0.25, 1.0, 0.0])
-    skull = Frame(spine[5] + measures.neck * up, yaw(stance.turn + 0.5 * stance.twist) @ pitch(stance.nod))
-    legs = tuple(_leg(measures, leg) for leg in stance.legs)
-    arms = tuple(_arm(measures, arm) for arm in stance.arms)
-    return Skeleton(spine, turns, chest, skull, (legs[0], legs[1]), (arms[0], arms[1]))
+def _belly(measures: Measures, bones: Skeleton) -> Shape:
+    at, turn = (bones.spine[1] + 1.4 * bones.spine[2]) / 2.4, bones.turns[2]
+    size = np.array([measures.waist.half_depth, 0.40 * measures.torso, 1.02 * measures.waist.half_width])
+    return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size.tolist(), turn)
 
 
-def _leg(measures: Measures, leg: Leg) -> Limb:
-    hip = np.array([0.0, 0.0, measures.hips])
-    upper = roll(leg.out) @ pitch(leg.swing + measures.crouch)
-    lower = roll(leg.out * 0.6) @ pitch(leg.swing - leg.knee - measures.crouch)
-    knee = hip + upper @ np.array([0.0, -0.5 * measures.leg, 0.0])
-    ankle = knee + lower @ np.array([0.0, -0.5 * measures.leg, 0.0])
-    # A standing foot lies flat; one whose shin is level points its toes up.
-    tilt = 90.0 if leg.swing > 60 and leg.knee < 45 else leg.toes
-    return Limb(np.array([hip, knee, ankle]), Frame(ankle, yaw(-8.0) @ pitch(tilt)))
+def _side(shape: Shape, index: int) -> Shape:
+    return shape if index == 0 else mirrored(shape)
 
 
-def _arm(measures: Measures, arm: Arm) -> Limb:
-    shoulder = np.array([0.0, 0.0, measures.shoulders])
-    upper = roll(arm.out) @ pitch(arm.swing) @ yaw(arm.twist)
-    lower = upper @ pitch(arm.elbow)
-    elbow = shoulder + upper @ np.array([0.0, -0.53 * measures.arm, 0.0])
-    wrist = elbow + lower @ np.array([0.0, -0.47 * measures.arm, 0.0])
-    return Limb(np.array([shoulder, elbow, wrist]), Frame(wrist, lower))
+def _leg(measures: Measures, limb: Limb) -> Shape:
+    hip, knee, ankle = limb.points
+    thigh, calf = measures.thigh, measures.calf
+    shin = limb.end.origin - knee
+    behind = np.cross([0.0, 0.0, 1.0], shin / np.linalg.norm(shin)) * -0.3 * calf
+    rows = [hip, hip * 0.6 + knee * 0.4, knee, knee * 0.68 + ankle * 0.32 + behind, ankle]
+    return tube(rows, [1.12 * thigh, thigh, 0.5 * (thigh + calf) * 0.9, calf, 0.62 * calf])
+
+
+def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
+    size = measures.foot
+    low = 0.20 * size
+    if kind == "paw":
+        rows = [[-0.18, -0.12, 0], [0.25, -0.12, 0], [0.62, -0.16, 0]]
+        thick, wide = [0.26, 0.25, 0.17], [0.24, 0.30, 0.28]
+    else:
+        rows = [[-0.20, -0.16, 0], [0.10, -0.14, 0], [0.42, -0.20, 0.01], [0.66, -0.23, 0.02]]
+        thick, wide = [0.17, 0.19, 0.145, 0.11], [0.17, 0.18, 0.20, 0.16]
+    sole = tube(np.array(rows) * size, np.array(thick) * size, np.array(wide) * size)
+    shank = tube([[0.0, low, 0.0], [0.0, -0.3 * low, 0.0]], 0.62 * measures.calf)
+    return [moved(sole, limb.end), moved(shank, limb.end)]
+
+
+def _arm(measures: Measures, limb: Limb) -> Shape:
+    shoulder, elbow, wrist = limb.points
+    upper, fore = measures.upper_arm, measures.forearm
+    inner = shoulder + np.array([0.0, -0.1 * upper, -0.6 * upper])
+    rows = [inner, shoulder, shoulder * 0.55 + elbow * 0.45, elbow, elbow * 0.7 + wrist * 0.3, wrist]
+    radii = [1.15 * upper, 1.2 * upper, upper, 0.55 * (upper + fore) * 0.82, fore, 0.68 * fore]
+    return tube(rows, radii)
+
+
+def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
+    """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
+    size, flat = measures.hand, FLAT_HAND
+    if kind == "paw":
+        return [moved(ball([0.05 * size, -0.32 * size, 0.0], np.array([0.4, 0.5, 0.34]) * size), limb.end)]
+    palm = ball([0.02, -0.38, 0.0], [0.26, 0.44, flat])
+    thumb = tube([[0.16, -0.22, 0.0], [0.33, -0.42, -0.05], [0.36, -0.58, -0.08]], [0.1, 0.095, 0.075])
+    shapes: list[Shape] = [palm, thumb]
+    if kind == "mitt":
+        shapes.append(
+            tube([[0.02, -0.45, 0], [0.03, -0.78, -0.05]], [flat, 0.8 * flat], [0.24, 0.17], (1, 0, 0))
+        )
+    else:
+        for at, far in ((-0.2, 0.86), (-0.07, 1.0), (0.06, 1.03), (0.19, 0.95)):
+            knuckle, tip = [at * 0.85, -0.6, 0.0], [at * 1.35, -far, -0.12]
+            middle = [at * 1.1, -0.5 * (0.6 + far), -0.02]
+            shapes.append(tube([knuckle, middle, tip], [0.085, 0.08, 0.065]))
+    return [moved(shape, limb.end, size) for shape in shapes]
+
+
+def _skirt(measures: Measures, bones: Skeleton) -> Shape:
+    """Return a cone about the hips and thighs."""
+    waist, hips = bones.spine[2], bones.spine[1]
+    hem = hips + np.array([0.0, -0.42 * measures.leg, 0.0])
+    hem[0] = np.mean([limb.points[1, 0] for limb in bones.legs])
+    depth, width = measures.pelvis.half_depth, measures.pelvis.half_width
+    far = max(abs(limb.points[1, 0] - hem[0]) for limb in bones.legs) + measures.thigh
+    rows = [waist, hips, hem]
+    radii = [measures.waist.half_depth * 1.05, depth * 1.2, max(far, depth) * 1.15]
+    return tube(rows, radii, [measures.waist.half_width * 1.05, width * 1.2, width * 1.75], flat=True)
+
+
+def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
+    lift, aside = float(rng.uniform(0.1, 0.7)), float(rng.normal(0, 0.25))
+    rows = np.array([[0, 0, 0], [-0.25, -0.08, 0.1], [-0.55, 0.0, 0.4], [-0.72, 0.5, 0.7], [-0.6, 0.95, 1.0]])
+    rows = rows * [1.0, lift, aside] * length
+    start = Frame(bones.spine[1] + np.array([-0.04, 0.0, 0.0]), np.eye(3))
+    return moved(tube(rows, [0.026, 0.022, 0.019, 0.017, 0.016]), start)
+
+
+def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
+    """Return what is on the breast: a plate, or knobs."""
+    if rng.uniform() < 0.5:
+        return [block([depth, -half, 0], [0.014, 0.6 * half, 0.6 * width], 0.01)]
+    knobs = both(
+        tube([[depth - 0.01, -0.5 * half, 0.4 * width], [depth + 0.014, -0.5 * half, 0.4 * width]], 0.02)
+    )
+    return [*knobs, block([depth, -1.2 * half, 0], [0.012, 0.3 * half, 0.6 * width], 0.01)]
+
+
+def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> list[Shape]:
+    """Return two boxes or pipes with balls for joints."""
+    first, second, third = limb.points
+    shapes: list[Shape] = [ball(first, 1.15 * upper), ball(second, 1.12 * lower), ball(third, 0.9 * lower)]
+    for start, end, radius in ((first, second, upper), (second, third, lower)):
+        if boxy:
+            length = float(np.linalg.norm(end - start))
+            shapes.append(
+                block((start + end) / 2, [radius, 0.42 * length, radius], edge, _upright(start - end))
+            )
+            shapes.append(tube([start, end], 0.55 * radius))
+        else:
+            shapes.append(tube([start, end], 0.85 * radius))
+    return shapes
+
+
+def _boot(limb: Limb, measures: Measures, edge: float) -> list[Shape]:
+    size = measures.foot
+    boot = block([0.22 * size, -0.12 * size, 0], [0.55 * size, 0.2 * size, 0.28 * size], edge)
+    return [moved(boot, limb.end)]
+
+
+def _claw(limb: Limb, measures: Measures) -> list[Shape]:
+    """Return a gripper: an open ring."""
+    size = measures.hand
+    jaw = [[0.0, -0.2, 0], [0.38, -0.4, 0], [0.4, -0.75, 0], [0.16, -1.0, 0]]
+    cuff = tube([[0, 0.1, 0], [0, -0.25, 0]], 0.26)
+    jaws = [tube(jaw, 0.13), tube(np.array(jaw) * [-1, 1, 1], 0.13), cuff]
+    return [moved(shape, limb.end, size) for shape in jaws]
+
+
+def _upright(axis: Floats) -> Floats:
+    """Return a rotation whose second column lies along ``axis`` and whose first points ahead."""
+    up = axis / np.linalg.norm(axis)
+    right = np.array([0.0, 0.0, 1.0]) - up[2] * up
+    if np.linalg.norm(right) < 0.3:
+        right = np.array([0.0, 1.0, 0.0]) - up[1] * up
+    right /= np.linalg.norm(right)
+    return np.column_stack([np.cross(up, right), up, right])

@@ -1,10 +1,12 @@
 """Heads of bipeds, in units of their height: base of the skull at the origin, face to +x."""
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
-from normalgan.animals.chain import pitch, yaw
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, block, both, fuse, roll, tube
+from normalgan.animals.field import Part, Ripple
+from normalgan.animals.forms import ball, block, both, fuse, tube
+from normalgan.animals.frames import pitch, roll, yaw
 from normalgan.animals.plan import Rng
 
 
@@ -66,7 +68,7 @@ def _hair(kind: str, wide: float, rng: Rng) -> list[Part]:
         parts.append(fuse(tube(rows, [0.30, 0.23, 0.14], [0.40, 0.42, 0.36]), blend=0.06))
     elif kind == "curly":
         puff = ball([fringe - 0.06, 0.68, 0], [0.54, 0.47, 0.52 * wide])
-        parts = [fuse(puff, ripple=(0.035, 0.22), blend=0.02), parts[1]]
+        parts = [fuse(puff, ripple=Ripple(0.035, 0.22), blend=0.02), parts[1]]
     return parts
 
 
@@ -174,3 +176,9 @@ def robot(rng: Rng) -> list[Part]:
         plugs = tube([[0, 0.55, wide - 0.05], [0, 0.55, wide + 0.12]], 0.13, flat=True)
         parts.append(fuse(*both(plugs, ball([0, 0.55, wide + 0.15], 0.06))))
     return parts
+
+
+HEADS: Mapping[str, Callable[[Rng], list[Part]]] = {
+    "bear": bear, "gorilla": gorilla, "human": human, "monkey": monkey, "toon": toon,
+}  # fmt: skip
+"""The heads of flesh by name."""

@@ -4,20 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.chain import Frame, yaw
 from normalgan.animals.field import Part
 from normalgan.animals.forms import fuse, tube
-from normalgan.animals.outline import rounded
-from normalgan.animals.plan import Rng
-from normalgan.animals.plate import Plate
-from normalgan.animals.shapes import hinge
+from normalgan.animals.frames import Frame, hinge, yaw
+from normalgan.animals.plan import Point, Rng
+from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.sweep import Floats, Sweep, smoothed
 
 TOES = (-34.0, 0.0, 34.0, 180.0)
 
 
 @dataclass(frozen=True)
-class LegShape:
+class Legs:
     """A pair of legs, in units of the length of the body.
 
     Args:
@@ -32,7 +30,7 @@ class LegShape:
         claws: radius at the end of a toe, as a share of ``thick``.
     """
 
-    hip: tuple[float, float, float]
+    hip: Point
     thigh: float
     shank: float
     thick: float
@@ -42,52 +40,57 @@ class LegShape:
     stance: float = 0.88
     claws: float = 0.5
 
+    def grow(self, factor: float, pose: str, body: Frame, rng: Rng) -> list[Part]:
+        """Return both legs in the world; the ground is where those that stand reach to.
 
-def legs(shape: LegShape, factor: float, pose: str, body: Frame, rng: Rng) -> list[Part]:
-    """Return both legs in the world; the ground is where those that stand reach to.
+        Args:
+            factor: on their length.
+            pose: stand, walk, feed, perch, one_leg, soar, spread, land.
+            body: where the body is.
+            rng: draws the stride.
+        """
+        thigh, shank = self.thigh * factor, self.shank * factor
+        stretched = thigh + shank
+        middle = body.place(np.array([[*self.hip[:2], 0.0]]))[0]
+        high = stretched * (0.62 * self.stance if pose == "perch" else self.stance)
+        stride = (
+            {"walk": 0.34, "feed": 0.1, "land": 0.06}.get(pose, 0.05)
+            * stretched
+            * float(rng.uniform(0.6, 1.1))
+        )
+        side = 1.0 if rng.uniform() < 0.5 else -1.0
+        meat: list[Sweep] = []
+        feet: list[Part] = []
+        for sign in (1.0, -1.0):
+            hip = body.place(np.array([[*self.hip[:2], sign * self.hip[2]]]))[0]
+            foot = np.array(
+                [middle[0] * 0.5 + sign * side * stride, middle[1] - high, sign * self.hip[2] * 0.9]
+            )
+            heading, flat = 6.0 * sign, True
+            if pose == "soar":
+                foot, flat = hip + stretched * np.array([-0.82, -0.14, 0.0]), False
+            elif pose == "land":
+                foot, flat = hip + stretched * np.array([0.38, -0.72, 0.06 * sign]), False
+            elif pose == "one_leg" and sign == side:
+                foot, flat = (
+                    hip + np.array([0.55 * (shank - 0.4 * thigh), -0.55 * thigh, -0.03 * sign]),
+                    False,
+                )
+            elif pose == "one_leg":
+                foot[2] *= 0.35
+            heel = hinge(hip, foot, thigh, shank, (-1.0, -0.25, 0.0))
+            knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
+            thigh_tube = tube([hip, knee, heel], [self.meat, 0.62 * self.meat, 1.15 * self.thick],
+                              [0.8 * self.meat, 0.55 * self.meat, 1.15 * self.thick])  # fmt: skip
+            meat.append(smoothed(thigh_tube, 3))  # or its kinks would show as rings
+            bone = tube([heel, foot], [1.05 * self.thick, 0.95 * self.thick])
+            feet.append(fuse(bone, *_toes(self, foot, heading, flat, rng), blend=0.01))
+            if self.web:
+                feet.append(fuse(_web(self, foot, heading, flat), blend=0.01))
+        return [fuse(*meat, blend=0.07), *feet]
 
-    Args:
-        shape: the legs.
-        factor: on their length.
-        pose: stand, walk, feed, perch, one_leg, soar, spread, land.
-        body: where the body is.
-        rng: draws the stride.
-    """
-    thigh, shank = shape.thigh * factor, shape.shank * factor
-    stretched = thigh + shank
-    middle = body.place(np.array([[*shape.hip[:2], 0.0]]))[0]
-    high = stretched * (0.62 * shape.stance if pose == "perch" else shape.stance)
-    stride = (
-        {"walk": 0.34, "feed": 0.1, "land": 0.06}.get(pose, 0.05) * stretched * float(rng.uniform(0.6, 1.1))
-    )
-    side = 1.0 if rng.uniform() < 0.5 else -1.0
-    meat: list[Sweep] = []
-    feet: list[Part] = []
-    for sign in (1.0, -1.0):
-        hip = body.place(np.array([[*shape.hip[:2], sign * shape.hip[2]]]))[0]
-        foot = np.array([middle[0] * 0.5 + sign * side * stride, middle[1] - high, sign * shape.hip[2] * 0.9])
-        heading, flat = 6.0 * sign, True
-        if pose == "soar":
-            foot, flat = hip + stretched * np.array([-0.82, -0.14, 0.0]), False
-        elif pose == "land":
-            foot, flat = hip + stretched * np.array([0.38, -0.72, 0.06 * sign]), False
-        elif pose == "one_leg" and sign == side:
-            foot, flat = hip + np.array([0.55 * (shank - 0.4 * thigh), -0.55 * thigh, -0.03 * sign]), False
-        elif pose == "one_leg":
-            foot[2] *= 0.35
-        heel = hinge(hip, foot, thigh, shank, (-1.0, -0.25, 0.0))
-        knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
-        thigh_tube = tube([hip, knee, heel], [shape.meat, 0.62 * shape.meat, 1.15 * shape.thick],
-                          [0.8 * shape.meat, 0.55 * shape.meat, 1.15 * shape.thick])  # fmt: skip
-        meat.append(smoothed(thigh_tube, 3))  # or its kinks would show as rings
-        bone = tube([heel, foot], [1.05 * shape.thick, 0.95 * shape.thick])
-        feet.append(fuse(bone, *_toes(shape, foot, heading, flat, rng), blend=0.01))
-        if shape.web:
-            feet.append(fuse(_web(shape, foot, heading, flat), blend=0.01))
-    return [fuse(*meat, blend=0.07), *feet]
 
-
-def _toes(shape: LegShape, foot: Floats, heading: float, flat: bool, rng: Rng) -> list[Sweep]:
+def _toes(shape: Legs, foot: Floats, heading: float, flat: bool, rng: Rng) -> list[Sweep]:
     toes = []
     for angle in TOES:
         length = shape.toe * {0.0: 1.0, 180.0: 0.55}.get(angle, 0.88)
@@ -107,7 +110,7 @@ def _toes(shape: LegShape, foot: Floats, heading: float, flat: bool, rng: Rng) -
     return toes
 
 
-def _web(shape: LegShape, foot: Floats, heading: float, flat: bool) -> Plate:
+def _web(shape: Legs, foot: Floats, heading: float, flat: bool) -> Plate:
     reach = 0.95 * shape.toe
     tips = [(reach * np.cos(a), reach * np.sin(a)) for a in np.deg2rad([-36, -18, 0, 18, 36])]
     dents = [(0.9 * x, 0.9 * y) if i in {1, 3} else (x, y) for i, (x, y) in enumerate(tips)]

@@ -1,14 +1,15 @@
 """Wings, folded and open, and the tail: feathers are flat sweeps, laid over one another like slates."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.chain import pitch, yaw
 from normalgan.animals.field import Part
-from normalgan.animals.forms import both, carried, fuse, roll, tube
+from normalgan.animals.forms import both, carried, fuse, tube
+from normalgan.animals.frames import about, pitch, roll, yaw
 from normalgan.animals.plan import Rng
-from normalgan.animals.shapes import about
+from normalgan.animals.stations import Profile
 from normalgan.animals.sweep import Floats, Sweep
 
 STEP = 0.010  # height by which a feather lies over its neighbour
@@ -32,7 +33,7 @@ class Wing:
 
     span: float
     chord: float
-    primaries: int = 9
+    primaries: Annotated[int, range(2, 31)] = 9
     width: float = 0.85
     pointed: float = 0.4
     folded: float = 0.3
@@ -40,12 +41,31 @@ class Wing:
     high: float = 0.15
 
 
-def folded(wing: Wing, body: Floats, factor: float, young: bool) -> list[Part]:
+@dataclass(frozen=True)
+class Tail:
+    """A fan of feathers, in units of the length of the body.
+
+    Args:
+        length: of the feathers.
+        feathers: how many there are; 2 or more.
+        half_width: of one.
+        closed: degrees of the closed fan.
+        raised: degrees it is raised.
+    """
+
+    length: float
+    feathers: Annotated[int, range(2, 31)]
+    half_width: float
+    closed: float
+    raised: float
+
+
+def folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]:
     """Return the wings laid to the sides, in the body's frame: flight feathers, then two rows of coverts.
 
     Args:
         wing: the wings.
-        body: stations (x, top, bottom, half width).
+        body: the bird's.
         factor: on their length.
         young: stubs without flight feathers.
     """
@@ -68,19 +88,19 @@ def folded(wing: Wing, body: Floats, factor: float, young: bool) -> list[Part]:
     return parts
 
 
-def _on_body(body: Floats, x: Floats, high: Floats) -> tuple[Floats, Floats]:
+def _on_body(body: Profile, x: Floats, high: Floats) -> tuple[Floats, Floats]:
     """Return y and z of points on the right side of the body, ``high`` from -1, its belly, to 1."""
-    top, bottom, wide = (np.interp(x, body[:, 0], column) for column in body.T[1:])
+    top, bottom, wide = (np.interp(x, body.x, column) for column in (body.top, body.bottom, body.half_width))
     y = (top + bottom) / 2 + high * (top - bottom) / 2
     return y, wide * np.sqrt(1 - high**2)
 
 
-def opened(wing: Wing, body: Floats, factor: float, pose: str, tilt: float, rng: Rng) -> list[Part]:
+def opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng: Rng) -> list[Part]:
     """Return the spread wings, in the body's frame.
 
     Args:
         wing: the wings.
-        body: stations (x, top, bottom, half width).
+        body: the bird's.
         factor: on their length.
         pose: soar, spread or land.
         tilt: degrees by which the body is raised, which the wings follow in part.
@@ -156,18 +176,16 @@ def _feather(base: Floats, way: Floats, length: float, wing: Wing, span: float, 
     return tube([base + over, base + way * (length - half) + over], [half * 0.9, half], THIN, (0, 1, 0))
 
 
-def tail_fan(
-    tail: tuple[float, int, float, float, float], factor: float, spread: float, aside: float
-) -> list[Part]:
+def tail_fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Part]:
     """Return the tail, in the body's frame.
 
     Args:
-        tail: length, feathers, half width of one, degrees of the closed fan (not used), degrees raised.
+        tail: its feathers.
         factor: on its length.
         spread: degrees between the outermost feathers.
         aside: degrees to the left.
     """
-    length, count, half, _, raised = tail
+    count, half, raised = tail.feathers, tail.half_width, tail.raised
     feathers = []
     for i in range(count):
         t = 2 * i / (count - 1) - 1
@@ -175,7 +193,7 @@ def tail_fan(
         way = turn @ np.array([-1.0, 0.0, 0.0])
         start = np.array([0.16, 0.03, 0.0])
         over = turn @ np.array([0.0, STEP * (1 - abs(t)) * 2.0 + STEP * (i % 2), 0.0])
-        end = start + way * (length * factor + 0.16 - half) * (1 - 0.08 * t * t) + over
+        end = start + way * (tail.length * factor + 0.16 - half) * (1 - 0.08 * t * t) + over
         feathers.append(tube([start + over, end], [0.7 * half, half], THIN, turn @ np.array([0.0, 1.0, 0.0])))
     rump = tube(
         [(0.22, 0.03, 0.0), pitch(-raised) @ np.array([-0.12, 0.0, 0.0]) + [0.05, 0.03, 0.0]],

@@ -1,70 +1,92 @@
-"""What a kind of bird is, in units of the length of its body, and how its parts come together."""
+"""The birds: what a kind is, in units of the length of its body, and how its parts come together."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.bird_legs import LegShape, legs
-from normalgan.animals.bird_wings import Wing, folded, opened, tail_fan
-from normalgan.animals.chain import Frame, bend, pitch, yaw
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, both, carried, fuse, moved, tube
-from normalgan.animals.plan import Form, Rng
-from normalgan.animals.shapes import Rows, trunk
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.bird_legs import Legs
+from normalgan.animals.bird_wings import Tail, Wing, folded, opened, tail_fan
+from normalgan.animals.field import Part, Ripple
+from normalgan.animals.forms import Shape, ball, both, carried, fuse, moved, tube
+from normalgan.animals.frames import Frame, bend, pitch, yaw
+from normalgan.animals.plan import Eyeball, Range, Rng, drawn_pose, proportions
+from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.stations import Profile, Stations
+from normalgan.animals.sweep import Sweep
 
-Range = tuple[float, float]
 Extra = Callable[[Rng, float], list[Part]]
+
+
+def comb(rng: Rng, _: float) -> list[Part]:
+    """Return a cock's comb and wattles; a hen's are smaller."""
+    size = float(rng.uniform(0.6, 1.25))
+    edge = [(-0.42, 0.28), (-0.46, 0.60), (-0.28, 0.52), (-0.20, 0.80), (-0.06, 0.56), (0.06, 0.84),
+            (0.18, 0.54), (0.32, 0.68), (0.40, 0.40), (0.30, 0.20)]  # fmt: skip
+    outline = rounded([(x, 0.3 + (y - 0.3) * size) for x, y in edge], 1)
+    lobes = both(tube([(0.34, -0.22, 0.10), (0.36, -0.22 - 0.36 * size, 0.14)], [0.08, 0.13], 0.05))
+    return [
+        fuse(Plate(outline, Frame(np.zeros(3), np.eye(3)), rim=0.055), blend=0.03),
+        fuse(*lobes, blend=0.03),
+    ]
+
+
+def sickles(rng: Rng, factor: float) -> list[Part]:
+    """Return the drooping tail feathers of a cock; hens have none."""
+    if rng.uniform() < 0.5:
+        return []
+    arcs: list[Shape] = []
+    for i in range(4):
+        z, reach = 0.02 + 0.03 * i, factor * (1.25 - 0.14 * i)
+        arc = np.array(
+            [
+                (0.1, 0.1, z),
+                (-0.12, 0.42, z),
+                (-0.40, 0.60, 1.4 * z),
+                (-0.66, 0.52, 1.8 * z),
+                (-0.80, 0.26, 2 * z),
+            ]
+        )
+        arcs += both(tube(arc * [reach, reach, 1], [0.05, 0.065, 0.06, 0.05, 0.02], 0.018))
+    return [fuse(*arcs, blend=0.01)]
+
+
+def tufts(rng: Rng, _: float) -> list[Part]:
+    """Return an owl's veil of feathers round the eyes, and the ears of some."""
+    parts = [fuse(*both(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24)), blend=0.03),
+             fuse(*both(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18)), blend=0.05, carve=True),
+             fuse(*both(tube([(0.30, 0.08, 0.18), (0.31, 0.08, 0.185)], 0.155)))]  # fmt: skip
+    if rng.uniform() < 0.6:
+        ears = tube(
+            [(0.16, 0.34, 0.22), (0.10, 0.52, 0.33), (0.02, 0.72, 0.42)],
+            [0.12, 0.09, 0.02],
+            [0.07, 0.05, 0.02],
+        )
+        parts.append(fuse(*both(ears), blend=0.06))
+    return parts
+
+
+def plume(_: Rng, factor: float) -> list[Part]:
+    """Return the plumes at the back of a heron's head."""
+    plume = tube([(-0.3, 0.18, 0), (-0.75, 0.14, 0), (-1.25 * factor, -0.12, 0)], [0.07, 0.06, 0.02])
+    return [fuse(plume, blend=0.04)]
+
+
+def brow(_: Rng, __: float) -> list[Part]:
+    """Return the ridge over an eagle's eye."""
+    return [
+        fuse(
+            *both(tube([(-0.02, 0.21, 0.34), (0.20, 0.22, 0.31), (0.36, 0.15, 0.21)], [0.05, 0.06, 0.04])),
+            blend=0.06,
+        )
+    ]
+
+
+FACES: Mapping[str, Extra] = {"brow": brow, "comb": comb, "plume": plume, "tufts": tufts}
+TRAINS: Mapping[str, Extra] = {"sickles": sickles}
+POSES = ("stand", "walk", "feed", "perch", "one_leg", "swim", "spread", "soar", "land")
 YOUNG_SHARE = 0.15
-
-
-@dataclass(frozen=True)
-class Bird:
-    """A kind of bird.
-
-    Args:
-        body: stations (x, top, bottom, half width) from the rump, x = 0, to the breast, x = 1, lying flat.
-        pitch: degrees by which the breast is raised when it stands.
-        neck: stations (x, y, radius) from inside the breast to the head, in the upright bird, as
-            differences from the first.
-        low: the same stations when it feeds.
-        head: stations (x, top, bottom, half width) of the skull in its own frame, in units of ``skull``.
-        skull: size of the head.
-        eye: (x, y, z, radius) in the skull's frame and unit.
-        beak: stations (x, y, radius, half width) of the upper half, in the skull's frame and unit.
-        jaw: those of the lower half.
-        wing: the wings.
-        tail: (length, feathers, half width of a feather, degrees of the closed fan, degrees it is raised).
-        leg: the legs.
-        poses: the poses it is drawn in.
-        face: crests, combs, tufts, in the skull's frame and unit.
-        train: sickle feathers and the like, in the body's frame.
-        turn: greatest turn of the head.
-        chick: whether it is drawn young at times.
-        plump: ranges of proportions that differ from the general ones.
-    """
-
-    body: Rows
-    pitch: Range
-    neck: Rows
-    low: Rows
-    head: Rows
-    skull: float
-    eye: tuple[float, float, float, float]
-    beak: Rows
-    jaw: Rows
-    wing: Wing
-    tail: tuple[float, int, float, float, float]
-    leg: LegShape
-    poses: tuple[str, ...]
-    face: Extra | None = None
-    train: Extra | None = None
-    turn: float = 35.0
-    chick: bool = False
-    ranges: Mapping[str, Range] = field(default_factory=dict)
-
-
 RANGES: Mapping[str, Range] = {
     "girth": (0.88, 1.15), "neck": (0.9, 1.12), "head": (0.92, 1.12), "beak": (0.85, 1.18),
     "tail": (0.8, 1.2), "legs": (0.88, 1.12), "wing": (0.9, 1.12),
@@ -74,80 +96,125 @@ CHICK: Mapping[str, float] = {
 }  # fmt: skip
 
 
-def bird(kind: Bird) -> Form:
-    """Return the body plan of a kind of bird."""
-    return Form(kind.poses, lambda pose, rng: assemble(kind, pose, rng))
+@dataclass(frozen=True)
+class Bird:
+    """A kind of bird.
+
+    Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
+        body: from the rump, x = 0, to the breast, x = 1, lying flat.
+        pitch: degrees by which the breast is raised when it stands.
+        neck: from inside the breast to the head, in the upright bird, as differences from the first.
+        low: the same stations when it feeds.
+        skull_size: size of the head.
+        skull: its sections in its own frame, in units of its size; or the name of a shared one.
+        eye: in the skull's frame and unit.
+        beak: the upper half, in the skull's frame and unit.
+        jaw: the lower half, in the skull's frame and unit.
+        wing: the wings.
+        tail: the tail.
+        leg: the legs.
+        face: crest, comb or tufts, or None.
+        train: sickle feathers, or None.
+        turn: greatest turn of the head, in degrees.
+        chick: whether it is drawn young at times.
+        ranges: ranges of proportions that differ from the general ones.
+    """
+
+    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    body: Profile
+    pitch: Range
+    neck: Stations
+    low: Stations
+    skull_size: float
+    skull: Profile
+    eye: Eyeball
+    beak: Stations
+    jaw: Stations
+    wing: Wing
+    tail: Tail
+    leg: Legs
+    face: Annotated[str, tuple(FACES)] | None = None
+    train: Annotated[str, tuple(TRAINS)] | None = None
+    turn: float = 35.0
+    chick: bool = False
+    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """The habits, each once."""
+        return tuple(dict.fromkeys(self.habits))
+
+    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
+        """Return one individual's parts."""
+        return assemble(self, drawn_pose(self.habits, pose, rng), rng)
 
 
 def assemble(kind: Bird, pose: str, rng: Rng) -> list[Part]:
     """Return the parts of one bird, in the order in which they blend."""
     young = kind.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < YOUNG_SHARE)
-    build = {name: float(rng.uniform(*kind.ranges.get(name, RANGES[name]))) for name in RANGES}
-    build = {name: value * (CHICK[name] if young else 1.0) for name, value in build.items()}
+    build = proportions(RANGES, kind.ranges, rng, CHICK if young else None)
     tilt = float(rng.uniform(*kind.pitch))
     tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)
     turn = pitch(tilt)
     middle = turn @ np.array([0.5, 0.0, 0.0])
     body = Frame(-middle, turn)  # the middle of the body at the origin; the legs find the ground
 
-    rows = np.array(kind.body)
-    rows[:, 3] *= build["girth"]
-    rows[:, 2] *= 0.5 + 0.5 * build["girth"]
-    down = (0.004, 0.06) if young else None
-    parts = [fuse(moved(trunk(rows), body), ripple=down)]
+    girth = build["girth"]
+    rows = replace(kind.body, bottom=kind.body.bottom * (0.5 + 0.5 * girth)).wider(girth)
+    down = Ripple(0.004, 0.06) if young else None
+    parts = [fuse(moved(rows.sweep(), body), ripple=down)]
     neck, head = _neck(kind, pose, build, body, rng)
     parts.append(Part(neck.sweeps, neck.blend, ripple=down))
     parts += _head(kind, build, head, rng, young)
     out = pose in {"soar", "spread", "land"}
-    length, feathers, half = kind.tail[:3]
-    open_fan = float(np.rad2deg(2.2 * half * (feathers - 1) / (length + 0.16)))  # their ends just touch
-    spread = min({"soar": 40.0, "spread": 46.0, "land": 60.0}[pose], open_fan) if out else kind.tail[3]
+    tail = kind.tail
+    touching = 2.2 * tail.half_width * (tail.feathers - 1) / (tail.length + 0.16)  # the ends of an open fan
+    widest = {"soar": 40.0, "spread": 46.0, "land": 60.0}
+    spread = min(widest[pose], float(np.rad2deg(touching))) if out else tail.closed
     fan = tail_fan(kind.tail, build["tail"], spread * float(rng.uniform(0.8, 1.2)), float(rng.normal(0, 5)))
     parts += carried(fan, body)
     if kind.train is not None and not young:
-        parts += carried(kind.train(rng, build["tail"]), body)
+        parts += carried(TRAINS[kind.train](rng, build["tail"]), body)
     if out:
         parts += carried(opened(kind.wing, rows, build["wing"], pose, tilt, rng), body)
     else:
         parts += carried(folded(kind.wing, rows, build["wing"], young), body)
     if pose != "swim":
-        parts += legs(kind.leg, build["legs"], pose, body, rng)
+        parts += kind.leg.grow(build["legs"], pose, body, rng)
     return parts
 
 
 def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: Rng) -> tuple[Part, Frame]:
     share = float(rng.uniform(0.85, 1.0)) if pose == "feed" else float(rng.uniform(0.0, 0.22))
-    up, low = np.array(kind.neck), np.array(kind.low)
-    rows = up + share * (low - up)
+    up, low = kind.neck, kind.low
+    points = up.points + share * (low.points - up.points)
     if pose == "soar":  # stretched ahead, or drawn in as a heron does
-        rows[:, 1] *= 0.25
-        rows[:, 0] += 0.5 * np.abs(up[:, 1])
-    points = np.column_stack([rows[:, :2] * build["neck"], np.zeros(len(rows))])
+        points[:, 1] *= 0.25
+        points[:, 0] += 0.5 * np.abs(up.y)
+    points *= build["neck"]
     points += body.place(np.array([[0.86, 0.02, 0.0]]))[0]
     aside = float(np.clip(rng.normal(0, 0.35), -1, 1)) * kind.turn
     bent, _ = bend(points, 0.0, 0.4 * aside)
-    grow = np.linspace(1.0, build["head"], len(rows))
-    sweep = tube(bent, list(rows[:, 2] * grow))
+    radii = up.radius + share * (low.radius - up.radius)
+    sweep = tube(bent, radii * np.linspace(1.0, build["head"], len(bent)))
     nod = float(rng.uniform(-8, 10)) - (38.0 * share if pose == "feed" else 0.0)
     return fuse(sweep, blend=0.14), Frame(bent[-1], yaw(aside) @ pitch(nod))
 
 
 def _head(kind: Bird, build: Mapping[str, float], frame: Frame, rng: Rng, young: bool) -> list[Part]:
-    size = kind.skull * build["head"]
-    x, y, z, radius = kind.eye
+    size = kind.skull_size * build["head"]
     parts = [
-        fuse(trunk(kind.head), blend=0.35),
+        fuse(kind.skull.sweep(), blend=0.35),
         fuse(_beak(kind.beak, build["beak"]), blend=0.06),
         fuse(_beak(kind.jaw, build["beak"]), blend=0.02),
-        fuse(*both(ball((x, y, z), radius * (1.2 if young else 1.0)))),
+        fuse(*both(ball(kind.eye.at, kind.eye.radius * (1.2 if young else 1.0)))),
     ]
     if kind.face is not None and not young:
-        parts += kind.face(rng, 1.0)
+        parts += FACES[kind.face](rng, 1.0)
     return carried(parts, frame, size)
 
 
-def _beak(rows: Rows, length: float) -> Sweep:
-    stations: Floats = np.array(rows)
-    stations[:, 0] = stations[0, 0] + (stations[:, 0] - stations[0, 0]) * length
-    points = np.column_stack([stations[:, :2], np.zeros(len(stations))])
-    return tube(points, list(stations[:, 2]), list(stations[:, 3]))
+def _beak(rows: Stations, length: float) -> Sweep:
+    longer = replace(rows, x=rows.x[0] + (rows.x - rows.x[0]) * length)
+    return tube(longer.points, rows.radius, rows.widths)

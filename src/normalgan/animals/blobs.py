@@ -1,13 +1,29 @@
-"""Compound blobs for what has no name: solids grown out of one another, lopsided or mirrored."""
+"""Compound blobs for what has no name, and the table of all that is neither animal nor toy."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.chain import pitch, yaw
-from normalgan.animals.field import Part
-from normalgan.animals.forms import Shape, ball, block, both, fuse, ring, roll, tube
-from normalgan.animals.plan import Rng
+from normalgan.animals.field import Part, Ripple
+from normalgan.animals.forms import Shape, ball, block, both, fuse, ring, tube
+from normalgan.animals.frames import pitch, roll, yaw
+from normalgan.animals.objects import (
+    boat,
+    cactus,
+    car,
+    fir,
+    house,
+    mug,
+    mushroom,
+    plane,
+    rocket,
+    snowman,
+    teapot,
+    tree,
+    vase,
+)
+from normalgan.animals.plan import BodyPlan, Form, Rng
 from normalgan.animals.sweep import Floats
 
 KINDS = ("ball", "ball", "rod", "rod", "cone", "block", "ring", "worm")
@@ -35,9 +51,9 @@ def creature(pose: str, rng: Rng) -> list[Part]:
 def _grown(rng: Rng, both_sides: bool) -> list[Part]:
     core = _core(rng, both_sides)
     soft = float(rng.uniform(0.0, 0.22))
-    ripple = (
-        (float(rng.uniform(0.006, 0.02)), float(rng.uniform(0.12, 0.3))) if rng.uniform() < 0.15 else None
-    )
+    ripple = None
+    if rng.uniform() < 0.15:
+        ripple = Ripple(float(rng.uniform(0.006, 0.02)), float(rng.uniform(0.12, 0.3)))
     parts = [fuse(core.shape, ripple=ripple)]
     if rng.uniform() < 0.4:
         parts.append(_dents(core, both_sides, rng))
@@ -114,3 +130,24 @@ def _piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) -> Piec
     bow = np.cross(way, rng.normal(size=3)) * 0.4 * size
     curve = np.array([root, root * 0.7 + tip * 0.3 + bow, root * 0.3 + tip * 0.7 + bow, tip - 0.6 * bow])
     return Piece(tube(curve, thick * np.array([1.1, 1.0, 0.8, 0.55])), curve[1:3])
+
+
+STILL = ("rest",)
+
+BLOBS: Mapping[str, BodyPlan] = {
+    "blob": Form(STILL, blob),
+    "boat": Form(STILL, boat),
+    "cactus": Form(STILL, cactus),
+    "car": Form(STILL, car),
+    "creature": Form(STILL, creature),
+    "fir": Form(STILL, fir),
+    "house": Form(STILL, house),
+    "mug": Form(STILL, mug),
+    "mushroom": Form(STILL, mushroom),
+    "plane": Form(STILL, plane),
+    "rocket": Form(STILL, rocket),
+    "snowman": Form(STILL, snowman),
+    "teapot": Form(STILL, teapot),
+    "tree": Form(STILL, tree),
+    "vase": Form(STILL, vase),
+}

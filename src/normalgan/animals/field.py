@@ -2,15 +2,28 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from normalgan.animals.solid import Solid
+from normalgan.animals.solids import Solid
 from normalgan.animals.sweep import Floats, Sweep, Volume, reach, segment_distance
 
 FAR = np.float32(10.0)  # value of the field where no part is near
 Window = tuple[slice, slice, slice]
 MARGIN = 4  # grid cells round a part in which its field is right
+
+
+class Ripple(NamedTuple):
+    """Bumps on a surface: fleece, fur, leaves.
+
+    Args:
+        height: of the highest.
+        wavelength: about the distance from one to the next.
+    """
+
+    height: float
+    wavelength: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,14 +34,14 @@ class Part:
         sweeps: the tubes.
         blend: width of the zone in which the part and the rest flow together; 0 for a sharp seam.
         carve: take the part away instead of adding it.
-        ripple: height and wavelength of bumps on the surface (fleece, mane); None for none.
+        ripple: bumps on the surface, or None.
         solids: ellipsoids, boxes, rings, plates.
     """
 
     sweeps: tuple[Sweep, ...]
     blend: float
     carve: bool = False
-    ripple: tuple[float, float] | None = None
+    ripple: Ripple | None = None
     solids: tuple[Solid, ...] = ()
 
     def reach(self) -> tuple[Floats, Floats]:
@@ -89,7 +102,7 @@ def sample(parts: Sequence[Part], grid: Grid) -> Volume:
     """
     field = np.full(grid.shape, FAR, np.float32)
     for part in parts:
-        margin = part.blend + MARGIN * grid.spacing + (part.ripple[0] if part.ripple else 0.0)
+        margin = part.blend + MARGIN * grid.spacing + (part.ripple.height if part.ripple else 0.0)
         low, high = part.reach()
         window = grid.window(low - margin, high + margin)
         own = _part_field(part, grid, window, margin)
@@ -124,7 +137,7 @@ def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume
         inner = _within(box, window)
         np.minimum(own[inner], solid.distance(*grid.axes(box)), out=own[inner])
     if part.ripple is not None:
-        own += _ripple(grid.axes(window), *part.ripple)
+        own += _ripple(grid.axes(window), part.ripple)
     return own
 
 
@@ -138,7 +151,7 @@ def _within(box: Window, window: Window) -> Window:
     return x, y, z
 
 
-def _ripple(axes: tuple[Volume, Volume, Volume], height: float, wavelength: float) -> Volume:
+def _ripple(axes: tuple[Volume, Volume, Volume], ripple: Ripple) -> Volume:
     """Return bumps without a grain: plane waves in directions spread evenly over the sphere, summed.
 
     The directions follow the Fibonacci lattice, the wavelengths spread by half; the height is about the
@@ -149,9 +162,9 @@ def _ripple(axes: tuple[Volume, Volume, Volume], height: float, wavelength: floa
     for i in range(count):
         up = 1 - (2 * i + 1) / count
         level = np.sqrt(1 - up * up)
-        number = 2 * np.pi / wavelength * (0.8 + 0.5 * (i * 0.618 % 1))
+        number = 2 * np.pi / ripple.wavelength * (0.8 + 0.5 * (i * 0.618 % 1))
         wave = number * np.array([level * np.cos(i * turn), up, level * np.sin(i * turn)])
         phase = sum(axis * np.float32(k) for axis, k in zip(axes, wave, strict=True))
         total += np.cos(phase + np.float32(i * i))
-    scaled: Volume = total * np.float32(height / 4)
+    scaled: Volume = total * np.float32(ripple.height / 4)
     return scaled

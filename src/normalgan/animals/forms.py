@@ -5,24 +5,13 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.chain import Frame
-from normalgan.animals.field import Part
-from normalgan.animals.solid import Solid
-from normalgan.animals.solids import MIRROR, Box, Ellipsoid, Ring
+from normalgan.animals.field import Part, Ripple
+from normalgan.animals.frames import Frame
+from normalgan.animals.solids import MIRROR, Box, Ellipsoid, Ring, Solid
 from normalgan.animals.sweep import Floats, Sweep
 
 Shape = Sweep | Solid
 SIDE = (0.0, 0.0, 1.0)
-
-
-def roll(degrees: float) -> Floats:
-    """Return the (3, 3) rotation about x that lifts what hangs down towards +z, the animal's right.
-
-    >>> bool(np.allclose(roll(90) @ [0, -1, 0], [0, 0, 1]))
-    True
-    """
-    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
 
 def by(start: Floats, x: float, y: float, z: float) -> Floats:
@@ -81,9 +70,7 @@ def tube(
     return Sweep(curve, thick, wide, sides, cut)
 
 
-def fuse(
-    *shapes: Shape, blend: float = 0.0, carve: bool = False, ripple: tuple[float, float] | None = None
-) -> Part:
+def fuse(*shapes: Shape, blend: float = 0.0, carve: bool = False, ripple: Ripple | None = None) -> Part:
     """Return the part made of these shapes."""
     sweeps = tuple(shape for shape in shapes if isinstance(shape, Sweep))
     solids = tuple(shape for shape in shapes if not isinstance(shape, Sweep))
@@ -115,7 +102,7 @@ def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part
             tuple(_moved_sweep(sweep, frame, size) for sweep in part.sweeps),
             part.blend * size,
             part.carve,
-            None if part.ripple is None else (part.ripple[0] * size, part.ripple[1] * size),
+            None if part.ripple is None else Ripple(part.ripple.height * size, part.ripple.wavelength * size),
             tuple(solid.placed(frame, size) for solid in part.solids),
         )
         for part in parts

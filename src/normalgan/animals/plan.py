@@ -1,14 +1,31 @@
 """Body plans: what every species can do, whatever its shape: grow from random numbers into parts."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 
 from normalgan.animals.field import Part
 
 Rng = np.random.Generator
+RISING = ("low", "high")  # marks pairs of which the first may not be greater than the second
+Range = Annotated[tuple[float, float], RISING]
+"""The least and the greatest of what is drawn evenly."""
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Eyeball:
+    """The right one of a pair of eyes.
+
+    Args:
+        at: its middle.
+        radius: of it.
+    """
+
+    at: Point
+    radius: float
 
 
 class BodyPlan(Protocol):
@@ -45,6 +62,37 @@ class Form:
         return tuple(dict.fromkeys(self.habits))
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts; the pose is drawn, needed or not, so that it shifts nothing."""
-        drawn = str(rng.choice(self.habits))
-        return self.shape(pose or drawn, rng)
+        """Return one individual's parts."""
+        return self.shape(drawn_pose(self.habits, pose, rng), rng)
+
+
+def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
+    """Return the pose that is asked for, or one of the habits; drawn anyway, so that it shifts nothing."""
+    drawn = str(rng.choice(habits))
+    return pose or drawn
+
+
+def proportions(
+    general: Mapping[str, Range],
+    own: Mapping[str, Range],
+    rng: Rng,
+    young: Mapping[str, float] | None = None,
+) -> dict[str, float]:
+    """Draw by which factors an individual differs from the drawing of its species.
+
+    Args:
+        general: the range of each factor in all species of the body plan.
+        own: those ranges of the species that differ.
+        rng: draws each factor evenly, in the order of ``general``.
+        young: what the factors of a young one are multiplied by; None for a grown one.
+
+    >>> proportions({"legs": (1.0, 1.0), "tail": (0.8, 1.2)}, {"tail": (2.0, 2.0)}, np.random.default_rng(0))
+    {'legs': 1.0, 'tail': 2.0}
+    """
+    drawn = {name: float(rng.uniform(*own.get(name, span))) for name, span in general.items()}
+    return {name: value * (young or {}).get(name, 1.0) for name, value in drawn.items()}
+
+
+def factors(rng: Rng, spread: float, *names: str) -> dict[str, float]:
+    """Draw a factor from ``1 - spread`` to ``1 + spread`` for each name."""
+    return proportions(dict.fromkeys(names, (1 - spread, 1 + spread)), {}, rng)

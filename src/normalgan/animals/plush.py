@@ -1,15 +1,16 @@
-"""Plush toys: a round body, stubby limbs, a great head; sewn together along grooves on some."""
+"""Plush toys, each a function: a round body, stubby limbs, a great head; seams on some."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.chain import Frame, pitch, yaw
 from normalgan.animals.field import Part
-from normalgan.animals.forms import Shape, ball, both, by, carried, fuse, mirrored, tube
-from normalgan.animals.plan import Rng
-from normalgan.animals.shapes import factors
+from normalgan.animals.forms import Shape, ball, block, both, by, carried, fuse, mirrored, tube
+from normalgan.animals.frames import Frame, pitch, roll, yaw
+from normalgan.animals.insects import wing
+from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.sweep import Floats, Sweep
 
 HABITS = ("sit", "sit", "stand", "hug", "cheer")
@@ -131,3 +132,292 @@ def _arm(
     if toy.hands:
         shapes.append(ball(hand, 1.25 * thick))
     return shapes
+
+
+def teddy(pose: str, rng: Rng) -> list[Part]:
+    """Return a teddy bear."""
+    ear, muzzle = float(rng.uniform(0.34, 0.46)), float(rng.uniform(0.85, 1.15))
+    at = [0.0, 0.80, 0.72]
+    face = [
+        *skull(),
+        fuse(ball([0.82, -0.26, 0], np.array([0.42, 0.34, 0.42]) * muzzle), blend=0.12),
+        fuse(ball([0.84 + 0.40 * muzzle, -0.12, 0], [0.09, 0.10, 0.15]), blend=0.02),
+        fuse(tube([[1.24 * muzzle, -0.22, 0], [1.18 * muzzle, -0.42, 0]], 0.03), blend=0.02, carve=True),
+        buttons(26, 16, 0.10),
+        fuse(*both(ball(at, [0.17, ear, ear])), blend=0.08),
+        fuse(*both(ball([0.15, 0.84, 0.76], [0.14, 0.6 * ear, 0.6 * ear])), blend=0.06, carve=True),
+    ]
+    return [*sewn(Toy(hands=True), face, pose, rng), *_button(rng)]
+
+
+def _button(rng: Rng) -> list[Part]:
+    """Return a stub of a tail."""
+    return [fuse(ball([-0.24, 0.10, 0], float(rng.uniform(0.06, 0.09))), blend=0.03)]
+
+
+def bunny(pose: str, rng: Rng) -> list[Part]:
+    """Return a bunny, an ear flopped on some."""
+    long = float(rng.uniform(1.0, 1.6))
+    flop = [rng.uniform() < 0.3 for _ in range(2)]
+    ears = []
+    for sign, bent in zip((1.0, -1.0), flop, strict=True):
+        top = [-0.15, 0.8 + long, 0.6 * sign]
+        rows = [[-0.05, 0.7, 0.34 * sign], [-0.1, 0.8 + 0.5 * long, 0.46 * sign], top]
+        if bent:
+            rows = [*rows[:2], [0.05, 0.85 + 0.72 * long, 0.75 * sign], [0.3, 0.7 + 0.45 * long, 1.1 * sign]]
+        ears.append(tube(rows, 0.12, [0.2, 0.3, 0.26, 0.16][: len(rows)]))
+    face = [
+        *skull(0.32),
+        fuse(ball([0.92, -0.25, 0], [0.22, 0.2, 0.3]), blend=0.12),
+        fuse(ball([1.12, -0.12, 0], [0.07, 0.07, 0.11]), blend=0.02),
+        buttons(30, 12, 0.10),
+        fuse(*ears, blend=0.06),
+    ]
+    tail = ball([-0.27, 0.13, 0], float(rng.uniform(0.09, 0.13)))
+    return [*sewn(Toy(belly=(0.24, 0.31, 0.25), limbs=0.95), face, pose, rng), fuse(tail, blend=0.02)]
+
+
+def cat(pose: str, rng: Rng) -> list[Part]:
+    """Return a cat with pointed ears and a long tail."""
+    ear = float(rng.uniform(0.9, 1.2))
+    prick = tube([[-0.02, 0.55, 0.52], [-0.05, 0.55 + 0.72 * ear, 0.80]], [0.16, 0.05], [0.42, 0.05])
+    face = [
+        *skull(0.3),
+        fuse(*both(ball([0.95, -0.28, 0.13], [0.16, 0.15, 0.19])), blend=0.05),
+        fuse(ball([1.08, -0.14, 0], [0.06, 0.06, 0.09]), blend=0.02),
+        buttons(30, 14, 0.115),
+        fuse(*both(prick), blend=0.06),
+        fuse(*both(ball([0.16, 0.86, 0.66], [0.13, 0.26, 0.17], roll(-20))), blend=0.05, carve=True),
+    ]
+    up, aside = float(rng.uniform(0.1, 0.5)), float(rng.choice((-1, 1)))
+    tail = [
+        [-0.15, 0.12, 0],
+        [-0.38, 0.11, 0.08 * aside],
+        [-0.48, 0.2 + 0.5 * up, 0.16 * aside],
+        [-0.40, 0.25 + up, 0.2 * aside],
+    ]
+    return [*sewn(Toy(belly=(0.23, 0.29, 0.23)), face, pose, rng), fuse(tube(tail, 0.062), blend=0.03)]
+
+
+def pig(pose: str, rng: Rng) -> list[Part]:
+    """Return a pig: a flat snout, folded ears, a curl."""
+    wide = float(rng.uniform(0.38, 0.48))
+    fold = float(rng.uniform(0.2, 0.5))
+    tip = [0.2 + 0.35 * fold, 1.12 - 0.3 * fold, 0.84]
+    ear = tube([[0.02, 0.58, 0.56], tip], [0.15, 0.05], [0.42, 0.05])
+    disc = block([1.62, -0.12, 0], [0.4, 0.48, 0.5], 0.05)
+    face = [
+        *skull(0.3),
+        fuse(
+            tube([[0.7, -0.12, 0], [1.22, -0.12, 0]], [0.9 * wide, 0.85 * wide], [1.1 * wide, wide]),
+            blend=0.06,
+        ),
+        fuse(disc, carve=True),  # flat in front; the arms of one that hugs are below
+        fuse(*both(ball([1.24, -0.12, 0.42 * wide], [0.12, 0.3 * wide, 0.2 * wide])), blend=0.03, carve=True),
+        smile(22, -38, 9, 1.0),
+        buttons(34, 22, 0.09),
+        fuse(*both(ear), blend=0.05),
+    ]
+    turn = np.linspace(0, 3.2 * np.pi, 14)
+    curl = np.column_stack([-0.22 - 0.011 * turn, 0.27 + 0.05 * np.sin(turn), 0.05 * np.cos(turn) - 0.05])
+    body = sewn(Toy(belly=(0.28, 0.29, 0.29), head=0.26), face, pose, rng)
+    return [*body, fuse(tube(curl, 0.022), blend=0.01)]
+
+
+def frog(pose: str, rng: Rng) -> list[Part]:
+    """Return a frog: eyes on top, a mouth from ear to ear."""
+    size = float(rng.uniform(0.30, 0.40))
+    face = [
+        fuse(ball([0, 0, 0], [0.98, 0.78, 1.15]), blend=0.05),
+        fuse(*both(ball([0.30, 0.66, 0.55], size)), blend=0.08),
+        fuse(*both(ball([0.30 + 0.8 * size, 0.72, 0.62], 0.42 * size)), blend=0.02),
+        smile(62, -10, 12, 0.955),
+    ]
+    return sewn(Toy(belly=(0.26, 0.25, 0.28), head=0.29, limbs=0.85, arms=1.15, hands=True), face, pose, rng)
+
+
+def elephant(pose: str, rng: Rng) -> list[Part]:
+    """Return an elephant: a trunk, great ears, tusks on some."""
+    ear, lift = float(rng.uniform(0.85, 1.2)), float(rng.uniform(0.0, 1.0))
+    trunk = [
+        [0.75, -0.1, 0],
+        [1.25, -0.35, 0],
+        [1.45, -0.85 + 0.4 * lift, 0],
+        [1.75, -1.0 + 0.9 * lift, 0],
+        [1.98, -0.9 + 1.25 * lift, 0],
+    ]
+    flap = ball([-0.1, 0.12, 1.0 + 0.55 * ear], np.array([0.15, 0.80, 0.72]) * ear, yaw(-22) @ roll(12))
+    face = [
+        *skull(),
+        fuse(tube(trunk, [0.36, 0.28, 0.21, 0.17, 0.16]), blend=0.12),
+        buttons(36, 16, 0.09),
+        fuse(*both(flap), blend=0.10),
+        fuse(
+            *both(ball([0.10, 0.08, 1.02 + 0.6 * ear], np.array([0.13, 0.5, 0.45]) * ear, yaw(-22))),
+            blend=0.1,
+            carve=True,
+        ),
+    ]
+    if rng.uniform() < 0.5:
+        tusk = tube([[0.75, -0.42, 0.34], [1.1, -0.6, 0.40], [1.3, -0.5, 0.38]], [0.12, 0.09, 0.04])
+        face.append(fuse(*both(tusk), blend=0.03))
+    tail = tube([[-0.2, 0.22, 0], [-0.36, 0.2, 0.02], [-0.44, 0.06, 0.03]], [0.035, 0.028, 0.04])
+    body = sewn(Toy(belly=(0.29, 0.31, 0.29), limbs=1.25), face, pose, rng)
+    return [*body, fuse(tail, blend=0.02)]
+
+
+def penguin(pose: str, rng: Rng) -> list[Part]:
+    """Return a penguin: an egg with a beak, flippers and flat feet."""
+    f = factors(rng, 0.14, "fat", "tall", "head", "beak", "flipper")
+    fat, tall, head = 0.30 * f["fat"], 0.42 * f["tall"], 0.26 * f["head"]
+    middle = 2 * tall + 0.35 * head
+    out = {"cheer": 62.0, "hug": 24.0}.get(pose, float(rng.uniform(12, 34)))
+    swing = 40.0 if pose == "hug" else 0.0
+    long = 0.44 * f["flipper"]
+    turn = roll(out) @ pitch(swing)
+    shoulder = np.array([0.0, 1.5 * tall, 0.68 * fat])
+    rows = np.array([[0, 0.04, 0], [0, -0.5 * long, 0.02], [-0.03, -long, 0.0]]) @ turn.T + shoulder
+    flipper = tube(rows, [0.045, 0.05, 0.03], [0.11, 0.12, 0.05], turn @ [1.0, 0, 0])
+    nose = 0.06 + 0.95 * head
+    beak = tube(
+        [[nose - 0.08, middle, 0], [nose + 0.14 * f["beak"], middle - 0.03, 0]], [0.085, 0.015], [0.10, 0.02]
+    )
+    feet = both(ball([0.13, 0.02, 0.14], [0.17, 0.045, 0.11], yaw(-18)))
+    if pose == "sit":
+        feet = both(ball([0.86 * fat, 0.11, 0.15], [0.06, 0.15, 0.11], yaw(-18)))
+    eye = [0.06 + 0.82 * head, middle + 0.30 * head, 0.47 * head]
+    parts = [
+        fuse(ball([0, tall, 0], [0.92 * fat, tall, fat])),
+        fuse(ball([0.03, middle, 0], [head, 0.95 * head, 1.02 * head]), blend=0.09),
+        fuse(ball([0.12 * fat, 0.92 * tall, 0], [0.88 * fat, 0.8 * tall, 0.80 * fat]), blend=0.008),
+        fuse(*both(flipper), blend=0.03),
+        fuse(beak, blend=0.015),
+        fuse(*both(ball(eye, 0.032)), blend=0.006),
+        fuse(*feet, blend=0.015),
+        fuse(
+            tube([[-0.8 * fat, 0.25 * tall, 0], [-1.12 * fat, 0.08 * tall, 0]], [0.08, 0.03], [0.11, 0.06]),
+            blend=0.05,
+        ),
+    ]
+    if rng.uniform() < 0.4:
+        parts.append(
+            fuse(ball([-0.01, middle + 0.85 * head, 0], [0.8 * head, 0.5 * head, 0.8 * head]), blend=0.01)
+        )
+        parts.append(fuse(ball([-0.02, middle + 1.45 * head, 0], 0.32 * head), blend=0.01))
+    return parts
+
+
+def octopus(pose: str, rng: Rng) -> list[Part]:
+    """Return an octopus: a bulb on eight arms that end in curls."""
+    f = factors(rng, 0.14, "tall", "wide", "arms")
+    tall, wide = 0.42 * f["tall"], 0.36 * f["wide"]
+    reach, thick = 0.50 * f["arms"], float(rng.uniform(0.075, 0.10))
+    raised = {"cheer": 0.30, "hug": 0.14}.get(pose, 0.0)
+    arms = []
+    for i in range(8):
+        turn = yaw(22.5 + 45 * i + float(rng.normal(0, 5)))
+        curl = float(rng.uniform(0.02, 0.16)) + raised * float(rng.uniform(0.5, 1.2))
+        side = float(rng.choice((-1, 1))) * float(rng.uniform(0.0, 0.14))
+        rows = [
+            [0.1, 0.22, 0],
+            [0.28, 0.10, 0],
+            [0.28 + 0.55 * reach, thick, side],
+            [0.28 + reach, thick + 0.4 * curl, 1.6 * side],
+            [0.22 + reach, thick + 1.2 * curl, 2.2 * side],
+        ]
+        arms.append(tube(np.array(rows) @ turn.T, np.array([1.2, 1.1, 0.9, 0.7, 0.5]) * thick))
+    eye = np.array([0.80 * wide, 0.32 + 0.62 * tall, 0.42 * wide])
+    mouth = [
+        [0.93 * wide * np.cos(a), 0.30 + 0.32 * tall + 0.05 * a * a, 0.93 * wide * np.sin(a)]
+        for a in np.linspace(-0.35, 0.35, 7)
+    ]
+    return [
+        fuse(ball([-0.02, 0.28 + tall, 0], [wide, tall, 1.02 * wide])),
+        fuse(ball([0, 0.24, 0], [0.30, 0.20, 0.30]), blend=0.15),
+        fuse(*arms, blend=0.06),
+        fuse(*both(ball(eye, 0.085)), blend=0.02),
+        fuse(*both(ball(by(eye, 0.07, 0.01, 0.01), 0.04)), blend=0.006),
+        fuse(tube(mouth, 0.014), blend=0.012, carve=True),
+    ]
+
+
+def dragon(pose: str, rng: Rng) -> list[Part]:
+    """Return a dragon: snout, horns, a comb down the back, small wings, a tail with a barb."""
+    horn, snout = float(rng.uniform(0.5, 0.95)), float(rng.uniform(0.85, 1.15))
+    prongs = tube(
+        [[-0.15, 0.72, 0.42], [-0.35, 0.95 + 0.5 * horn, 0.55], [-0.40, 1.0 + horn, 0.5]], [0.17, 0.11, 0.03]
+    )
+    face = [
+        *skull(0.2),
+        fuse(tube([[0.5, -0.25, 0], [0.6 + 0.62 * snout, -0.28, 0]], [0.46, 0.36], [0.52, 0.46]), blend=0.12),
+        fuse(*both(ball([0.78 + 0.72 * snout, -0.02, 0.2], 0.12)), blend=0.06),
+        fuse(*both(ball([0.93 + 0.72 * snout, 0.02, 0.21], 0.06)), blend=0.03, carve=True),
+        buttons(34, 24, 0.15),
+        fuse(*both(prongs), blend=0.06),
+        fuse(
+            *both(tube([[-0.1, 0.25, 0.95], [-0.3, 0.4, 1.45]], [0.08, 0.03], [0.26, 0.03], [0, 1, 0])),
+            blend=0.05,
+        ),
+        *(
+            fuse(
+                tube(
+                    [[-0.55 * k, 0.95 - 0.35 * k, 0], [-0.75 * k - 0.12, 1.35 - 0.5 * k, 0]],
+                    [0.2, 0.03],
+                    0.09,
+                ),
+                blend=0.03,
+            )
+            for k in (0.35, 0.9)
+        ),
+    ]
+    parts = sewn(Toy(belly=(0.26, 0.30, 0.26), head=0.25, limbs=0.95), face, pose, rng)
+    aside = float(rng.choice((-1, 1)))
+    tail = np.array([[-0.1, 0.16, 0], [-0.34, 0.10, 0.02], [-0.55, 0.09, 0.10], [-0.70, 0.13, 0.24]]) * [
+        1,
+        1,
+        aside,
+    ]
+    way = (tail[-1] - tail[-2]) / np.linalg.norm(tail[-1] - tail[-2])
+    parts.append(fuse(tube(tail, [0.16, 0.12, 0.075, 0.04]), blend=0.06))
+    parts.append(
+        fuse(tube([tail[-1], tail[-1] + 0.14 * way], [0.03, 0.025], [0.1, 0.02], [0, 1, 0]), blend=0.01)
+    )
+    comb = []
+    for i in range(5):
+        t = np.deg2rad(110 + 28 * i)
+        out = np.array([np.cos(t), np.sin(t), 0.0])
+        at = np.array([0.0, 0.30, 0]) + out * [0.22, 0.27, 0]
+        comb.append(tube([at, at + 0.15 * out], [0.07, 0.012], 0.035))
+    parts.append(fuse(*comb, blend=0.02))
+    span = float(rng.uniform(0.8, 1.2))
+    bat = (
+        np.array(
+            [
+                [-0.05, 0.03],
+                [0.16, 0.16],
+                [0.40, 0.14],
+                [0.36, -0.02],
+                [0.26, -0.04],
+                [0.2, -0.13],
+                [0.1, -0.1],
+                [0.0, -0.12],
+            ]
+        )
+        * span
+    )
+    web = wing([0, 0, 0], [(float(a), float(b)) for a, b in bat], float(rng.uniform(15, 50)), 0.0, 0.02)
+    place = Frame(np.array([-0.20, 0.44, 0.0]), pitch(62))
+    return [*parts, *carried([fuse(*web, blend=0.02)], place)]
+
+
+PLUSH: Mapping[str, BodyPlan] = {
+    "plush_bunny": Form(HABITS, bunny),
+    "plush_cat": Form(HABITS, cat),
+    "plush_dragon": Form(HABITS, dragon),
+    "plush_elephant": Form(HABITS, elephant),
+    "plush_frog": Form(HABITS, frog),
+    "plush_octopus": Form(HABITS, octopus),
+    "plush_penguin": Form(HABITS, penguin),
+    "plush_pig": Form(HABITS, pig),
+    "teddy": Form(HABITS, teddy),
+}

@@ -1,45 +1,352 @@
-"""From species, build and pose to the parts of one quadruped."""
+"""The quadrupeds' body plan: what a species is, and from build and pose to the parts of one individual."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from normalgan.animals.chain import Frame, bend, pitch, yaw
-from normalgan.animals.face import eyes, mouth
-from normalgan.animals.field import Part
-from normalgan.animals.head import loft, ornament, skull, stretch
-from normalgan.animals.legs import ground, hang, leg, shoulder_blade
-from normalgan.animals.pose import POSES, Pose
-from normalgan.animals.species import Build, Ornament, Species, draw_build
+from normalgan.animals.armour import Armour
+from normalgan.animals.field import Part, Ripple
+from normalgan.animals.frames import Frame, bend, fold, pitch, yaw
+from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
+from normalgan.animals.quadruped_pose import POSES, Pose
+from normalgan.animals.stations import Profile, Stations
 from normalgan.animals.sweep import Floats, Sweep
+from normalgan.errors import InputError
 
 SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
 YOUNG_SHARE = 0.12
+FACE = 0.4  # share of the head's length, from the poll, behind which the muzzle's length changes nothing
+BELOW_BELLY = 0.6  # share of the height that longer legs add to
+LIP = 0.02  # radius of the groove of the mouth, in units of the head's length
+PROUD = 0.007  # how far its middle lies outside the skull, so that it does not cut thin muzzles through
+
+
+@dataclass(frozen=True)
+class Build:
+    """Factors by which an individual differs from the drawing of its species; 1 is the drawing.
+
+    Args:
+        length: of the torso.
+        depth: of the belly, measured down from the back.
+        girth: width of the torso.
+        legs: length of the legs.
+        bone: thickness of the legs.
+        neck: length of the neck.
+        crest: thickness of the neck.
+        head: size of the head.
+        muzzle: length of the face before the eyes.
+        ears: length of the ears.
+        horns: length of horns, antlers, tusks.
+        tail: length of the tail.
+        humps: height of humps.
+    """
+
+    length: float = 1.0
+    depth: float = 1.0
+    girth: float = 1.0
+    legs: float = 1.0
+    bone: float = 1.0
+    neck: float = 1.0
+    crest: float = 1.0
+    head: float = 1.0
+    muzzle: float = 1.0
+    ears: float = 1.0
+    horns: float = 1.0
+    tail: float = 1.0
+    humps: float = 1.0
+
+
+RANGES: Mapping[str, Range] = {
+    "length": (0.93, 1.07),
+    "depth": (0.92, 1.08),
+    "girth": (0.9, 1.15),
+    "legs": (0.93, 1.07),
+    "bone": (0.9, 1.15),
+    "neck": (0.92, 1.1),
+    "crest": (0.92, 1.12),
+    "head": (0.94, 1.08),
+    "muzzle": (0.92, 1.08),
+    "ears": (0.85, 1.2),
+    "horns": (0.75, 1.25),
+    "tail": (0.85, 1.15),
+    "humps": (0.8, 1.2),
+}
+YOUNG: Mapping[str, float] = {
+    "legs": 1.08, "bone": 0.95, "girth": 0.88, "depth": 0.86, "length": 0.9, "head": 1.12, "muzzle": 0.88,
+    "neck": 0.92, "ears": 1.1, "horns": 0.35, "tail": 0.8,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class LegTemplate:
+    """A leg at rest, in units of the height of its uppermost joint.
+
+    Args:
+        stations: from the top down; x forward of the uppermost joint, y above the ground.
+        joints: stations at which it bends: shoulder, elbow, wrist, fetlock; or hip, knee, hock, fetlock.
+        sole: whether the foot ends flat.
+
+    Raises:
+        InputError: if a joint is no station.
+    """
+
+    stations: Stations
+    joints: tuple[int, int, int, int]
+    sole: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the joints."""
+        if not all(0 <= joint < len(self.stations.x) for joint in self.joints):
+            raise InputError(f"joints are stations, which go from 0 to {len(self.stations.x) - 1}.")
+
+
+@dataclass(frozen=True)
+class Limb:
+    """A pair of legs.
+
+    Args:
+        template: their shape, or the name of a shared one.
+        x: of the uppermost joint, forward.
+        y: of the uppermost joint, above the ground.
+        z: of the uppermost joint, from the middle.
+        foot: z of the foot.
+        thick: factor on the template's radii.
+    """
+
+    template: LegTemplate
+    x: float
+    y: float
+    z: float
+    foot: float
+    thick: float = 1.0
+
+
+@dataclass(frozen=True)
+class Ornament:
+    """Something on the body or head: horn, nose, hump, lop ear.
+
+    Args:
+        stations: in units of the height at the withers; on the head, of its length.
+        scale: the factor of `Build` that stretches it from its pivot; None on the head for one that only
+            grows with it.
+        side: direction of the width.
+        mirror: whether there is another on the left.
+        blend: width of the blend.
+        carve: dig instead of add.
+        swivel: degrees by which its direction may differ from one individual to the next.
+        chance: share of the individuals that have it.
+        ripple: bumps, or None.
+        pivot: what it is stretched and swivelled about; None for its first station.
+        otherwise: it is there if the one before it is not, whatever its chance.
+    """
+
+    kind: ClassVar[str] = "tube"
+    stations: Stations
+    scale: Annotated[str, tuple(RANGES)] | None = None
+    side: Point = (0.0, 0.0, 1.0)
+    mirror: bool = True
+    blend: float = 0.01
+    carve: bool = False
+    swivel: float = 0.0
+    chance: float = 1.0
+    ripple: Ripple | None = None
+    pivot: Point | None = None
+    otherwise: bool = False
+
+    def ornament(self) -> "Ornament":
+        """Return itself."""
+        return self
+
+
+@dataclass(frozen=True)
+class Nostrils:
+    """A pair of nostrils, dug in.
+
+    Args:
+        at: the right one, in units of the head's length.
+        radius: of it.
+    """
+
+    kind: ClassVar[str] = "nostrils"
+    at: Point
+    radius: float
+
+    def ornament(self) -> Ornament:
+        """Return them as what all ornaments are."""
+        x, y, z = self.at
+        ends = np.array([[x, y, z], [x + 0.04, y + 0.02, z - 0.01]])
+        stations = Stations(ends[:, 0], ends[:, 1], np.array([self.radius, self.radius * 0.8]), ends[:, 2])
+        return Ornament(stations, carve=True, blend=0.008)
+
+
+@dataclass(frozen=True)
+class Ears:
+    """A pair of ears shaped like leaves: wide in the middle, pointed.
+
+    Args:
+        base: of the right one, in units of the head's length.
+        tip: its tip.
+        half_width: half of its greatest width.
+        thick: half of its thickness.
+        side: direction of the width.
+        swivel: degrees of individual difference.
+        pricked: widest at the base instead, as a cat's.
+        chance: share of the individuals that have such.
+    """
+
+    kind: ClassVar[str] = "ears"
+    base: Point
+    tip: Point
+    half_width: float
+    thick: float
+    side: Point
+    swivel: float = 18.0
+    pricked: bool = False
+    chance: float = 1.0
+
+    def ornament(self) -> Ornament:
+        """Return them as what all ornaments are."""
+        outline = (1.0, 0.95, 0.78, 0.5, 0.12) if self.pricked else (0.55, 0.88, 1.0, 0.72, 0.16)
+        t, wide = np.array([0.0, 0.25, 0.5, 0.75, 1.0]), np.array(outline)
+        x, y, z = (a + (b - a) * t for a, b in zip(self.base, self.tip, strict=True))
+        stations = Stations(x, y, self.thick * (1.15 - 0.4 * t), z, self.half_width * wide)
+        return Ornament(
+            stations, scale="ears", side=self.side, blend=0.015, swivel=self.swivel, chance=self.chance
+        )
+
+
+@dataclass(frozen=True)
+class Eye:
+    """The right one of a pair of eyes, set on the skull whatever its shape.
+
+    Args:
+        x: along the head.
+        angle: degrees above the middle of the side.
+        radius: of the ball.
+    """
+
+    x: float
+    angle: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class Mouth:
+    """The groove between the lips.
+
+    Args:
+        x: of its corner, along the head.
+        angle: degrees above the middle of the side, negative below.
+    """
+
+    x: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Head:
+    """The skull and what grows on it, in the head's own frame and length: x to the nose, y up, 0 at the poll.
+
+    Args:
+        length: of the head, in units of the height at the withers.
+        pitch: degrees by which the face points up (negative: down) at rest.
+        skull: its sections.
+        eye: of a pair.
+        ornaments: nose, nostrils, ears, horns, in the order in which they blend.
+        mouth: or None for a closed one.
+        flat: whether the snout ends flat.
+    """
+
+    length: float
+    pitch: float
+    skull: Profile
+    eye: Eye
+    ornaments: tuple[Ornament | Nostrils | Ears, ...]
+    mouth: Mouth | None = None
+    flat: bool = False
+
+
+@dataclass(frozen=True)
+class Mane:
+    """A crest along the neck.
+
+    Args:
+        height: over the neck's spine, in neck radii.
+        radius: of it.
+        half_width: of it.
+        aside: how far it falls to one side, in neck widths.
+        bumps: their height; 0 for none.
+    """
+
+    height: float
+    radius: float
+    half_width: float
+    aside: float = 0.0
+    bumps: float = 0.0
 
 
 @dataclass(frozen=True)
 class Quadruped:
-    """The body plan of those that go on four legs.
+    """A kind of quadruped, standing at rest, head to +x, ground at y = 0, the withers about 1 high.
 
     Args:
-        species: its measures.
+        habits: the poses it is seen in; one named twice is drawn twice as often.
+        torso: from the buttocks to the breast.
+        neck: from inside the chest to the poll.
+        head: the head.
+        fore: the forelegs.
+        hind: the hind legs.
+        tail: from inside the croup to the tip.
+        ornaments: humps and udders, in the body's frame.
+        mane: or None.
+        armour: plates, spikes or a frill, or None.
+        ranges: those ranges of `Build` that differ from the general ones.
+        tail_lift: degrees between which the tail is raised.
+        tail_ripple: bumps on the tail, or None.
+        coat: bumps on torso and neck, or None.
+        ruff: bumps on the neck if others than the coat's.
+        neck_pitch: degrees between which the neck is raised over its rest.
     """
 
-    species: Species
+    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    torso: Profile
+    neck: Stations
+    head: Head
+    fore: Limb
+    hind: Limb
+    tail: Stations
+    ornaments: tuple[Ornament, ...] = ()
+    mane: Mane | None = None
+    armour: Armour | None = None
+    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    tail_lift: Range = (-10.0, 25.0)
+    tail_ripple: Ripple | None = None
+    coat: Ripple | None = None
+    ruff: Ripple | None = None
+    neck_pitch: Range = (-15.0, 12.0)
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """Stand, walk, trot, gallop, graze and sit, whatever the species is mostly seen in."""
-        return tuple(POSES)
+        """Stand, walk, trot, gallop, graze and sit, whatever it is mostly seen in; in armour, only those."""
+        return tuple(POSES) if self.armour is None else tuple(dict.fromkeys(self.habits))
 
-    def grow(self, pose: str | None, rng: np.random.Generator) -> list[Part]:
+    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return one individual's parts."""
-        build = draw_build(self.species.ranges, bool(rng.uniform() < YOUNG_SHARE), rng)
-        drawn = str(rng.choice(self.species.poses))
-        return assemble(self.species, build, POSES[pose or drawn](rng), rng)
+        young = YOUNG if rng.uniform() < YOUNG_SHARE else None
+        build = Build(**proportions(RANGES, self.ranges, rng, young))
+        parts = assemble(self, build, POSES[drawn_pose(self.habits, pose, rng)](rng), rng)
+        if self.armour is not None:
+            neck, skull, torso, tail = (parts[i].sweeps[0] for i in (NECK, SKULL, TORSO, TAIL))
+            parts += self.armour.grow(neck, skull, torso, tail, rng)
+        return parts
 
 
-def assemble(species: Species, build: Build, pose: Pose, rng: np.random.Generator) -> list[Part]:
+TORSO, NECK, SKULL, TAIL = 0, 1, 2, 5  # where `assemble` puts them
+
+
+def assemble(species: Quadruped, build: Build, pose: Pose, rng: Rng) -> list[Part]:
     """Return the parts, in the order in which they blend.
 
     Legs are united sharply among themselves, so that they do not melt into one another, and softly with
@@ -75,17 +382,17 @@ def assemble(species: Species, build: Build, pose: Pose, rng: np.random.Generato
     return parts
 
 
-def _chosen(items: tuple[Ornament, ...], rng: np.random.Generator) -> list[Ornament]:
+def _chosen(items: Sequence[Ornament | Nostrils | Ears], rng: Rng) -> list[Ornament]:
     chosen: list[Ornament] = []
     before = True
-    for item in items:
+    for item in (each.ornament() for each in items):
         before = not before if item.otherwise else bool(rng.uniform() < item.chance)
         if before:
             chosen.append(item)
     return chosen
 
 
-def _body(species: Species, build: Build, pose: Pose) -> Frame:
+def _body(species: Quadruped, build: Build, pose: Pose) -> Frame:
     hip = np.array([species.hind.x * build.length, species.hind.y, 0.0])
     turn, up = pitch(pose.pitch), 0.0
     if pose.sit:
@@ -99,20 +406,17 @@ def _body(species: Species, build: Build, pose: Pose) -> Frame:
     return Frame(hip + np.array([0.0, up, 0.0]) - turn @ hip, turn)
 
 
-def _torso(species: Species, build: Build, body: Frame) -> Part:
-    rows = np.array(species.torso)
-    rows[:, 0] *= build.length
-    middle = np.sin(np.linspace(0, np.pi, len(rows)))  # belly and waist change, breast and buttocks hardly
-    rows[:, 2] = rows[:, 1] - (rows[:, 1] - rows[:, 2]) * (1 + (build.depth - 1) * middle)
-    rows[:, 3] *= build.girth
-    points, radii, widths = loft(tuple(map(tuple, rows)))
-    sides = np.tile(body.rotation[:, 2], (len(points), 1))
-    return Part((Sweep(body.place(points), radii, widths, sides),), blend=0.0, ripple=species.coat)
+def _torso(species: Quadruped, build: Build, body: Frame) -> Part:
+    x, top, bottom = species.torso.x, species.torso.top, species.torso.bottom
+    middle = np.sin(np.linspace(0, np.pi, len(x)))  # belly and waist change, breast and buttocks hardly
+    deeper = top - (top - bottom) * (1 + (build.depth - 1) * middle)
+    rows = Profile(x * build.length, top, deeper, species.torso.half_width * build.girth).stations
+    sides = np.tile(body.rotation[:, 2], (len(x), 1))
+    return Part((Sweep(body.place(rows.points), rows.radius, rows.widths, sides),), 0.0, ripple=species.coat)
 
 
-def _neck(species: Species, build: Build, pose: Pose, body: Frame) -> tuple[Part, Frame]:
-    rows = np.array(species.neck)
-    points = np.column_stack([rows[:, :2], np.zeros(len(rows))])
+def _neck(species: Quadruped, build: Build, pose: Pose, body: Frame) -> tuple[Part, Frame]:
+    rows, points = species.neck, species.neck.points
     points[:, 0] += species.fore.x * (build.length - 1)
     points = points[0] + (points - points[0]) * build.neck
     low, high = species.neck_pitch
@@ -128,15 +432,16 @@ def _neck(species: Species, build: Build, pose: Pose, body: Frame) -> tuple[Part
         rotation = yaw(pose.neck_yaw + pose.head_yaw) @ pitch(angle)
     placed = body.place(moved)
     sides = (body.rotation @ turns)[:, :, 2]
-    grow = np.linspace(1, build.head, len(rows)) * build.crest
-    sweep = Sweep(placed, rows[:, 2] * grow, rows[:, 3] * grow, sides)
+    grow = np.linspace(1, build.head, len(points)) * build.crest
+    sweep = Sweep(placed, rows.radius * grow, rows.widths * grow, sides)
     return Part((sweep,), blend=0.12, ripple=species.ruff or species.coat), Frame(placed[-1], rotation)
 
 
-def _lowered(species: Species, build: Build, points: Floats, body: Frame) -> tuple[float, float]:
+def _lowered(species: Quadruped, build: Build, points: Floats, body: Frame) -> tuple[float, float]:
     """Return pitch of neck and head, in degrees, that bring the muzzle near the ground, by bisection."""
-    nose = np.array(species.head.rows[-1])
-    tip = np.array([stretch(nose[:1], build.muzzle)[0], nose[2], 0.0]) * species.head.length * build.head
+    skull = species.head.skull
+    tip = np.array([stretch(skull.x[-1:], build.muzzle)[0], skull.bottom[-1], 0.0])
+    tip = tip * species.head.length * build.head
 
     def head_angle(up: float) -> float:
         return max(species.head.pitch + 0.35 * up, -72.0)
@@ -150,9 +455,8 @@ def _lowered(species: Species, build: Build, points: Floats, body: Frame) -> tup
     return up, head_angle(up)
 
 
-def _tail(species: Species, build: Build, pose: Pose, body: Frame) -> Part:
-    rows = np.array(species.tail)
-    points = np.column_stack([rows[:, :2], np.zeros(len(rows))])
+def _tail(species: Quadruped, build: Build, pose: Pose, body: Frame) -> Part:
+    rows, points = species.tail, species.tail.points
     points[:, 0] *= build.length
     points = points[0] + (points - points[0]) * build.tail
     low, high = species.tail_lift
@@ -160,20 +464,182 @@ def _tail(species: Species, build: Build, pose: Pose, body: Frame) -> Part:
     moved, turns = bend(points, -(low + (high - low) * pose.tail_lift), pose.tail_swing)
     placed = body.place(moved)
     if pose.sit:
-        placed[:, 1] = np.maximum(placed[:, 1], ground(build) + rows[:, 2])
+        placed[:, 1] = np.maximum(placed[:, 1], ground(build) + rows.radius)
     sides = (body.rotation @ turns)[:, :, 2]
-    return Part((Sweep(placed, rows[:, 2], rows[:, 2], sides),), blend=0.03, ripple=species.tail_ripple)
+    return Part((Sweep(placed, rows.radius, rows.radius, sides),), blend=0.03, ripple=species.tail_ripple)
 
 
-def _crest(neck: Sweep, mane: tuple[float, float, float, float, float], sign: float) -> Part:
-    height, radius, width, aside, bumps = mane
+def _crest(neck: Sweep, mane: Mane, sign: float) -> Part:
     tangents = np.gradient(neck.points, axis=0)
     dorsal = np.cross(neck.sides, tangents)
     dorsal /= np.linalg.norm(dorsal, axis=1, keepdims=True)
-    points = neck.points + dorsal * (neck.radii * height)[:, None]
-    points += neck.sides * (neck.widths * aside * sign)[:, None]
-    count = len(points)
-    ripple = (bumps, 0.06) if bumps else None
-    return Part(
-        (Sweep(points, np.full(count, radius), np.full(count, width), neck.sides),), 0.01, ripple=ripple
+    points = neck.points + dorsal * (neck.radii * mane.height)[:, None]
+    points += neck.sides * (neck.widths * mane.aside * sign)[:, None]
+    radii, widths = np.full(len(points), mane.radius), np.full(len(points), mane.half_width)
+    ripple = Ripple(mane.bumps, 0.06) if mane.bumps else None
+    return Part((Sweep(points, radii, widths, neck.sides),), 0.01, ripple=ripple)
+
+
+def ground(build: Build) -> float:
+    """Return the height of the ground, 0 for legs of the drawn length."""
+    return BELOW_BELLY * (1 - build.legs)
+
+
+def hang(limb: Limb, build: Build, angles: tuple[float, ...]) -> Floats:
+    """Return the folded stations, (n + 1, 3), from the uppermost joint; the last one is the sole."""
+    rows = limb.template.stations
+    length = limb.y - ground(build)
+    forward = np.append(rows.x, rows.x[-1]) * length
+    height = np.append(rows.y, 0.0)
+    across = (limb.foot - limb.z) * (1 - height)
+    points = np.column_stack([forward, (height - 1) * length, across])
+    return fold(points, limb.template.joints, angles)
+
+
+def leg(limb: Limb, build: Build, angles: tuple[float, ...], stance: bool, body: Frame, right: bool) -> Sweep:
+    """Return one leg.
+
+    Args:
+        limb: the pair of legs of which it is one.
+        build: the individual.
+        angles: of its four joints, degrees from rest.
+        stance: stretch or shorten it so that its sole is on the ground.
+        body: where the torso is.
+        right: on +z.
+    """
+    rows = limb.template.stations
+    points = hang(limb, build, angles)
+    root = body.place(np.array([[limb.x * build.length, limb.y, limb.z * build.girth]]))[0]
+    if stance:
+        points[:, 1] *= (ground(build) - root[1]) / points[-1, 1]
+    points += root
+    widen = np.interp(rows.y, [0.5, 0.9], [build.bone, build.bone**0.5])
+    thick = limb.thick * limb.y * widen
+    mirror = np.array([1.0, 1.0, 1.0 if right else -1.0])
+    sole = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
+    if stance:
+        sole = np.array([0.0, -1.0, 0.0])
+    cut = (points[-1] * mirror, sole * mirror) if limb.template.sole else None
+    sides = np.tile([0.0, 0.0, 1.0], (len(rows.x), 1))
+    return Sweep(points[:-1] * mirror, rows.radius * thick, rows.widths * thick, sides, cut)
+
+
+def shoulder_blade(limb: Limb, build: Build, body: Frame, right: bool) -> Sweep:
+    """Return the flat muscle that runs from the point of the shoulder up and back to the withers."""
+    x, size = limb.x * build.length, limb.y * limb.thick
+    sign = 1.0 if right else -1.0
+    points = np.array(
+        [
+            [x, limb.y, limb.z * build.girth * sign],
+            [x - 0.07, limb.y + 0.14, (0.85 * limb.z + 0.01) * build.girth * sign],
+            [x - 0.13, limb.y + 0.25, 0.52 * limb.z * build.girth * sign],
+        ]
     )
+    radii, widths = np.array([0.13, 0.115, 0.075]) * size, np.array([0.085, 0.060, 0.040]) * size
+    return Sweep(body.place(points), radii, widths, np.tile(body.rotation[:, 2], (3, 1)))
+
+
+def stretch(x: Floats, muzzle: float) -> Floats:
+    """Return positions along the head with the face in front of the eyes stretched."""
+    stretched: Floats = x + (muzzle - 1) * np.maximum(x - FACE, 0)
+    return stretched
+
+
+def skull(head: Head, build: Build, frame: Frame) -> Part:
+    """Return the head without its ornaments; ``frame`` is that of the head, in the world."""
+    rows = head.skull.stations
+    points = replace(rows, x=stretch(rows.x, build.muzzle)).points
+    size = head.length * build.head
+    placed = frame.place(points * size)
+    sides = np.tile(frame.rotation[:, 2], (len(points), 1))
+    cut = (placed[-1], frame.rotation[:, 0]) if head.flat else None
+    return Part((Sweep(placed, rows.radius * size, rows.widths * size, sides, cut),), blend=0.1 * head.length)
+
+
+def ornament(item: Ornament, size: float, build: Build, frame: Frame, rng: Rng, muzzle: float = 1.0) -> Part:
+    """Return an ornament, both sides of it if mirrored.
+
+    Args:
+        item: what it is.
+        size: the unit of its rows.
+        build: the individual.
+        frame: what it grows on.
+        rng: for its swivel, drawn once a side.
+        muzzle: how much the face is stretched; 1 on the body.
+    """
+    points, radii, widths = item.stations.points, item.stations.radius * size, item.stations.widths * size
+    factor = 1.0 if item.scale is None else float(getattr(build, item.scale))
+    pivot = points[0] if item.pivot is None else np.array(item.pivot)
+    points = pivot + (points - pivot) * factor
+    points = np.column_stack([stretch(points[:, 0], muzzle), points[:, 1:]])
+    sweeps = []
+    for sign in (1.0, -1.0) if item.mirror else (1.0,):
+        turn = pitch(rng.normal(0, 0.5) * item.swivel) @ yaw(rng.normal(0, 0.5) * item.swivel)
+        flip = np.diag([1.0, 1.0, sign])
+        placed = frame.place((pivot + (points - pivot) @ turn.T) @ flip * size)
+        side = frame.rotation @ flip @ turn @ np.array(item.side)
+        sweeps.append(Sweep(placed, radii, widths, np.tile(side, (len(points), 1))))
+    return Part(tuple(sweeps), item.blend, item.carve, item.ripple)
+
+
+def on_skull(head: Head, x: float, degrees: float) -> Floats:
+    """Return the point (3,) on the right half of the skull, in units of its length, seen from its axis.
+
+    The skull is the union of ellipsoids about all stations, so where it tapers steeply its surface lies
+    outside the nearest station's section: the ray from the axis is cut with every ellipsoid near.
+
+    Args:
+        head: the head.
+        x: where along it.
+        degrees: 0 to the side, 90 to the crown, -90 under the jaw.
+    """
+    skull, count = head.skull, len(head.skull.x)
+    at, top, bottom, widths = (
+        np.interp(np.linspace(0, count - 1, 200), np.arange(count), column)
+        for column in (skull.x, skull.top, skull.bottom, skull.half_width)
+    )
+    middles, radii = (top + bottom) / 2, (top - bottom) / 2
+    start = float(np.interp(x, at, middles))
+    up, out = np.sin(np.deg2rad(degrees)), np.cos(np.deg2rad(degrees))
+    a = (up / radii) ** 2 + (out / widths) ** 2
+    b = up * (start - middles) / radii**2
+    c = ((x - at) / radii) ** 2 + ((start - middles) / radii) ** 2 - 1
+    root = np.sqrt(np.maximum(b * b - a * c, 0))
+    far = float(np.max(np.where(b * b >= a * c, (root - b) / a, 0.0)))
+    return np.array([x, start + far * up, far * out])
+
+
+def eyes(head: Head, build: Build, frame: Frame) -> list[Part]:
+    """Return shallow sockets to dig and balls to lay in them."""
+    x, angle, radius = head.eye.x, head.eye.angle, head.eye.radius
+    at = np.array([on_skull(head, x, angle), on_skull(head, x + 0.02, angle)])
+    ahead = at + radius * np.array([0.5, 0.1, 0.35])
+    sockets = _both(head, build, frame, ahead, 1.15 * radius)
+    balls = _both(head, build, frame, at - radius * np.array([0.0, 0.0, 0.35]), radius)
+    size = head.length * build.head
+    return [Part(sockets, 0.05 * size, carve=True), Part(balls, 0.0)]
+
+
+def mouth(head: Head, build: Build, frame: Frame) -> Part | None:
+    """Return the groove between the lips, to dig, or None if the head has none."""
+    if head.mouth is None:
+        return None
+    corner, degrees = head.mouth.x, head.mouth.angle
+    end = float(head.skull.x[-1])
+    along = zip(np.linspace(corner, end, 5), np.linspace(degrees - 12, degrees, 5), strict=True)
+    side = np.array([on_skull(head, float(x), float(angle)) for x, angle in along])
+    side[:, 2] += PROUD
+    rows = head.skull.stations
+    # The muzzle ends in half an ellipsoid as deep as it is high.
+    ahead, up = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    cap = np.array([end + PROUD + rows.radius[-1] * ahead, rows.y[-1] + rows.radius[-1] * up, 0.0])
+    bow = side[-1] * 0.3 + cap * 0.7 + np.array([0.0, 0.0, 0.25 * side[-1, 2]])
+    return Part(_both(head, build, frame, np.vstack([side, bow, cap]), LIP), 0.01 * head.length, carve=True)
+
+
+def _both(head: Head, build: Build, frame: Frame, points: Floats, radius: float) -> tuple[Sweep, ...]:
+    size = head.length * build.head
+    stretched = np.column_stack([stretch(points[:, 0], build.muzzle), points[:, 1:]])
+    fat = np.full(len(points), radius * size)
+    sides = np.tile(frame.rotation[:, 2], (len(points), 1))
+    return tuple(Sweep(frame.place(stretched * [1, 1, sign] * size), fat, fat, sides) for sign in (1, -1))

@@ -1,0 +1,248 @@
+"""The fish: what a kind is, in units of its length, and how its parts come together along a bent spine."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from normalgan.animals.field import Part
+from normalgan.animals.forms import ball, fuse, tube
+from normalgan.animals.frames import Frame
+from normalgan.animals.plan import Eyeball, Point, Range, Rng, drawn_pose, proportions
+from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.stations import Profile, Spine
+from normalgan.animals.sweep import Floats, Sweep
+
+RANGES: Mapping[str, Range] = {
+    "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
+    "eye": (0.85, 1.25),
+}  # fmt: skip
+POSES = ("glide", "swim", "turn")
+
+
+@dataclass(frozen=True)
+class Fin:
+    """A fin in the sagittal plane, or a pair of them.
+
+    Args:
+        outline: corners (x, y) in units of the length of the fish; those of a pair are (outwards from the
+            root, along the chord).
+        thick: half the thickness of its rim.
+        root: (x, y, z) where a pair is set on; None for a single one, given in the fish's own coordinates.
+        spread: degrees by which a pair stands off the flank, 90 straight out.
+        droop: degrees by which a pair hangs below the horizontal.
+        chord: direction of a pair's second axis, as nearly as the first allows.
+        swell: growth of half the thickness inwards.
+        sharp: cut the corners of the outline once instead of twice.
+    """
+
+    kind: ClassVar[str] = "fin"
+    outline: tuple[tuple[float, float], ...]
+    thick: float = 0.007
+    root: Point | None = None
+    spread: float = 50.0
+    droop: float = 20.0
+    chord: Point = (1.0, 0.0, 0.0)
+    swell: float = 0.08
+    sharp: bool = False
+
+    def fin(self) -> "Fin":
+        """Return itself."""
+        return self
+
+
+@dataclass(frozen=True)
+class Finlet:
+    """One of a row of small fins in the sagittal plane, before the tail.
+
+    Args:
+        x: where it is.
+        height: of its root over the middle of the body.
+        below: whether it is on the belly instead of the back.
+    """
+
+    kind: ClassVar[str] = "finlet"
+    x: float
+    height: float
+    below: bool = False
+
+    def fin(self) -> Fin:
+        """Return it as what all fins are."""
+        x, high, side = self.x, self.height, -1.0 if self.below else 1.0
+        corners = ((x - 0.02, high), (x - 0.035, high + 0.035), (x - 0.01, high + 0.03), (x + 0.025, high))
+        return Fin(tuple((a, side * b) for a, b in corners), sharp=True)
+
+
+@dataclass(frozen=True)
+class Gills:
+    """Slits, or the groove of a gill cover, on both flanks.
+
+    Args:
+        x: where the first one is.
+        y: of its middle.
+        z: of the right flank.
+        height: of a slit.
+        slits: how many there are.
+        lid: whether a gill cover shows as one curved groove.
+    """
+
+    x: float
+    y: float
+    z: float
+    height: float
+    slits: int = 0
+    lid: bool = False
+
+
+@dataclass(frozen=True)
+class Fish:
+    """A kind of fish, straight, its nose at x = 1, the root of its tail fin near x = 0.
+
+    Args:
+        body: from the tail to the nose.
+        fins: all fins but that of the tail, in the order in which they blend.
+        eye: the right one of a pair.
+        mouth: points of its right half, from the corner to the middle in front.
+        gills: of both flanks.
+        tail: the tail fin, upright, or None.
+        spines: how many spines stand off its skin.
+        wave: degrees by which body and tail swing when it swims.
+        habits: the poses it is seen in; one named twice is drawn twice as often.
+        ranges: ranges of proportions that differ from the general ones.
+    """
+
+    body: Profile
+    fins: tuple[Fin | Finlet, ...]
+    eye: Eyeball
+    mouth: tuple[Point, ...]
+    gills: Gills
+    tail: Fin | None = None
+    spines: int = 0
+    wave: float = 26.0
+    habits: tuple[Annotated[str, tuple(POSES)], ...] = ("glide", "swim", "swim", "turn")
+    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """The habits, each once."""
+        return tuple(dict.fromkeys(self.habits))
+
+    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
+        """Return one individual's parts."""
+        return assemble(self, drawn_pose(self.habits, pose, rng), rng)
+
+
+def assemble(kind: Fish, pose: str, rng: Rng) -> list[Part]:
+    """Return the parts of one fish, in the order in which they blend."""
+    build = proportions(RANGES, kind.ranges, rng)
+    spine = _spine(pose, kind.wave, rng)
+    depth, girth = build["depth"], build["girth"]
+    stretch = np.array([1.0, depth, girth])
+    body = replace(kind.body, top=kind.body.top * depth, bottom=kind.body.bottom * depth).wider(girth)
+    parts = [fuse(spine.sweep(body))]
+    if kind.tail is not None:
+        parts.append(fuse(*plates(kind.tail, spine, build["tail"]), blend=0.03))
+    flare, flap = float(rng.normal(0, 7)), float(rng.normal(0, 7))
+    for each in kind.fins:
+        moved = _moved(each.fin(), stretch)
+        parts.append(fuse(*plates(moved, spine, build["fins"], flare, flap), blend=0.018))
+    eyes = np.array(_halves(np.array(kind.eye.at))) * stretch
+    eyes[:, 2] -= 0.35 * kind.eye.radius * np.sign(eyes[:, 2])
+    parts.append(fuse(*(ball(at, kind.eye.radius * build["eye"]) for at in spine.place(eyes))))
+    if kind.spines:
+        parts.append(fuse(*_spines(body, kind.spines, spine), blend=0.02))
+    return [*parts, *_grooves(kind, spine, stretch)]
+
+
+def _spine(pose: str, wave: float, rng: Rng) -> Spine:
+    xs = np.linspace(-0.1, 1.0, 23)
+    behind = 1.0 - xs
+    side = 1.0 if rng.uniform() < 0.5 else -1.0
+    size = float(rng.uniform(0.5, 1.0)) * side * wave
+    if pose == "swim":  # a travelling wave that grows towards the tail
+        turns = size * behind**1.4 * np.sin(2 * np.pi * (0.8 * behind + float(rng.uniform())))
+    elif pose == "turn":
+        turns = 1.5 * size * behind**1.2
+    else:
+        turns = 0.12 * size * behind
+    return Spine(xs, turns - turns[-1])
+
+
+def _moved(fin: Fin, stretch: Floats) -> Fin:
+    """Return a fin moved out with the back, belly or flank it stands on."""
+    if fin.root is not None:
+        x, y, z = np.array(fin.root) * stretch
+        return replace(fin, root=(float(x), float(y), float(z)))
+    shift = min(abs(y) for _, y in fin.outline) * (stretch[1] - 1.0)
+    return replace(fin, outline=tuple((x, y + float(np.sign(y)) * shift) for x, y in fin.outline))
+
+
+def _spines(body: Profile, count: int, spine: Spine) -> list[Sweep]:
+    """Return spines all round, spread by the golden angle."""
+    spines = []
+    for i in range(count):
+        x = 0.18 + 0.64 * (i + 0.5) / count
+        top, bottom, wide = body.at(x)
+        angle = i * np.pi * (3 - np.sqrt(5))
+        out = np.array([0.0, (top - bottom) / 2 * np.sin(angle), wide * np.cos(angle)])
+        root = np.array([x, (top + bottom) / 2, 0.0]) + 0.97 * out
+        tip = root + 0.085 * (out / np.linalg.norm(out) + [1.2 * (x - 0.55), 0.0, 0.0])
+        spines.append(tube(spine.place(np.array([root, tip])), [0.022, 0.004]))
+    return spines
+
+
+def _grooves(kind: Fish, spine: Spine, stretch: Floats) -> list[Part]:
+    """Return mouth and gills, to dig."""
+    gills = kind.gills
+    height = gills.height
+    lines = [tube(spine.place(half), 0.008) for half in _halves(np.array(kind.mouth) * stretch)]
+    slits = []
+    for i in range(gills.slits):
+        at = np.array([gills.x - 0.022 * i, gills.y, gills.z]) * stretch
+        curve = np.array([[0.010, 0.5, -0.012], [-0.004, 0.0, 0.0], [0.010, -0.5, -0.012]])
+        slit = at + curve * [1, height, 1]
+        slits += [tube(spine.place(half), 0.007) for half in _halves(slit)]
+    if gills.lid:
+        at = np.array([gills.x, gills.y, gills.z]) * stretch
+        curve = np.array([[0.05, 0.50, -0.022], [0.012, 0.34, -0.008], [0.0, 0.0, 0.0], [0.02, -0.36, -0.012],
+                          [0.07, -0.55, -0.03]])  # fmt: skip
+        slits += [tube(spine.place(half), 0.009) for half in _halves(at + curve * [1, height, 1])]
+    parts = [fuse(*lines, blend=0.006, carve=True)]
+    return [*parts, fuse(*slits, blend=0.006, carve=True)] if slits else parts
+
+
+def _halves(points: Floats) -> tuple[Floats, Floats]:
+    return points, points * np.array([1.0, 1.0, -1.0])
+
+
+def plates(fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0) -> list[Plate]:
+    """Return the plates of a fin.
+
+    Args:
+        fin: the fin.
+        spine: of the fish it grows on.
+        factor: on its height.
+        flare: degrees added to the spread of a pair.
+        flap: degrees added to its droop.
+    """
+    corners = np.array(fin.outline)
+    times = 1 if fin.sharp else 2
+    if fin.root is None:
+        middle = float(corners[:, 0].mean())
+        base = float(np.abs(corners[:, 1]).min()) * np.sign(corners[:, 1].sum())
+        flat = rounded([(x - middle, base + (y - base) * factor) for x, y in corners], times)
+        # The plate bends as the spine does about its middle.
+        h = 0.05
+        before, after = (spine.frame(middle + d).rotation for d in (-h, h))
+        turn = float(np.arctan2(-after[2, 0], after[0, 0]) - np.arctan2(-before[2, 0], before[0, 0]))
+        return [Plate(flat, spine.frame(middle), fin.thick, fin.swell, 4 * fin.thick, (-turn / (2 * h), 0.0))]
+    x, y, z = fin.root
+    out, drop = np.deg2rad(fin.spread + flare), np.deg2rad(fin.droop + flap)
+    first = np.array([-np.cos(out) * np.cos(drop), -np.sin(drop), np.sin(out) * np.cos(drop)])
+    second = np.array(fin.chord) - (np.array(fin.chord) @ first) * first
+    second /= np.linalg.norm(second)
+    frame = Frame(np.array([0.0, y, z]), np.column_stack([first, second, np.cross(first, second)]))
+    outline = rounded([(a * factor, b) for a, b in corners], times)
+    right = Plate(outline, frame, fin.thick, fin.swell, 4 * fin.thick)
+    return [each.placed(spine.frame(x), 1.0) for each in (right, right.mirrored())]

@@ -1,0 +1,118 @@
+"""Where things are and how they turn: rotations, frames, chains bent at joints."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.animals.sweep import Floats
+
+
+def pitch(degrees: float) -> Floats:
+    """Return the (3, 3) rotation about z that turns +x towards +y.
+
+    >>> (pitch(90) @ [1, 0, 0]).round(6).tolist()
+    [0.0, 1.0, 0.0]
+    """
+    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def yaw(degrees: float) -> Floats:
+    """Return the (3, 3) rotation about y that turns +x towards -z, the animal's left.
+
+    >>> (yaw(90) @ [1, 0, 0]).round(6).tolist()
+    [0.0, 0.0, -1.0]
+    """
+    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def roll(degrees: float) -> Floats:
+    """Return the (3, 3) rotation about x that lifts what hangs down towards +z, the animal's right.
+
+    >>> bool(np.allclose(roll(90) @ [0, -1, 0], [0, 0, 1]))
+    True
+    """
+    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Where a part of the body is: ``world = origin + rotation @ local``.
+
+    Args:
+        origin: (3,)
+        rotation: (3, 3)
+    """
+
+    origin: Floats
+    rotation: Floats
+
+    def place(self, points: Floats) -> Floats:
+        """Return (n, 3) local points in the world."""
+        placed: Floats = self.origin + points @ self.rotation.T
+        return placed
+
+
+def bend(points: Floats, up: float, left: float) -> tuple[Floats, Floats]:
+    """Bend a curve evenly along its length, its first point fixed.
+
+    Args:
+        points: (n, 3) stations in the sagittal plane.
+        up: degrees by which the last span is pitched.
+        left: degrees by which the last span is turned.
+
+    Returns:
+        (n, 3) stations, and (n, 3, 3) rotations from rest at each.
+    """
+    spans = len(points) - 1
+    turns = [yaw(left * (i + 1) / spans) @ pitch(up * (i + 1) / spans) for i in range(spans)]
+    moved = [points[0]]
+    for i, turn in enumerate(turns):
+        moved.append(moved[-1] + turn @ (points[i + 1] - points[i]))
+    return np.array(moved), np.array([turns[0], *turns])
+
+
+def fold(points: Floats, joints: tuple[int, ...], angles: tuple[float, ...]) -> Floats:
+    """Rotate all that follows each joint about it, from the root on, in the sagittal plane.
+
+    Args:
+        points: (n, 3)
+        joints: indices of points.
+        angles: degrees, positive moves what hangs below forward.
+    """
+    moved = points.copy()
+    for joint, angle in zip(joints, angles, strict=True):
+        moved[joint + 1 :] = moved[joint] + (moved[joint + 1 :] - moved[joint]) @ pitch(angle).T
+    return moved
+
+
+def about(pivot: Sequence[float] | Floats, rotation: Floats) -> Frame:
+    """Return the frame that turns the world about a point."""
+    fixed = np.array(pivot, dtype=np.float64)
+    return Frame(fixed - rotation @ fixed, rotation)
+
+
+def hinge(
+    start: Floats, end: Floats, upper: float, lower: float, bend: Sequence[float] = (-1.0, 0.0, 0.0)
+) -> Floats:
+    """Return the joint (3,) between two bones that run from ``start`` to ``end``, bent towards ``bend``.
+
+    Bones too short to reach lie straight, the joint dividing the way as their lengths do.
+
+    >>> hinge(np.zeros(3), np.array([0.0, -6.0, 0.0]), 5.0, 5.0).tolist()
+    [-4.0, -3.0, 0.0]
+    """
+    way = end - start
+    length = float(np.linalg.norm(way))
+    reachable = length < upper + lower
+    along = (
+        (length**2 + upper**2 - lower**2) / (2 * length) if reachable else length * upper / (upper + lower)
+    )
+    height = float(np.sqrt(max(upper**2 - along**2, 0.0))) if reachable else 0.0
+    out = np.array(bend, dtype=np.float64)
+    out = out - (out @ way) / length**2 * way
+    joint: Floats = start + way / length * along + out / np.linalg.norm(out) * height
+    return joint

@@ -1,0 +1,443 @@
+"""The reptiles: lizards and crocodiles, turtles, snakes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Annotated
+
+import numpy as np
+
+from normalgan.animals.field import Part
+from normalgan.animals.forms import ball, both, by, carried, fuse, moved, tube
+from normalgan.animals.frames import Frame, about, bend, pitch, yaw
+from normalgan.animals.plan import Eyeball, Point, Range, Rng, drawn_pose, factors, proportions
+from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.stations import Profile, Spine
+from normalgan.animals.sweep import Floats, Sweep
+
+RANGES: Mapping[str, Range] = {
+    "girth": (0.88, 1.18), "tail": (0.8, 1.15), "head": (0.9, 1.18), "legs": (0.88, 1.15),
+    "crest": (0.7, 1.3),
+}  # fmt: skip
+CRAWLING = ("crawl", "stand", "bask", "gape")
+SHELLED = ("stand", "walk", "hide", "swim", "glide")
+COILED = ("coil", "wind", "rear")
+
+
+@dataclass(frozen=True)
+class Crawler:
+    """A kind of lizard or crocodile: one long trunk bent sideways, legs that sprawl, belly near y = 0.
+
+    Lengths are in units of snout to tail root.
+
+    Args:
+        trunk: from the tip of the tail to the neck; the tail starts at 0.
+        head: length of the head.
+        skull: the head with its upper jaw, in its own frame, in units of ``head``.
+        jaw: the lower jaw, hinged at its first station.
+        neck: (x, y) where the head is set on.
+        eye: in units of ``head``.
+        shoulder: of the right foreleg.
+        hip: of the right hind leg.
+        reach: length of a leg.
+        thick: radius of a leg.
+        crest: height of the spikes along the back, 0 for none.
+        scutes: how many pairs of rows of bumps the back has.
+        habits: the poses it is seen in; one named twice is drawn twice as often.
+        ranges: ranges of proportions that differ from the general ones.
+    """
+
+    trunk: Profile
+    head: float
+    skull: Profile
+    jaw: Profile
+    neck: tuple[float, float]
+    eye: Eyeball
+    shoulder: Point
+    hip: Point
+    reach: float
+    thick: float
+    crest: float = 0.0
+    scutes: int = 0
+    habits: tuple[Annotated[str, CRAWLING], ...] = ("crawl", "crawl", "stand", "bask", "gape")
+    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """The habits, each once."""
+        return tuple(dict.fromkeys(self.habits))
+
+    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
+        """Return one individual's parts."""
+        return crawler(self, drawn_pose(self.habits, pose, rng), rng)
+
+
+@dataclass(frozen=True)
+class Turtle:
+    """A kind of turtle, its shell a unit long.
+
+    Args:
+        dome: height of the shell over its rim.
+        half_width: of the shell.
+        neck: length of the neck.
+        habits: the poses it is seen in; one named twice is drawn twice as often.
+        clear: height of the rim over the ground.
+        flippers: whether it swims instead of walking.
+        bumpy: how far the scutes bulge.
+    """
+
+    dome: float
+    half_width: float
+    neck: float
+    habits: tuple[Annotated[str, SHELLED], ...]
+    clear: float = 0.0
+    flippers: bool = False
+    bumpy: float = 0.02
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """The habits, each once."""
+        return tuple(dict.fromkeys(self.habits))
+
+    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
+        """Return one individual's parts."""
+        return turtle(self, drawn_pose(self.habits, pose, rng), rng)
+
+
+@dataclass(frozen=True)
+class Snake:
+    """A kind of snake: a long tube that tapers, coiled, winding or raised.
+
+    Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
+        hooded: whether it spreads its neck, as a cobra does.
+    """
+
+    habits: tuple[Annotated[str, COILED], ...]
+    hooded: bool = False
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """The habits, each once."""
+        return tuple(dict.fromkeys(self.habits))
+
+    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
+        """Return one individual's parts."""
+        return snake(self, drawn_pose(self.habits, pose, rng), rng)
+
+
+def crawler(kind: Crawler, pose: str, rng: Rng) -> list[Part]:
+    """Return the parts of one lizard or crocodile, in the order in which they blend."""
+    build = proportions(RANGES, kind.ranges, rng)
+    x = kind.trunk.x
+    rows = replace(kind.trunk, x=np.where(x < 0, x * build["tail"], x)).wider(build["girth"])
+    spine = _crawler_spine(rows, pose, rng)
+    parts = [fuse(spine.sweep(rows))]
+    at = spine.frame(kind.neck[0])
+    lift = float(rng.uniform(0, 10)) + (8.0 if pose == "gape" else 0.0)
+    turn = float(np.clip(rng.normal(0, 14), -30, 30))
+    head = Frame(at.place(np.array([[0.0, kind.neck[1], 0.0]]))[0], at.rotation @ yaw(turn) @ pitch(lift))
+    gape = float(rng.uniform(20, 32)) if pose == "gape" else float(rng.uniform(1, 4))
+    parts += carried(_crawler_head(kind, gape), head, kind.head * build["head"])
+    for number, root in enumerate((kind.shoulder, kind.hip)):
+        for sign in (1.0, -1.0):
+            swing = float(rng.normal(0, 6))
+            if pose == "crawl":  # diagonal legs go together
+                swing += 26.0 * sign * (1 if number == 0 else -1) * float(rng.uniform(0.6, 1.0))
+            parts.append(_crawler_leg(kind, np.array(root), sign, number == 0, swing, build["legs"], spine))
+    if kind.crest:
+        parts.append(fuse(*_crest(rows, kind.crest * build["crest"], spine), blend=0.015))
+    if kind.scutes:
+        parts.append(fuse(*_bumps(rows, kind.scutes, spine), blend=0.012))
+    return parts
+
+
+def _crawler_spine(rows: Profile, pose: str, rng: Rng) -> Spine:
+    xs = np.linspace(rows.x[0], rows.x[-1] + 0.05, 41)
+    share = (xs[-1] - xs) / (xs[-1] - xs[0])
+    side = 1.0 if rng.uniform() < 0.5 else -1.0
+    if pose == "crawl":
+        turns = (
+            side * (14 + 34 * share) * np.sin(2 * np.pi * (1.15 * share + float(rng.uniform(-0.08, 0.08))))
+        )
+    elif pose == "bask":  # curled to one side, the tail most of all
+        turns = side * float(rng.uniform(90, 165)) * share**1.8
+    else:
+        turns = side * float(rng.uniform(0, 40)) * share**1.3 + float(rng.normal(0, 10)) * np.sin(5 * share)
+    return Spine(xs, turns - turns[-1])
+
+
+def _crawler_head(kind: Crawler, gape: float) -> list[Part]:
+    skull, jaw = kind.skull, kind.jaw
+    hinge = (float(jaw.x[0]), float(jaw.stations.y[0]), 0.0)
+    x, y, z = skull.x[-1], skull.top[-1], skull.half_width[-1]
+    nostril = tube([(x, y, 0.55 * z), (x - 0.05, y + 0.015, 0.6 * z)], 0.022)
+    return [
+        fuse(skull.sweep(), blend=0.18),
+        fuse(moved(jaw.sweep(), about(hinge, pitch(-gape))), blend=0.02),
+        fuse(*both(ball(kind.eye.at, kind.eye.radius)), blend=0.03),
+        fuse(*both(nostril), blend=0.01, carve=True),
+    ]
+
+
+def _crawler_leg(
+    kind: Crawler, root: Floats, sign: float, fore: bool, swing: float, factor: float, spine: Spine
+) -> Part:
+    """Return a leg: out from the flank, down from the elbow or knee, the foot flat on the ground."""
+    x, y, z = root
+    reach, r = kind.reach * factor, kind.thick
+    back = -1.0 if fore else 1.0  # elbows point backwards, knees forwards
+    ground = -r * 0.4
+    elbow = np.array([0.22 * back * reach, y + 0.10 * reach, z + 0.44 * reach])
+    foot = np.array([0.06 * reach, ground + 0.5 * r, z + 0.66 * reach])
+    pivot = np.array([0.0, 0.0, z])
+    turn = about(pivot, yaw(swing))
+    joint, foot = turn.place(np.array([elbow, foot]))
+    parts = [tube([(0, y, 0.7 * z), (0, y, z), joint, foot], [1.35 * r, 1.3 * r, 0.95 * r, 0.72 * r])]
+    for spread in (-58.0, -28.0, 0.0, 26.0, 52.0):
+        length = (0.30 if abs(spread) < 40 else 0.22) * reach
+        way = yaw(swing - 38.0 + spread) @ np.array([length, 0.0, 0.0])
+        tip = foot + way
+        middle = foot + 0.55 * way + [0.0, 0.25 * r, 0.0]
+        tip[1], middle[1] = ground + 0.1 * r, max(middle[1], ground + 0.4 * r)
+        parts.append(tube([foot, middle, tip], [0.55 * r, 0.42 * r, 0.22 * r]))
+    shape = fuse(*parts, blend=0.05)
+    flip = Frame(np.zeros(3), np.diag([1.0, 1.0, sign]))
+    return carried(carried([shape], flip), spine.frame(x))[0]
+
+
+def _crest(rows: Profile, height: float, spine: Spine) -> list[Sweep]:
+    spikes, tail = [], rows.x[0]
+    for x in np.arange(rows.x[-1] - 0.02, 0.45 * tail, -0.055):
+        top = rows.at(x)[0]
+        tall = height * float(np.interp(x, [0.4 * tail, 0.0, 0.7], [0.3, 0.7, 1.0]))
+        points = np.array([[x + 0.02, top - 0.02, 0.0], [x - 0.03, top + tall, 0.0]])
+        spikes.append(tube(spine.place(points), [0.030, 0.010], [0.014, 0.008]))
+    return spikes
+
+
+def _bumps(rows: Profile, pairs: int, spine: Spine) -> list[Sweep]:
+    """Return the scutes of a crocodile's back."""
+    bumps = []
+    for x in np.arange(rows.x[-1] - 0.02, 0.8 * rows.x[0], -0.062):
+        top, bottom, wide = rows.at(x)
+        tail = x < 0.45 * rows.x[0]  # the two inner rows run together on the tail
+        for k in range(1 if tail else pairs):
+            share = 0.0 if tail else (0.24 + 0.46 * k / max(pairs - 1, 1))
+            y = (top + bottom) / 2 + (top - bottom) / 2 * np.sqrt(1 - share**2)
+            for sign in (1.0,) if tail else (1.0, -1.0):
+                z = sign * share * wide
+                points = np.array([[x + 0.018, y - 0.006, z], [x - 0.018, y + (0.028 if tail else 0.012), z]])
+                bumps.append(tube(spine.place(points), [0.020, 0.012], [0.015, 0.010]))
+    return bumps
+
+
+TURTLE_HEAD = Profile(
+    np.array([-0.1, -0.02, 0.07, 0.15, 0.185]),
+    np.array([0.07, 0.105, 0.1, 0.055, 0.01]),
+    np.array([-0.07, -0.09, -0.085, -0.065, -0.06]),
+    np.array([0.07, 0.095, 0.088, 0.055, 0.022]),
+)
+
+
+def turtle(kind: Turtle, pose: str, rng: Rng) -> list[Part]:
+    """Return the parts of one turtle, in the order in which they blend."""
+    build = factors(rng, 0.12, "dome", "wide", "clear", "neck", "head", "legs")
+    radii = np.array([0.50, kind.dome * build["dome"], kind.half_width * build["wide"]])
+    rim = 0.0 if kind.flippers else kind.clear * build["clear"]
+    under = 0.28 if kind.flippers else 0.34
+    shell = [
+        fuse(ball((0, rim, 0), radii)),
+        # The dome alone: what lies below its rim is cut off, and a flatter belly set in its place.
+        fuse(_slab(rim, radii), carve=True, blend=0.02),
+        fuse(ball((0, rim + 0.005, 0), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
+        fuse(ball((0, rim, 0), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
+        *([fuse(*_scutes(radii, rim, kind.bumpy), blend=0.25 * radii[1])] if kind.bumpy else []),
+        fuse(*_grooves(radii, rim), carve=True, blend=0.008),
+    ]
+    tail = tube([(-0.40, rim, 0), (-0.52, rim - 0.03, 0), (-0.62, rim - 0.07, 0)], [0.06, 0.04, 0.012])
+    parts = [*shell, fuse(tail, blend=0.03)]
+    out = kind.neck * build["neck"] * {"hide": 0.35}.get(pose, 1.0)
+    stretch = np.array(
+        [[0.36, rim - 0.01, 0], [0.48, rim + 0.01, 0], [0.50 + out, rim + 0.10 * (out > 0.1), 0]]
+    )
+    aside = float(np.clip(rng.normal(0, 16), -35, 35))
+    bent, _ = bend(stretch, float(rng.uniform(-10, 22)), aside)
+    parts.append(fuse(tube(bent, [0.11, 0.085, 0.07]), blend=0.05))
+    head = Frame(bent[-1], yaw(aside) @ pitch(float(rng.uniform(-12, 14))))
+    beak = tube([(0.15, 0.0, 0), (0.20, -0.02, 0), (0.205, -0.06, 0)], [0.05, 0.035, 0.012])
+    mouth = tube([(0.06, -0.045, 0.092), (0.13, -0.045, 0.066), (0.18, -0.05, 0.028)], 0.007)
+    face = [
+        fuse(TURTLE_HEAD.sweep(), blend=0.03),
+        fuse(beak, blend=0.02),
+        fuse(*both(ball((0.085, 0.045, 0.074), 0.021))),
+        fuse(*both(mouth), carve=True, blend=0.004),
+    ]
+    parts += carried(face, head, 1.15 * build["head"])
+    return parts + (_flippers if kind.flippers else _turtle_legs)(radii, rim, build["legs"], pose, rng)
+
+
+def _slab(rim: float, radii: Floats) -> Sweep:
+    """Return what lies below the rim of the dome, to be taken away."""
+    deep = float(radii[1]) + 0.1
+    points = [(-0.8, rim - deep - 0.01, 0.0), (0.8, rim - deep - 0.01, 0.0)]
+    return tube(points, deep, 8.0)
+
+
+def _on(radii: Floats, rim: float, x: float, z: float, out: float = 0.0) -> Floats:
+    """Return the point of the dome over (x, z), each a share of its half length or width."""
+    y = np.sqrt(max(1 - x * x - z * z, 0.0))
+    point: Floats = np.array([0.0, rim, 0.0]) + radii * np.array([x, y, z]) * (1 + out)
+    return point
+
+
+def _scutes(radii: Floats, rim: float, bumpy: float) -> list[Sweep]:
+    """Return bulges in the middle of the scutes."""
+    bulges = []
+    for x in (-0.62, -0.22, 0.20, 0.58):
+        bulges.append(_bulge(radii, rim, x, 0.0, bumpy))
+    for x in (-0.50, -0.02, 0.44):
+        bulges += [_bulge(radii, rim, x, sign * 0.56, bumpy) for sign in (1, -1)]
+    return bulges
+
+
+def _bulge(radii: Floats, rim: float, x: float, z: float, bumpy: float) -> Sweep:
+    inner, outer = _on(radii, rim, x, z, -0.10), _on(radii, rim, x, z, bumpy - 0.14)
+    return tube([inner, outer], [0.14, 0.07])
+
+
+def _grooves(radii: Floats, rim: float) -> list[Sweep]:
+    """Return the lines between the scutes: a middle row of hexagons between two rows along the flanks."""
+    lines = []
+    knots = np.array([-0.86, -0.62, -0.42, -0.22, -0.01, 0.20, 0.40, 0.58, 0.82])
+    wide = np.array([0.16, 0.34, 0.24, 0.36, 0.25, 0.36, 0.24, 0.32, 0.14])
+    for sign in (1, -1):
+        edge = [_on(radii, rim, x, sign * w) for x, w in zip(knots, wide, strict=True)]
+        lines.append(tube(edge, 0.010))
+        for x, w in zip((-0.62, -0.22, 0.20, 0.58), (0.34, 0.36, 0.36, 0.32), strict=True):
+            far = 0.93 * np.sqrt(1 - x * x)
+            lines.append(tube([_on(radii, rim, x * 1.02, sign * z) for z in np.linspace(w, far, 5)], 0.010))
+    for x, w in zip((-0.42, -0.01, 0.40), (0.24, 0.25, 0.24), strict=True):
+        lines.append(tube([_on(radii, rim, x, z) for z in np.linspace(-w, w, 5)], 0.010))
+    return lines
+
+
+def _turtle_legs(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
+    legs, toes = [], []
+    for x, fore in ((0.30, True), (-0.32, False)):
+        for sign in (1.0, -1.0):
+            step = float(rng.uniform(0.06, 0.12)) * sign * (1 if fore else -1) if pose == "walk" else 0.0
+            z = sign * radii[2] * 0.66
+            foot = np.array([x + step + (0.07 if fore else -0.05), 0.06, 1.16 * z])
+            knee = np.array([x + 0.5 * step + (0.05 if fore else -0.06), 0.5 * rim + 0.04, 1.14 * z])
+            legs.append(
+                tube(np.array([[x, rim, z * 0.8], knee, foot]), [0.12, 0.10 * factor, 0.085 * factor])
+            )
+            for spread in (-0.05, 0.0, 0.05):
+                tip = by(foot, 0.085, -0.035, spread)
+                toes.append(tube([by(foot, 0.04, -0.03, spread), tip], [0.035, 0.022]))
+    return [fuse(*legs, blend=0.03), fuse(*toes, blend=0.03)]
+
+
+def _flippers(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
+    parts = []
+    lift = float(rng.uniform(-28, 34)) if pose == "swim" else float(rng.uniform(-8, 6))
+    fore = rounded([(0.0, 0.08), (0.20, 0.11), (0.42, 0.0), (0.66, -0.24), (0.68, -0.30), (0.44, -0.20),
+        (0.16, -0.09),
+                    (0.0, -0.08)])  # fmt: skip
+    hind = rounded([(0.0, 0.06), (0.16, 0.05), (0.28, -0.06), (0.26, -0.12), (0.12, -0.10), (0.0, -0.06)])
+    for outline, x, sweep, up in ((fore, 0.30, 8.0, lift), (hind, -0.36, 52.0, -0.4 * lift)):
+        out, rise = np.deg2rad(sweep), np.deg2rad(up)
+        first = np.array([-np.sin(out) * np.cos(rise), np.sin(rise), np.cos(out) * np.cos(rise)])
+        second = np.array([1.0, 0.0, 0.0]) - first[0] * first
+        second /= np.linalg.norm(second)
+        frame = Frame(
+            np.array([x, rim - 0.02, 0.74 * radii[2]]),
+            np.column_stack([first, second, np.cross(first, second)]),
+        )
+        right = Plate(outline * factor, frame, 0.016, 0.25, 0.05)
+        parts.append(fuse(right, right.mirrored(), blend=0.05))
+    return parts
+
+
+SNAKE_HEAD = Profile(
+    np.array([-0.55, -0.25, 0.1, 0.45, 0.75, 0.88]),
+    np.array([0.26, 0.34, 0.34, 0.24, 0.1, 0.02]),
+    np.array([-0.26, -0.3, -0.3, -0.26, -0.22, -0.16]),
+    np.array([0.3, 0.5, 0.52, 0.4, 0.28, 0.2]),
+)
+
+
+def snake(kind: Snake, pose: str, rng: Rng) -> list[Part]:
+    """Return the parts of one snake, in the order in which they blend."""
+    fat = float(rng.uniform(0.060, 0.085))
+    line = {"coil": _coil, "wind": _wind, "rear": _rear}[pose](fat, rng)
+    steps = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    share = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
+    radii = fat * np.interp(share, [0, 0.18, 0.5, 0.85, 1.0], [0.16, 0.62, 1.0, 0.92, 0.62])
+    line[:, 1] += radii - fat  # every part of it lies on the ground, or on the coil below
+    way = line[-1] - line[-2]
+    heading = float(np.rad2deg(np.arctan2(-way[2], way[0])))
+    level = float(rng.uniform(-18, 4)) - (8.0 if kind.hooded else 0.0)
+    head = Frame(line[-1], yaw(heading) @ pitch(level))
+    parts = [fuse(tube(line, list(radii)))]
+    if kind.hooded and pose == "rear":
+        parts.append(fuse(_hood(line, fat, yaw(heading)[:, 2], rng), blend=0.03))
+    eyes = ball((0.36, 0.20, 0.37), 0.115)
+    mouth = tube([(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)], 0.035)
+    pits = tube([(0.95, 0.02, 0.14), (0.85, 0.05, 0.18)], 0.045)
+    face = [
+        fuse(SNAKE_HEAD.sweep(), blend=0.4), fuse(*both(eyes)),
+        fuse(*both(mouth, pits), carve=True, blend=0.02),
+    ]  # fmt: skip
+    return parts + carried(face, head, 1.75 * fat * float(rng.uniform(0.9, 1.2)))
+
+
+def _coil(fat: float, rng: Rng) -> Floats:
+    """Return a spiral from the tip of the tail outside to the head raised in the middle."""
+    turns, gap = float(rng.uniform(2.2, 3.0)), 1.9 * fat
+    angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
+    radius = 0.16 + gap * (angle[-1] - angle) / (2 * np.pi)
+    rise = fat + 0.75 * fat * angle / (2 * np.pi)  # each turn lies half on the one outside it
+    side = 1.0 if rng.uniform() < 0.5 else -1.0
+    phase = -angle[-1] - np.pi / 2
+    spiral = np.column_stack([radius * np.cos(angle + phase), rise, side * radius * np.sin(angle + phase)])
+    tall = float(rng.uniform(0.10, 0.30))
+    end = spiral[-1]
+    neck = np.array(
+        [[0.12, 0.05, 0.02], [0.16, 0.45, 0.0], [0.04, 0.9, 0.0], [0.10, 1.15, 0.0], [0.26, 1.18, 0.0]]
+    )
+    raised = np.array([end[0], end[1], 0.6 * end[2]]) + neck * [1.0, tall + 0.08, side]
+    raised[:, 2] = np.linspace(end[2], 0.0, 6)[1:]
+    return np.vstack([spiral, raised])
+
+
+def _wind(fat: float, rng: Rng) -> Floats:
+    """Return a line that winds over the ground, to a head held a little high."""
+    x = np.linspace(-1.0, 0.72, 40)
+    waves, size = float(rng.uniform(1.4, 2.3)), float(rng.uniform(0.16, 0.26))
+    grow = np.clip((0.80 - x) / 0.45, 0, 1)
+    z = size * grow * np.sin(waves * np.pi * (x + 1.0) + float(rng.uniform(0, 2 * np.pi)))
+    y = fat + float(rng.uniform(0.0, 0.14)) * np.clip((x - 0.45) / 0.27, 0, 1) ** 1.5
+    return np.column_stack([x, y, z])
+
+
+def _rear(fat: float, rng: Rng) -> Floats:
+    """Return a coil from which the front third stands up."""
+    turns = float(rng.uniform(1.3, 1.9))
+    angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
+    radius = 0.20 + 1.9 * fat * (angle[-1] - angle) / (2 * np.pi)
+    side = 1.0 if rng.uniform() < 0.5 else -1.0
+    phase = -angle[-1] - 0.75 * np.pi
+    rise = fat + 0.5 * fat * angle / (2 * np.pi)
+    spiral = np.column_stack([radius * np.cos(angle + phase), rise, side * radius * np.sin(angle + phase)])
+    end, tall = spiral[-1], float(rng.uniform(0.55, 0.85))
+    up = np.array([[0.15, 0.06], [0.20, 0.26], [0.14, 0.52], [0.10, 0.78], [0.13, 0.94], [0.24, 1.0]])
+    stand = np.column_stack([end[0] + up[:, 0], end[1] + tall * up[:, 1], np.linspace(end[2], 0, 7)[1:]])
+    return np.vstack([spiral, stand])
+
+
+def _hood(line: Floats, fat: float, side: Floats, rng: Rng) -> Sweep:
+    """Return the spread neck of a cobra."""
+    upper = line[-5:]
+    wide = fat * float(rng.uniform(2.2, 2.9)) * np.array([0.35, 0.72, 1.0, 0.80, 0.35])
+    return tube(upper, [0.8 * fat, 0.62 * fat, 0.5 * fat, 0.5 * fat, 0.5 * fat], list(wide), side)

@@ -1,0 +1,141 @@
+"""Stations: the sections of a long body, straight, or bent sideways by a spine."""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from normalgan.animals.forms import tube
+from normalgan.animals.frames import Frame, yaw
+from normalgan.animals.sweep import Floats, Sweep
+from normalgan.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Stations:
+    """Sections along a curve, one value of each column for each station.
+
+    Args:
+        x: (n,) of their middles, forward; n ≥ 2.
+        y: (n,) upward.
+        radius: (n,) of the section, upward.
+        z: (n,) to the animal's right; None if all lie in the middle.
+        half_width: (n,) of the section, sideways; None if all are round.
+
+    Raises:
+        InputError: if the columns are not of one length, or a section has no size.
+    """
+
+    x: Floats
+    y: Floats
+    radius: Floats
+    z: Floats | None = None
+    half_width: Floats | None = None
+
+    def __post_init__(self) -> None:
+        """Check the columns."""
+        _check_columns(self)
+        if min(self.radius.min(), self.widths.min()) <= 0:
+            raise InputError("radius and half_width are greater than 0.")
+
+    @property
+    def points(self) -> Floats:
+        """The middles, (n, 3)."""
+        return np.column_stack([self.x, self.y, np.zeros(len(self.x)) if self.z is None else self.z])
+
+    @property
+    def widths(self) -> Floats:
+        """The half widths, (n,), whether round or not."""
+        return self.radius if self.half_width is None else self.half_width
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Sections of a body that lies along x, as seen from the side and from above.
+
+    Args:
+        x: (n,) where they are; n ≥ 2.
+        top: (n,) heights of the upper edge.
+        bottom: (n,) heights of the lower edge.
+        half_width: (n,) half the width.
+
+    Raises:
+        InputError: if the columns are not of one length, or a section has no size.
+    """
+
+    x: Floats
+    top: Floats
+    bottom: Floats
+    half_width: Floats
+
+    def __post_init__(self) -> None:
+        """Check the columns."""
+        _check_columns(self)
+        if (self.top - self.bottom).min() <= 0 or self.half_width.min() <= 0:
+            raise InputError("top is greater than bottom, and half_width than 0.")
+
+    @property
+    def stations(self) -> Stations:
+        """The same sections by their middles."""
+        middle, radius = (self.top + self.bottom) / 2, (self.top - self.bottom) / 2
+        return Stations(self.x, middle, radius, half_width=self.half_width)
+
+    def wider(self, factor: float) -> "Profile":
+        """Return it with all widths multiplied."""
+        return replace(self, half_width=self.half_width * factor)
+
+    def at(self, x: float) -> tuple[float, float, float]:
+        """Return top, bottom and half width at a position between the stations."""
+        top, bottom, half = (
+            float(np.interp(x, self.x, column)) for column in (self.top, self.bottom, self.half_width)
+        )
+        return top, bottom, half
+
+    def sweep(self) -> Sweep:
+        """Return the straight body."""
+        stations = self.stations
+        return tube(stations.points, stations.radius, stations.widths)
+
+
+class Spine:
+    """A body bent sideways: carries points and frames of the straight one along.
+
+    Args:
+        xs: (n,) positions along the straight body.
+        turns: (n,) degrees by which it is turned to its left at each.
+    """
+
+    def __init__(self, xs: Floats, turns: Floats) -> None:
+        self.xs, self.turns = xs, np.deg2rad(turns)
+        steps = np.diff(xs)
+        middle = (self.turns[1:] + self.turns[:-1]) / 2
+        self.along = np.concatenate([[0.0], np.cumsum(steps * np.cos(middle))])
+        self.aside = np.concatenate([[0.0], np.cumsum(-steps * np.sin(middle))])
+
+    def frame(self, x: float) -> Frame:
+        """Return the frame at position ``x``; the ends go on straight."""
+        at = float(np.clip(x, self.xs[0], self.xs[-1]))
+        angle = float(np.interp(at, self.xs, self.turns))
+        over = x - at
+        origin = np.array([
+            float(np.interp(at, self.xs, self.along)) + over * np.cos(angle), 0.0,
+            float(np.interp(at, self.xs, self.aside)) - over * np.sin(angle),
+        ])  # fmt: skip
+        return Frame(origin, yaw(float(np.rad2deg(angle))))
+
+    def place(self, points: Floats) -> Floats:
+        """Return (n, 3) points of the straight body where the bent one has them."""
+        return np.array([self.frame(float(x)).place(np.array([[0.0, y, z]]))[0] for x, y, z in points])
+
+    def sweep(self, profile: Profile) -> Sweep:
+        """Return the body of a profile, bent with the spine."""
+        stations = profile.stations
+        sides = np.array([self.frame(float(x)).rotation[:, 2] for x in stations.x])
+        return Sweep(self.place(stations.points), stations.radius, stations.widths, sides)
+
+
+def _check_columns(stations: Stations | Profile) -> None:
+    columns = {each.name: getattr(stations, each.name) for each in fields(stations)}
+    counts = {name: len(column) for name, column in columns.items() if column is not None}
+    if len(set(counts.values())) > 1 or counts["x"] < 2:
+        given = ", ".join(f"{name} has {count}" for name, count in counts.items())
+        raise InputError(f"each column has one number a station, of two stations or more; {given}.")

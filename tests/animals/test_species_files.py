@@ -1,0 +1,136 @@
+"""Species as files: those of the package are all there and right; a bad one is told in one sentence."""
+
+import json
+import re
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from normalgan.animals import GROUPS, SPECIES, read_species
+from normalgan.animals.meshing import to_mesh
+from normalgan.animals.quadruped import Quadruped
+from normalgan.animals.species_files import FOLDER, PLANS, SHARED
+from normalgan.errors import InputError
+
+HORSE = (FOLDER / "quadrupeds" / "horse.toml").read_text(encoding="utf-8")
+EXTENTS = Path(__file__).with_name("extents.json")
+
+
+def extents(species: str) -> list[float]:
+    """Return the number of parts of one individual and the size of the box that holds what they add."""
+    rng = np.random.default_rng([zlib.crc32(species.encode()), 0])
+    parts = SPECIES[species].grow(None, rng)
+    corners = [part.reach() for part in parts if not part.carve]
+    low, high = np.min([low for low, _ in corners], axis=0), np.max([high for _, high in corners], axis=0)
+    return [len(parts), *np.round(high - low, 4).tolist()]
+
+
+def test_every_file_is_a_species_and_every_plan_has_one() -> None:
+    files = {path for path in FOLDER.rglob("*.toml") if path != SHARED}
+    named = {FOLDER / group / f"{name}.toml" for group, names in GROUPS.items() for name in names}
+    assert files == {path for path in named if path.parent.is_dir()}
+    assert len(files) == 53
+    used = {re.search(r'plan = "(\w+)"', path.read_text(encoding="utf-8"))[1] for path in files}  # type: ignore[index]
+    assert used == set(PLANS)
+
+
+@pytest.mark.parametrize("species", SPECIES)
+def test_a_species_and_a_seed_are_the_shape_they_were(species: str) -> None:
+    # After a change that is meant to alter shapes: raise VERSION of animal.py, and store `extents` of all.
+    stored = json.loads(EXTENTS.read_text(encoding="utf-8"))
+    assert stored.keys() == SPECIES.keys()
+    assert extents(species) == pytest.approx(stored[species], abs=2e-3)
+
+
+def test_a_file_of_ones_own_grows_into_a_mesh(tmp_path: Path) -> None:
+    path = tmp_path / "okapi.toml"
+    path.write_text(HORSE.replace("length = 0.42", "length = 0.30"), encoding="utf-8")
+    okapi, horse = read_species(path), SPECIES["horse"]
+    assert isinstance(okapi, Quadruped)
+    assert isinstance(horse, Quadruped)
+    assert okapi.head.length == 0.30
+    assert okapi.fore.template.joints == horse.fore.template.joints
+    mesh = to_mesh("okapi", okapi.grow("walk", np.random.default_rng(1)), 3_000)
+    assert len(mesh.faces) > 1_000
+
+
+def test_what_individuals_share_cannot_be_changed_by_one() -> None:
+    horse = SPECIES["horse"]
+    assert isinstance(horse, Quadruped)
+    with pytest.raises(ValueError, match="read-only"):
+        horse.torso.x[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "sentence"),
+    [
+        ('plan = "quadruped"', "", "plan is missing. Known: biped, bird, "),
+        ('plan = "quadruped"', 'plan = "quadrupet"', "plan is 'quadrupet'. Did you mean quadruped? Known: "),
+        ('"trot"', '"trott"', "habits[3] is 'trott'. Did you mean trot? Known: gallop, graze, "),
+        ("habits = [", "habits = []\nunused = [", "unused is not known. Known: habits, torso, "),
+        ("[tail]", "[tale]", "tale is not known. Did you mean tail? Known: "),
+        (
+            "neck_pitch = [-28.0, 10.0]",
+            "neck_pitch = [10.0, -28.0]",
+            "neck_pitch is [10.0, -28.0]; the",
+        ),
+        ("neck_pitch = [-28.0, 10.0]", "neck_pitch = [10.0]", "neck_pitch is a list of 2, not of 1."),
+        ("neck = [0.92, 1.08]", "nek = [0.92, 1.08]", "ranges is 'nek'. Did you mean neck? Known: bone, "),
+        ("foot = 0.088", "", "fore.foot is missing."),
+        ("z = 0.115", "z = true", "fore.z is a number, not True."),
+        ("z = 0.115", "z = nan", "fore.z is a finite number, not nan."),
+        (
+            'template = "hoofed_fore"',
+            'template = "hoofed"',
+            "fore.template is 'hoofed'. Did you mean",
+        ),
+        ('template = "hoofed_fore"', "template = 3", "fore.template is a table, not 3."),
+        (
+            'kind = "ears"',
+            'kind = "years"',
+            "head.ornaments[2].kind is 'years'. Did you mean ears?",
+        ),
+        (
+            "[0.27,  0.39, ",
+            "[0.27,  0.39, 0.4,",
+            "neck: each column has one number a station",
+        ),
+        ("[ 0.2, 0.165,", "[ 0.2, -0.165,", "neck: radius and half_width are greater than 0."),
+        ("[ 0.91, 0.965,", "[ 0.51, 0.965,", "torso: top is greater than bottom, and"),
+        ("eye = {", "eye = {y = 1.0, ", "head.eye.y is not known. Known: x, angle, radius."),
+        ("[mane]", "mane = [", "is not a species file, which is TOML: "),
+    ],
+)
+def test_a_bad_file_is_told_by_file_and_field(was: str, now: str, sentence: str, tmp_path: Path) -> None:
+    assert was in HORSE
+    path = tmp_path / "mine.toml"
+    path.write_text(HORSE.replace(was, now, 1), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_species(path)
+    assert str(caught.value).startswith(str(path))
+    assert sentence in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_not_there_or_has_no_pose_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.toml cannot be read: No such file"):
+        read_species(tmp_path / "none.toml")
+    path = tmp_path / "still.toml"
+    path.write_text('plan = "snake"\nhabits = []\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"still\.toml: habits name one pose or more\."):
+        read_species(path)
+
+
+def test_joints_and_feathers_are_counted(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    leg = "{joints = [0, 1, 1, 2], stations = {x = [0.0, 0.0], y = [1.0, 0.0], radius = [0.1, 0.1]}}"
+    path.write_text(HORSE.replace('"hoofed_fore"', leg), encoding="utf-8")
+    with pytest.raises(InputError, match=r"fore\.template: joints are stations, which go from 0 to 1\."):
+        read_species(path)
+    hen = (FOLDER / "birds" / "hen.toml").read_text(encoding="utf-8")
+    assert "feathers = 7" in hen
+    path.write_text(hen.replace("feathers = 7", "feathers = 1"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"tail\.feathers is 2 to 30, not 1\."):
+        read_species(path)
