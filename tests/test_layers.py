@@ -17,19 +17,20 @@ LAYERS = (
         "predictions",
         "registry",
         "seeds",
+        "training_help",
         "limits",
         "torch_files",
         "decoding",
     }
     | {"shipped_configs", "warning_filters"},
     {"rendering", "hints", "models", "objectives", "drawings", "gallery"}
-    | {"checkpoints", "config_files", "parser_errors", "run_lock"},
+    | {"checkpoints", "config_files", "overruled", "parser_errors", "run_lock"},
     {"animals"},
     {"painter", "painting", "testing", "weights"},
     {"inference"},
     {"data", "gan"},
     {"callbacks", "plugins"},
-    {"parser", "loading"},
+    {"parser"},
     {"cli", "commands"},
     {"benchmark", "exporting", "studio"},
     {"saved_model"},
@@ -105,8 +106,10 @@ def test_light_rooms_do_not_load_torch() -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], [], ["--version"], ["ftt"]], ids=["help", "nothing", "version", "typo"]
+    "arguments",
+    [["--help"], [], ["--version"], ["ftt"], ["fit", "--help"], ["fit", "-h=mod"]],
+    ids=["help", "nothing", "version", "typo", "help of fit", "typo in help"],
 )
 def test_the_front_door_opens_at_once(arguments: list[str]) -> None:
     seen = loaded(f"from normalgan.__main__ import main; main({arguments})")
-    assert not seen & {"numpy", "torch", "lightning", "trimesh"}
+    assert not seen & {"numpy", "torch", "lightning", "trimesh", "jsonargparse"}

@@ -11,6 +11,8 @@ from importlib import import_module
 
 from normalgan import __version__
 from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
+from normalgan.training_help import COMMANDS as TRAINING
+from normalgan.training_help import asked_for, overview
 
 USAGE = """\
 normalgan: from a line sketch to a surface normal map
@@ -33,7 +35,6 @@ Commands:
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
 A configuration is a program; with --safe-config it can name known classes only.
 """
-TRAINING = ("fit", "validate", "test", "predict", "render")
 OTHERS = {
     "sketch": "normalgan.commands.sketch",
     "generate": "normalgan.commands.generate",
@@ -64,6 +65,9 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if arguments[0] in OTHERS:
             return int(import_module(OTHERS[arguments[0]]).run(arguments[1:]))
+        if asked_for(arguments)[1] == "":
+            print(overview(arguments[0]), end="")
+            return 0
         from normalgan.cli import run  # late: lightning takes seconds to import
 
         return run(arguments)

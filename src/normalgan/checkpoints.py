@@ -1,9 +1,5 @@
 """Checkpoints: written whole or not at all, and looked at before they are used."""
 
-import importlib
-import inspect
-import os
-import warnings
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
@@ -153,78 +149,3 @@ def check_size(path: Path, trained: int | None, size: int) -> None:
     """
     if trained not in {None, size}:
         raise InputError(f"{path} was trained at {trained} pixels, not {size}; give --data.size {trained}.")
-
-
-def check_writable(folder: Path) -> None:
-    """Make sure that a folder can be made and written to, and make none.
-
-    Raises:
-        InputError: if it cannot.
-    """
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
-    if not there.is_dir():
-        raise InputError(f"the run cannot be kept in {folder}: {there} is no folder.")
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(f"the run cannot be kept in {folder}: {there} may not be written to.")
-
-
-def warn_of_overruled(
-    path: Path, given: Mapping[str, Any], defaults: Mapping[str, Any], saved: Mapping[str, Any]
-) -> None:
-    """Warn of settings of the model that were given, while those in the file are used.
-
-    Args:
-        path: of the file.
-        given: as `overruled` takes it, as are the next two.
-        defaults: of the same settings.
-        saved: in the file.
-    """
-    if lost := overruled(given, defaults, saved):
-        names = ", ".join(f"model.{name}" for name in lost)
-        warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=3)
-
-
-def overruled(given: Mapping[str, Any], defaults: Mapping[str, Any], saved: Mapping[str, Any]) -> list[str]:
-    """Return the settings that were set to something else than their default and than a checkpoint says.
-
-    Args:
-        given: the settings of the model as parsed, nested.
-        defaults: its settings if none are given; those of classes are looked up in their signatures.
-        saved: the settings in the checkpoint.
-
-    >>> overruled({"n_critic": 3, "seed": 0}, {"n_critic": 5, "seed": 0}, {"n_critic": 5, "seed": 1})
-    ['n_critic']
-    """
-    names: list[str] = []
-    for name, value in given.items():
-        default, before = defaults.get(name), saved.get(name)
-        if _plain(value) == _plain(before):
-            continue
-        if not isinstance(value, Mapping) or "class_path" not in value:
-            names += [name] if _plain(value) != _plain(default) else []
-        elif not isinstance(before, Mapping) or not _same_class(value, before):
-            names += [name] if not isinstance(default, Mapping) or not _same_class(value, default) else []
-        else:
-            arguments = value.get("init_args") or {}
-            inner = overruled(arguments, _signature(value["class_path"]), before.get("init_args") or {})
-            names += [f"{name}.{argument}" for argument in inner]
-    return names
-
-
-def _same_class(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
-    """Compare by package and name: a package shows a class in other places than where it is defined."""
-    one, other = str(a.get("class_path")), str(b.get("class_path"))
-    return one.rpartition(".")[2] == other.rpartition(".")[2] and (
-        one.partition(".")[0] == other.partition(".")[0]
-    )
-
-
-def _plain(value: Any) -> Any:
-    """Return tuples as the lists that YAML makes of them."""
-    return list(value) if isinstance(value, tuple) else value
-
-
-def _signature(class_path: str) -> dict[str, Any]:
-    module, _, name = class_path.rpartition(".")
-    parameters = inspect.signature(getattr(importlib.import_module(module), name)).parameters.values()
-    return {p.name: p.default for p in parameters}

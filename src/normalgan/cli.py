@@ -3,14 +3,16 @@
 import signal
 import sys
 import warnings
-from collections.abc import Mapping
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
 import yaml
 from jsonargparse import get_loader, set_loader
+from lightning.fabric.utilities.cloud_io import get_filesystem
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import ModelCheckpoint
@@ -19,20 +21,29 @@ from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
-from normalgan.checkpoints import LastCheckpoint, check_unused, check_writable, checkpoint_folder, run_folder
+from normalgan.checkpoints import (
+    LastCheckpoint,
+    check_size,
+    check_sizes,
+    check_unused,
+    checkpoint_folder,
+    named_checkpoint,
+    run_folder,
+)
 from normalgan.config_files import ConfigCheck, load_bounded
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.gan import NormalGAN
-from normalgan.loading import ModelLoader
-from normalgan.parser import Parser, with_shipped_configs
+from normalgan.overruled import given_names, overruled
+from normalgan.parser import Parser, help_of, with_shipped_configs
 from normalgan.parser_errors import refusal
-from normalgan.plugins import REGISTRIES, is_safe, settings_of_classes
-from normalgan.run_lock import one_run_in
+from normalgan.plugins import is_safe, load_plugins, settings_of_classes
+from normalgan.run_lock import check_writable, one_run_in
+from normalgan.training_help import SECTIONS, asked_for
 from normalgan.warning_filters import filter_warnings
+from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
 
-SECTIONS = ("trainer", "model", "data", "checkpoint", "pictures", "report", "output")
-"""The groups of settings."""
 SAFE_CONFIG = "--safe-config"
 """The option under which a configuration may name but what cannot run a program."""
 
@@ -79,21 +90,71 @@ class SaveConfig(SaveConfigCallback):
         if stage == "fit":
             super().setup(trainer, pl_module, stage)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what another process needs of it (``ddp_spawn``): the text, for a parser is not pickled."""
+        if isinstance(self.parser, _Settings):
+            return vars(self)
+        text = self.parser.dump(self.config, skip_none=False)
+        return {**vars(self), "config": None, "parser": _Settings(text)}
 
-class NormalGANCLI(ModelLoader):
-    """fit, validate, test, predict, and render."""
 
-    held: ExitStack
-    """What the command holds until it ends: the run's folder."""
+@dataclass(frozen=True)
+class _Settings:
+    """What a parser would save, as text."""
 
-    @staticmethod
-    def subcommands() -> dict[str, set[str]]:
+    text: str
+
+    def save(self, config: object, path: str, **_: Any) -> None:
+        """Write it, as a parser does."""
+        with get_filesystem(path).open(path, "w") as file:
+            file.write(self.text)
+
+
+class NormalGANCLI(LightningCLI):
+    """fit, validate, test, predict, and render.
+
+    The file that ``ckpt_path`` names decides on the model: a checkpoint or safetensors. ``last`` and ``best``
+    name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict uses
+    these if nothing is named. The path is taken out of the settings before Lightning sees it, which would
+    build from a checkpoint whatever class it names. Only fit gets it back, once the checkpoint was looked at.
+
+    Args:
+        commands: whose parsers are built; each takes a fifth of a second.
+        arguments: the command and its options.
+        held: what the command holds until it ends: the run's folder.
+    """
+
+    def __init__(self, commands: Sequence[str], arguments: list[str], held: ExitStack) -> None:
+        self.commands = commands
+        self.held = held
+        self.weights: Weights | None = None  # what the model gets, if it does not go on learning
+        self.resumed: str | None = None  # the checkpoint that fit goes on from
+        self.given = given_names(*with_shipped_configs(arguments), "model")
+        super().__init__(
+            NormalGAN,
+            MeshDataModule,
+            save_config_callback=SaveConfig,
+            save_config_kwargs={"overwrite": True},
+            trainer_class=RenderingTrainer,
+            trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
+            seed_everything_default=0,
+            parser_class=Parser,
+            parser_kwargs={"prog": "normalgan", "allow_abbrev": False},
+            auto_configure_optimizers=False,
+            args=arguments,
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return nothing: jsonargparse lets an optimiser's settings hold it, which ``ddp_spawn`` pickles."""
+        return {}
+
+    def subcommands(self) -> dict[str, set[str]]:  # type: ignore[override]
         """Return Lightning's commands and ours, with the arguments that are not options."""
-        return {**LightningCLI.subcommands(), "render": {"model", "datamodule"}}
+        every = {**LightningCLI.subcommands(), "render": {"model", "datamodule"}}
+        return {command: every[command] for command in self.commands}
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Set the defaults, and the links that keep settings in step."""
-        super().add_arguments_to_parser(parser)
         # Else 120 lines stand before any help.
         parser.usage = f"%(prog)s [--config FILE]... [{SAFE_CONFIG}] [--SETTING VALUE]..."
         parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
@@ -128,9 +189,34 @@ class NormalGANCLI(ModelLoader):
         for network in ("generator", "discriminator"):
             parser.link_arguments("data.size", f"model.{network}.init_args.size")
 
+    def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
+        """Let what is saved in a file decide on the model, after a look at whether it can be used."""
+        super().parse_arguments(parser, args)
+        command = self.config["subcommand"]
+        config = self.config[command]
+        given = None if command == "render" else config["ckpt_path"]
+        if given is None and command in {"fit", "render"}:
+            return
+        if given is None and command != "predict":
+            raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
+        if given in {"last", "best"}:
+            folder = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
+            given = str(named_checkpoint(folder / "last.ckpt", given))
+        path = find_weights(given or SHIPPED_NAME)
+        config["ckpt_path"] = None
+        if path.suffix.lower() == SUFFIX:
+            self._use_weights(path, command)
+        elif command == "fit":
+            self._resume(path)
+        else:
+            self._use_checkpoint(path, command)
+
     def before_instantiate_classes(self) -> None:
         """Refuse to train over a finished run, or where nothing can be written."""
-        super().before_instantiate_classes()
+        if self.resumed is not None:
+            # Tell Lightning the checkpoint that fit goes on from.
+            self.config["fit"]["ckpt_path"] = self.resumed
+            self.config["fit"]["weights_only"] = True
         command = self.config["subcommand"]
         config = self.config[command]
         last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
@@ -155,7 +241,57 @@ class NormalGANCLI(ModelLoader):
             raise
         except (MisconfigurationException, ValueError, TypeError) as error:
             raise InputError(f"a setting cannot be used: {refusal(error)}") from error
-        self.fill(self.model)
+        if self.weights is not None:
+            self.weights.load_into(self.model.generator)
+
+    def _resume(self, path: Path) -> None:
+        """Read a checkpoint's settings over the configuration's."""
+        checkpoint = read_checkpoint(path)
+        saved = checkpoint.training_settings()
+        check_sizes(path, saved, self.config["fit"]["data"]["size"])
+        self._warn_of_overruled(path, "fit", saved)
+        try:
+            self.config = self.parser.parse_object({"fit": {"model": saved}}, self.config)
+        except InputError as error:
+            raise InputError(f"the model in {path} cannot be built here: {error}") from error
+        self.resumed = str(path)
+
+    def _use_checkpoint(self, path: Path, command: str) -> None:
+        """Take the generator of a checkpoint and the hints it learnt with; what else learnt is left alone."""
+        size = self.config[command]["data"]["size"]
+        checkpoint = read_checkpoint(path)
+        check_size(path, checkpoint.generator_size(), size)
+        self._paint_with(path, command, checkpoint.weights(size))
+
+    def _use_weights(self, path: Path, command: str) -> None:
+        """Take the model's settings, and the size of its pictures, from safetensors."""
+        if command == "fit":
+            raise InputError(f"fit cannot go on from {path}, which has weights alone; give a checkpoint.")
+        weights = read_weights(path)
+        notes, size = weights.notes, self.config[command]["data"]["size"]
+        if size != self._parser(command).get_defaults()["data"]["size"]:
+            check_size(path, notes.size, size)
+        self._paint_with(path, command, weights)
+        whose = "that come with the package" if path == SHIPPED else f"in {path}"
+        print(
+            f"normalgan: {command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.",
+            file=sys.stderr,
+        )
+
+    def _paint_with(self, path: Path, command: str, weights: Weights) -> None:
+        saved = weights.notes.settings()
+        self._warn_of_overruled(path, command, saved)
+        changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
+        self.config = self.parser.parse_object({command: changes}, self.config)
+        self.weights = weights
+
+    def _warn_of_overruled(self, path: Path, command: str, saved: dict[str, Any]) -> None:
+        """Warn of settings of the model that were given, while those in the file are used."""
+        defaults = self._parser(command).get_defaults()["model"].as_dict()
+        settings = {k: v for k, v in self.config[command]["model"].as_dict().items() if k in saved}
+        if lost := overruled(settings, defaults, saved, self.given):
+            names = ", ".join(f"model.{name}" for name in lost)
+            warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
 
 
 def run(arguments: list[str]) -> int:
@@ -165,31 +301,12 @@ def run(arguments: list[str]) -> int:
         InputError: if something that was given cannot be used.
         KeyboardInterrupt: if it was stopped.
     """
+    arguments, section = asked_for(arguments)
     arguments = _check_configs(arguments)
-    # One command's parser alone: each takes a fifth of a second to build.
-    only = {command: skip for command, skip in NormalGANCLI.subcommands().items() if command == arguments[0]}
-    with warnings.catch_warnings(), ExitStack() as held:
-        cli = type("Command", (NormalGANCLI,), {"subcommands": staticmethod(lambda: only), "held": held})
-        filter_warnings()
-        for registry in REGISTRIES.values():
-            registry.load_entry_points()
-        load = get_loader("yaml")
-        held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
-        set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
+    with _reading_settings() as held:
+        held.enter_context(help_of(section if section in SECTIONS else None))
         try:
-            cli(
-                NormalGAN,
-                MeshDataModule,
-                save_config_callback=SaveConfig,
-                save_config_kwargs={"overwrite": True},
-                trainer_class=RenderingTrainer,
-                trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
-                seed_everything_default=0,
-                parser_class=Parser,
-                parser_kwargs={"prog": "normalgan", "allow_abbrev": False},
-                auto_configure_optimizers=False,
-                args=arguments,
-            )
+            NormalGANCLI(arguments[:1], arguments, held)
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
         except SIGTERMException as stop:
@@ -203,6 +320,58 @@ def run(arguments: list[str]) -> int:
     return 0
 
 
+def resolved_settings(arguments: list[str]) -> dict[str, Any]:
+    """Return all settings that ``fit`` would train with, as ``--print_config`` prints them.
+
+    Args:
+        arguments: the options of ``fit``.
+
+    Raises:
+        InputError: if ``fit`` would refuse them.
+    """
+    arguments = _check_configs(["fit", *arguments])
+    with _reading_settings():
+        parser = training_parsers(["fit"])["fit"]
+        settings: dict[str, Any] = yaml.safe_load(
+            parser.dump(parser.parse_args(arguments[1:]), skip_none=False)
+        )
+    return settings
+
+
+@contextmanager
+def _reading_settings() -> Iterator[ExitStack]:
+    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used."""
+    with warnings.catch_warnings(), ExitStack() as held:
+        filter_warnings()
+        load_plugins()
+        load = get_loader("yaml")
+        held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
+        set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
+        yield held
+
+
+class _ParsersBuiltError(Exception):
+    """Ends the building of a command line of which the parsers alone are wanted."""
+
+
+class _ParsersAlone(NormalGANCLI):
+    """Stops before anything is parsed."""
+
+    def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
+        """Give the parsers back."""
+        raise _ParsersBuiltError(self._subcommand_parsers)
+
+
+def training_parsers(commands: Sequence[str]) -> dict[str, Parser]:
+    """Return the parsers of training commands, for what lists their settings: the site, shell completion."""
+    try:
+        _ParsersAlone(commands, [], ExitStack())
+    except _ParsersBuiltError as built:
+        parsers: dict[str, Parser] = built.args[0]
+        return parsers
+    raise AssertionError("Lightning's command line did not parse")
+
+
 def _check_configs(arguments: list[str]) -> list[str]:
     """Look at the configurations before anything in them is used; return the parser's arguments.
 
@@ -210,7 +379,7 @@ def _check_configs(arguments: list[str]) -> list[str]:
         InputError: if one cannot be used, or is not as safe as it was asked to be.
     """
     safe = SAFE_CONFIG in arguments
-    check = ConfigCheck(SECTIONS, settings_of_classes(), is_safe if safe else None)
+    check = ConfigCheck(tuple(SECTIONS), settings_of_classes(), is_safe if safe else None)
     arguments, configs = with_shipped_configs(arguments)
     for given in configs:
         check.check(given)

@@ -2,6 +2,9 @@
 
 import re
 from argparse import HelpFormatter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import NoReturn
 
 from lightning.pytorch.cli import LightningArgumentParser
@@ -11,6 +14,18 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.parser_errors import explain
 from normalgan.plugins import SETTINGS, described, namable
 from normalgan.shipped_configs import find_config
+
+_section: ContextVar[str | None] = ContextVar("_section", default=None)
+
+
+@contextmanager
+def help_of(section: str | None) -> Iterator[None]:
+    """Let ``--help`` list the settings of one section alone; None lets it list all."""
+    token = _section.set(section)
+    try:
+        yield
+    finally:
+        _section.reset(token)
 
 
 class Parser(OwnDefaultsParser, LightningArgumentParser):
@@ -27,11 +42,25 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
         """Return the help, opened by a usage in which nothing stands between program and command.
 
-        That of a command ends with the plug-ins its settings can name.
+        That of a command ends with the plug-ins its settings can name. Within `help_of` it is of one section.
         """
         self.prog = self.prog.replace(" [options]", "")
-        names_plugins = {action.dest for action in self._actions} >= set(SETTINGS.values())
-        return super().format_help(formatter) + (f"\n{described()}" if names_plugins else "")
+        dests = {action.dest for action in self._actions}
+        section, groups = _section.get(), self._action_groups
+        if section is not None and any(dest.startswith(f"{section}.") for dest in dests):
+            self._action_groups = [
+                group
+                for group in groups
+                if any(action.dest.partition(".")[0] == section for action in group._group_actions)
+            ]
+        try:
+            text = super().format_help(formatter)
+        finally:
+            self._action_groups = groups
+        if not dests >= set(SETTINGS.values()):
+            return text
+        plugins = described(section or "")
+        return f"{text}\n{plugins}" if plugins else text
 
     def _settings(self) -> list[str]:
         commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]

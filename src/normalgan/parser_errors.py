@@ -70,7 +70,13 @@ def refusal(error: Exception) -> str:
     'size is 0.'
     >>> refusal(TypeError("width is missing\nlong story"))
     'width is missing'
+    >>> refusal(ValueError("Problem with given class_path 'some.Logger':\n  some is not installed"))
+    'Logger: some is not installed'
     """
+    if found := re.search(
+        r"^ *(?:- )?Problem with given class_path '(.+?)':\s+(.+)$", str(error), re.MULTILINE
+    ):
+        return f"{found[1].rpartition('.')[2]}: {found[2]}"
     if "Union subtypes" not in str(error):
         return brief(error)
     reasons = re.findall(r"^ *- (.+)$", str(error), re.MULTILINE)

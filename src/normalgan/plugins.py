@@ -30,6 +30,12 @@ SETTINGS = {kind: f"{'data' if kind in {'renderer', 'lines'} else 'model'}.{kind
 """The setting that names a plug-in of each kind."""
 
 
+def load_plugins() -> None:
+    """Import and register what other installed packages offer, of every kind; warn of what is left out."""
+    for registry in REGISTRIES.values():
+        registry.load_entry_points()
+
+
 def namable() -> dict[str, Registry[Any]]:
     """Return what each setting that takes a class may name, by the last part of the setting."""
     # Late: lightning takes ten seconds to import, and a list of our plug-ins does without.
@@ -114,14 +120,21 @@ def misplaced() -> list[LeftOut]:
     ]
 
 
-def described() -> str:
-    """Return every plug-in with its summary, by setting, as the end of a command's help."""
-    parts = ["plug-ins by setting; normalgan plugins tells which package each is from:"]
+def described(section: str = "") -> str:
+    """Return every plug-in with its summary, by setting, as the end of a command's help.
+
+    Args:
+        section: ``model`` or ``data`` gives those of its settings alone; empty if there are none.
+    """
+    parts = []
     for kind, registry in REGISTRIES.items():
+        if not SETTINGS[kind].startswith(section):
+            continue
         parts.append(f"\n  --{SETTINGS[kind]}")
         width = max(map(len, registry.names()))
         parts += [f"    {cls.__name__:{width}}  {summary(cls)}".rstrip() for cls in registry]
-    return "\n".join(parts) + "\n"
+    opening = "plug-ins by setting; normalgan plugins tells which package each is from:"
+    return "\n".join([opening, *parts]) + "\n" if parts else ""
 
 
 def _subclasses(base: type[Any]) -> Registry[Any]:

@@ -1,5 +1,6 @@
-"""Lock of a run: one run at a time trains in a folder."""
+"""Lock of a run: one run at a time trains in a folder, which can be written to."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -44,3 +45,16 @@ def one_run_in(folder: Path) -> Iterator[None]:
         with suppress(OSError):  # Windows removes no file that is open
             (folder / NAME).unlink()  # while it is held: nobody can take it between
         lock.release()
+
+
+def check_writable(folder: Path) -> None:
+    """Make sure that a folder can be made and written to, and make none.
+
+    Raises:
+        InputError: if it cannot.
+    """
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise InputError(f"the run cannot be kept in {folder}: {there} is no folder.")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(f"the run cannot be kept in {folder}: {there} may not be written to.")

@@ -1,3 +1,4 @@
+import importlib.util
 from pathlib import Path
 
 import pytest
@@ -120,7 +121,7 @@ def test_a_run_needs_no_folder_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_p
 
 
 def test_what_has_a_default_is_not_required(bench: Bench, tmp_path: Path) -> None:
-    help_page = run("fit", "--help").out
+    help_page = run("fit", "--help", "model").out
     for name in ("generator", "discriminator", "hint_sampler", "objective"):
         (line,) = (line for line in help_page.splitlines() if line.strip().startswith(f"--model.{name} "))
         assert "required" not in help_page[help_page.index(line) :][:400].split("--model.", 2)[1]
@@ -131,3 +132,9 @@ def test_a_run_that_has_no_checkpoint_is_said(bench: Bench, tmp_path: Path, name
     bench.run("validate", tmp_path / "run", "--ckpt_path", name).refused(
         "there is no checkpoint", "last.ckpt"
     )
+
+
+@pytest.mark.skipif(importlib.util.find_spec("wandb") is not None, reason="wandb is installed")
+def test_a_logger_that_is_not_installed_is_named_with_the_reason(bench: Bench, tmp_path: Path) -> None:
+    outcome = bench.run("fit", tmp_path / "run", "--trainer.logger", "WandbLogger")
+    outcome.refused("WandbLogger: ", "'wandb")

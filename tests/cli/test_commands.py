@@ -1,15 +1,22 @@
+import inspect
 import json
+import pickle
 import re
 import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 import yaml
 from command import CONF, Bench, left_in, run
+from lightning.pytorch import Trainer
 from PIL import Image
 
+from normalgan.cli import RenderingTrainer, SaveConfig
+from normalgan.gan import NormalGAN
 from normalgan.normals import encode, read_png
+from normalgan.training_help import SECTIONS
 
 
 def last(folder: Path) -> Path:
@@ -118,14 +125,59 @@ def test_render_fills_the_cache_and_stops_there(bench: Bench, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("command", ["fit", "validate", "test", "predict", "render"])
-def test_help_opens_with_one_line_and_lists_the_plugins(command: str) -> None:
-    outcome = run(command, "--help")
+def test_help_of_all_opens_with_one_line_and_lists_the_plugins(command: str) -> None:
+    outcome = run(command, "--help=all")
     assert outcome.code == 0
     assert outcome.out.startswith(f"usage: normalgan {command} ")
     assert outcome.out.index("\n\n") < 200
     for name in ("UNetGenerator", "GlobalDiscriminator", "CurvatureHints", "Wasserstein", "PyrenderRenderer"):
         assert name in outcome.out
     assert "rendered samples are kept" in " ".join(outcome.out.split())  # docstrings are the help
+
+
+def test_help_is_a_page_that_leads_to_the_rest() -> None:
+    """It was 965 lines; each section, and each setting that it names, is there."""
+    page = run("fit", "--help").out
+    assert len(page.splitlines()) < 40
+    assert max(map(len, page.splitlines())) <= 120
+    every = run("fit", "--help", "all").out
+    for option in re.findall(r"^  (--[\w.-]+)", page, re.MULTILINE):
+        assert re.search(rf"^ .*{option}\b", every, re.MULTILINE) or option in every.splitlines()[0], option
+    for section in SECTIONS:
+        assert f"normalgan fit --help {section} " in page
+        assert f"\n  --{section}." in every
+    assert set(re.findall(r"^  --(\w+)\.", every, re.MULTILINE)) == set(SECTIONS)
+
+
+def test_help_of_a_section_lists_its_settings_alone_and_its_plugins() -> None:
+    outcome = run("test", "--config", "configs/paper.yaml", "--help", "model")
+    assert outcome.code == 0, outcome.err
+    settings = [line.split()[0] for line in outcome.out.splitlines() if line.startswith("  --")]
+    assert all(setting.startswith("--model") for setting in settings)
+    assert {"--model.n_critic", "--model.hint_sampler"} <= set(settings)
+    assert "UniformHints" in outcome.out
+    assert "EmbreeRenderer" not in outcome.out
+    run("fit", "--help", "modle").refused("no section 'modle'. Did you mean model?", "checkpoint", "all")
+
+
+def test_what_is_trained_can_be_given_to_another_process(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As ddp_spawn does: an optimiser's settings held the whole command line."""
+    sent: list[bytes] = []
+
+    def fit(trainer: Trainer, model: NormalGAN, datamodule: object, **_: object) -> None:
+        sent.append(pickle.dumps((trainer, model, datamodule)))
+
+    fit.__signature__ = inspect.signature(Trainer.fit)  # type: ignore[attr-defined]  # the parser reads it
+    monkeypatch.setattr(RenderingTrainer, "fit", fit)
+    outcome = bench.run("fit", tmp_path / "run", "--trainer.strategy", "ddp_spawn", "--trainer.devices", 2)
+    assert outcome.code == 0, outcome.err
+    trainer, model, _ = pickle.loads(sent[0])
+    assert isinstance(model.configure_optimizers()[0][0], torch.optim.Optimizer)
+    (keeps,) = (callback for callback in trainer.callbacks if isinstance(callback, SaveConfig))
+    keeps.parser.save(keeps.config, str(tmp_path / "config.yaml"), skip_none=False)
+    assert yaml.safe_load((tmp_path / "config.yaml").read_text())["data"]["size"] == 32
 
 
 def test_help_of_a_plugin_lists_its_settings() -> None:

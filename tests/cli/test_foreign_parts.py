@@ -92,7 +92,7 @@ def test_help_lists_foreign_parts_with_their_summaries_and_a_typo_is_answered(
     site: Path, tmp_path: Path
 ) -> None:
     names = offer(site)
-    shown = run("fit", "--help").out
+    shown = run("fit", "--help", "all").out
     for setting, name in names.items():
         assert f"--{setting}\n" in shown
         assert any(

@@ -82,6 +82,22 @@ def test_what_the_weights_overrule_is_said(predict: Callable[..., Outcome], weig
     assert said[1] == f"normalgan: predict uses the weights in {weights}: UNetGenerator, 32 pixels."
 
 
+@pytest.mark.filterwarnings("default")
+def test_a_setting_that_was_given_is_overruled_though_it_is_the_default(
+    predict: Callable[..., Outcome], weights: Path, tmp_path: Path
+) -> None:
+    config = tmp_path / "width.yaml"
+    config.write_text("model: {generator: {class_path: UNetGenerator, init_args: {width: 64}}}")
+    for given, lost in (
+        (("--model.generator", "UNetGenerator"), "model.generator"),  # of the weights that ship: another
+        (("--ckpt_path", weights, "--model.generator.width", 64), "model.generator.width"),
+        (("--ckpt_path", weights, "--config", config), "model.generator.width"),
+    ):
+        outcome = predict(*given)
+        assert outcome.code == 0, outcome.err
+        assert outcome.err.splitlines()[0].endswith(f"and they stay: {lost}.")
+
+
 def test_weights_that_cannot_be_used(
     predict: Callable[..., Outcome], bench: Bench, weights: Path, tmp_path: Path
 ) -> None:

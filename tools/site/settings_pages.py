@@ -4,7 +4,6 @@ import inspect
 from importlib import import_module
 from typing import Any
 
-from jsonargparse import ArgumentParser
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from settings_tables import class_table, table
@@ -33,40 +32,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
-def training_parser() -> ArgumentParser:
-    """Return the parser of ``normalgan fit``, whose settings the other training commands share."""
-    from normalgan.cli import MeshDataModule, NormalGAN, NormalGANCLI, Parser, RenderingTrainer
-
-    found: list[ArgumentParser] = []
-
-    class Listing(NormalGANCLI):
-        """Keeps the parser and stops before anything is parsed."""
-
-        @staticmethod
-        def subcommands() -> dict[str, set[str]]:
-            return {"fit": NormalGANCLI.subcommands()["fit"]}
-
-        def parse_arguments(self, parser: Any, args: Any) -> None:
-            found.append(self._parser("fit"))
-            raise StopIteration
-
-    try:
-        Listing(
-            NormalGAN,
-            MeshDataModule,
-            trainer_class=RenderingTrainer,
-            parser_class=Parser,
-            seed_everything_default=0,
-            auto_configure_optimizers=False,
-        )
-    except StopIteration:
-        return found[0]
-    raise AssertionError("Lightning's command line did not parse")
-
-
 def settings_page() -> str:
     """Return the page of all settings of training."""
-    parser = training_parser()
+    from normalgan.cli import training_parsers
+
+    parser = training_parsers(["fit"])["fit"]
     parts = [
         "# Settings",
         "All settings of `fit`, `validate`, `test`, `predict`, `render`, as `normalgan fit --help` has them. "

@@ -1,10 +1,8 @@
 """Settings: nested mappings as `normalgan fit` takes them, put together by its own parser."""
 
 import hashlib
-import io
 import json
 from collections.abc import Mapping, Sequence
-from contextlib import redirect_stdout
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -82,19 +80,15 @@ def compose(layers: Sequence[Mapping[str, Any]]) -> Settings:
     Raises:
         InputError: if `normalgan fit` would refuse them.
     """
-    from normalgan.cli import run  # here: it imports lightning
+    from normalgan.cli import resolved_settings  # here: it imports lightning
 
     with TemporaryDirectory() as folder:
-        arguments = ["fit"]
+        arguments: list[str] = []
         for i, layer in enumerate(filter(None, layers)):
             path = Path(folder) / f"{i}.yaml"
             path.write_text(yaml.safe_dump(dict(layer)), encoding="utf-8")
             arguments += ["--config", str(path)]
-        printed = io.StringIO()
-        with redirect_stdout(printed):
-            run([*arguments, "--print_config"])
-    settings: Settings = yaml.safe_load(printed.getvalue())
-    return settings
+        return resolved_settings(arguments)
 
 
 def digest(settings: Mapping[str, Any]) -> str:
