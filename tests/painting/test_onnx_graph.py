@@ -224,3 +224,14 @@ def test_a_model_that_takes_too_long_is_ended(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(onnx_backend, "PATIENCE", 0.5)
     with pytest.raises(InputError, match=r"slow\.onnx takes more than 0 seconds to paint"):
         model.paint(np.zeros((SIZE, SIZE), np.float32))
+
+
+def test_a_name_that_is_no_text_is_refused_and_nothing_is_printed(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    content = made([node("Neg", "missing", "x"), VECTORS]).SerializeToString()
+    path = tmp_path / "name.onnx"
+    path.write_bytes(content.replace(b"missing", b"m\x80ssing"))
+    with pytest.raises(InputError, match=r"name\.onnx is no model that ONNX Runtime can run: .*\.$"):
+        OnnxBackend(path)
+    assert capfd.readouterr() == ("", "")

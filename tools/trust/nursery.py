@@ -18,8 +18,8 @@ from moments import Moment
 import normalgan.cli  # noqa: F401 -- so that a forked child need not
 from normalgan.__main__ import main
 
-PATIENCE = 300.0
-"""Seconds after which a child hangs; a tiny run takes three, on a busy machine thirty."""
+PATIENCE = 900.0
+"""Seconds after which a child hangs; a tiny run takes three, on a machine with ten others' work minutes."""
 TICK = 0.002
 
 

@@ -37,7 +37,8 @@ class TinySet:
             write_meshes(meshes)
         arguments = (
             *("render", "--config", CONF / "tiny.yaml", "--data.meshes", meshes, "--data.cache", self.cache),
-            *("--data.lines", "OccludingContours", "--data.render_workers", workers),
+            *("--data.lines", "OccludingContours", "--data.lines.resolution", 64),
+            *("--data.render_workers", workers),
             *("--data.train_views", 44, "--data.val_views", 33, "--data.test_views", 33),
         )
         log = self.work / f"{self.name}.log"

@@ -65,6 +65,7 @@ class OnnxBackend:
                 options,
                 providers=["CPUExecutionProvider"],
                 disabled_optimizers=None if folds else ["ConstantFolding"],
+                enable_fallback=0,  # else what goes wrong is printed, and tried again with the same provider
             )
         except InputError:
             raise

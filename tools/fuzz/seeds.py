@@ -1,0 +1,115 @@
+"""Seeds: the files that fuzzing starts from: sound ones, and what once broke a reader or tried to."""
+
+import io
+import json
+import shutil
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+TESTS = Path(__file__).parents[2] / "tests"
+CORPUS = TESTS / "trust" / "corpus"
+PROJECT = {
+    **{"format": "normalgan-studio", "version": 2, "width": 64, "height": 64},
+    **{"strokes": [{"points": [[1, 2], [3, 4]]}], "hints": [], "layers": [], "settings": {}},
+}
+REQUEST = {
+    "hints": [{"x": 9, "y": 7, "normal": [0, 0, 1]}],
+    "areas": [{"kind": "tilt", "points": [[1, 1], [9, 1], [9, 9]], "x": 0.1, "y": 0}],
+    "source": None,
+}
+
+
+def lay_out_seeds(folder: Path, target: str) -> list[Path]:
+    """Write the seeds of a target and return them.
+
+    Args:
+        folder: where to.
+        target: its name, such as ``drawing``.
+
+    Raises:
+        KeyError: if there is no such target.
+    """
+    sys.path[:0] = [str(TESTS / part) for part in ("", "trust", "weights")]
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in {"drawing": _pictures, "svg": _pictures, "mesh": _meshes}.get(target, _other)(
+        target
+    ):
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    for reader in READERS[target]:
+        for path in sorted((CORPUS / reader).glob("*")):
+            shutil.copy(path, folder / f"corpus-{reader}-{path.name}")
+    return sorted(folder.iterdir())
+
+
+def _pictures(target: str) -> Iterable[tuple[str, bytes]]:
+    """Return sound and hostile pictures; those that must be ended by the clock are for a child alone."""
+    from seeds_of_mutants import sound
+
+    from hostile_pictures import SLOW, hostile
+
+    yield from sound()["drawing"].items()
+    for name, (content, words) in hostile(Path("secret.png")).items():
+        if words != SLOW and name.endswith(".svg") == (target == "svg"):
+            yield name, content
+
+
+def _meshes(_: str) -> Iterable[tuple[str, bytes | str]]:
+    from hostile import MESHES
+    from seeds_of_mutants import sound
+
+    yield from sound()["mesh"].items()
+    for name, (content, _words) in MESHES.items():
+        yield name, content
+
+
+def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
+    if target == "checkpoint":
+        from attacked_checkpoints import FILES, MODEL, sound
+        from seeds_of_mutants import sound_checkpoint
+        from torch import save
+
+        yield "sound.ckpt", sound_checkpoint()
+        for number, (make, _) in enumerate(FILES.values()):
+            yield f"file{number}.ckpt", make()
+        for number, (edit, _) in enumerate(list(MODEL.values())[::6]):  # all are in tests/trust already
+            tree = sound()
+            edit(tree)
+            buffer = io.BytesIO()
+            save(tree, buffer)
+            yield f"model{number}.ckpt", buffer.getvalue()
+    elif target == "weights":
+        from small_weights import make_weights
+
+        content = make_weights().to_bytes()
+        yield from {"sound": content, "cut": content[:-9], "header": b"\xff" * 8 + content[8:]}.items()
+    elif target == "configuration":
+        from hostile import CLUSTERS, CONFIGURATIONS, PLANS
+        from seeds_of_mutants import sound
+
+        for reader, files in (("configuration", CONFIGURATIONS), ("plan", PLANS), ("cluster", CLUSTERS)):
+            yield from sound()[reader].items()
+            for name, (content, _) in files.items():
+                yield f"{reader}-{name}", content
+    elif target == "project":
+        yield from {"project.json": json.dumps(PROJECT), "request.json": json.dumps(REQUEST)}.items()
+        yield from {"deep.json": "[" * 200_000, "digits.json": '{"width": ' + "1" * 10_000 + "}"}.items()
+    elif target == "model":
+        from seeds_of_mutants import sound
+
+        yield from sound()["model"].items()
+    else:
+        raise KeyError(target)
+
+
+READERS = {
+    "drawing": ("drawing",),
+    "svg": ("drawing",),
+    "mesh": ("mesh",),
+    "checkpoint": (),
+    "weights": (),
+    "configuration": ("configuration", "plan", "cluster"),
+    "project": (),
+    "model": ("model",),
+}
+"""The targets, and what tests/trust/corpus calls what they read."""
