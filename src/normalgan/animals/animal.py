@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.meshing import to_mesh
 from normalgan.animals.species import GROUPS, SPECIES
 from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.mesh import Mesh
@@ -56,6 +55,8 @@ class Animal:
 
     def load(self) -> Mesh:
         """Return the mesh, always the same for the same animal; takes about a second."""
+        from normalgan.animals.meshing import to_mesh  # takes half a second: only when an animal is made
+
         rng = np.random.default_rng([zlib.crc32(self.species.encode()), self.seed])
         return to_mesh(self.name, SPECIES[self.species].grow(self.pose, rng))
 

@@ -11,7 +11,7 @@ from normalgan.animals.bipeds_heads import robot as robot_head
 from normalgan.animals.field import Part, Ripple
 from normalgan.animals.forms import Shape, ball, block, both, carried, fuse, mirrored, moved, tube
 from normalgan.animals.frames import Frame
-from normalgan.animals.plan import Rng, drawn_pose
+from normalgan.animals.plan import PosedPlan, Rng
 from normalgan.animals.sweep import Floats, Sweep
 
 FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
@@ -102,19 +102,19 @@ class Robot:
 
 
 @dataclass(frozen=True)
-class Biped:
+class Biped(PosedPlan):
     """A kind that goes on two legs.
 
     Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
         body: what goes round the bones.
         measures: of the average individual.
-        habits: the poses it is seen in; one named twice is drawn twice as often.
         spread: how much an individual's measures differ, as a fraction.
     """
 
+    habits: tuple[Annotated[str, tuple(STANCES)], ...]
     body: Flesh | Robot
     measures: Measures = field(default_factory=Measures)
-    habits: tuple[Annotated[str, tuple(STANCES)], ...] = ("stand", "walk", "run", "sit", "wave", "arms_out")
     spread: float = 0.09
 
     @property
@@ -122,11 +122,10 @@ class Biped:
         """Those that all bipeds know."""
         return tuple(STANCES)
 
-    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
-        stance = STANCES[drawn_pose(self.habits, pose, rng)]
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
         measures = vary(self.measures, self.spread, rng)
-        return self.body.parts(measures, skeleton(measures, stance(rng)), rng)
+        return self.body.parts(measures, skeleton(measures, STANCES[pose](rng)), rng)
 
 
 def trunk(measures: Measures, bones: Skeleton) -> Sweep:

@@ -7,7 +7,7 @@ import numpy as np
 
 from normalgan.animals.field import Part
 from normalgan.animals.forms import both, carried, fuse, tube
-from normalgan.animals.frames import about, pitch, roll, yaw
+from normalgan.animals.frames import Frame, about, pitch, roll, yaw
 from normalgan.animals.plan import Rng
 from normalgan.animals.stations import Profile
 from normalgan.animals.sweep import Floats, Sweep
@@ -120,17 +120,11 @@ def opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng
     arm = _arm(wing, span)
     outer = carried([fuse(*feathers[: wing.primaries])], hand)[0].sweeps
     flight = fuse(*outer, *feathers[wing.primaries :])
-    parts = [fuse(*carried([each], about((0, 0, 0), np.eye(3)))[0].sweeps) for each in (flight, arm)]
     placed = []
-    for part, blend in zip(parts, (0.0, 0.02), strict=True):
-        moved = [_shifted(each, shoulder) for each in part.sweeps]
-        at = carried([fuse(*moved)], whole)[0]
-        placed.append(fuse(*both(*at.sweeps), blend=blend))
+    for part, blend in ((flight, 0.0), (arm, 0.02)):
+        right = carried(carried([part], Frame(shoulder, np.eye(3))), whole)[0].sweeps
+        placed.append(fuse(*both(*right), blend=blend))
     return placed
-
-
-def _shifted(sweep: Sweep, by: Floats) -> Sweep:
-    return Sweep(sweep.points + by, sweep.radii, sweep.widths, sweep.sides, sweep.cut)
 
 
 def _bones(span: float) -> Floats:

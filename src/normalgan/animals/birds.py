@@ -11,7 +11,7 @@ from normalgan.animals.bird_wings import Tail, Wing, folded, opened, tail_fan
 from normalgan.animals.field import Part, Ripple
 from normalgan.animals.forms import Shape, ball, both, carried, fuse, moved, tube
 from normalgan.animals.frames import Frame, bend, pitch, yaw
-from normalgan.animals.plan import Eyeball, Range, Rng, drawn_pose, proportions
+from normalgan.animals.plan import Eyeball, PosedPlan, Range, Rng, proportions
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Stations
 from normalgan.animals.sweep import Sweep
@@ -97,7 +97,7 @@ CHICK: Mapping[str, float] = {
 
 
 @dataclass(frozen=True)
-class Bird:
+class Bird(PosedPlan):
     """A kind of bird.
 
     Args:
@@ -140,49 +140,43 @@ class Bird:
     chick: bool = False
     ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
 
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """The habits, each once."""
-        return tuple(dict.fromkeys(self.habits))
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
+        young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < YOUNG_SHARE)
+        build = proportions(RANGES, self.ranges, rng, CHICK if young else None)
+        tilt = float(rng.uniform(*self.pitch))
+        tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)
+        turn = pitch(tilt)
+        middle = turn @ np.array([0.5, 0.0, 0.0])
+        body = Frame(-middle, turn)  # the middle of the body at the origin; the legs find the ground
 
-    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
-        return assemble(self, drawn_pose(self.habits, pose, rng), rng)
-
-
-def assemble(kind: Bird, pose: str, rng: Rng) -> list[Part]:
-    """Return the parts of one bird, in the order in which they blend."""
-    young = kind.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < YOUNG_SHARE)
-    build = proportions(RANGES, kind.ranges, rng, CHICK if young else None)
-    tilt = float(rng.uniform(*kind.pitch))
-    tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)
-    turn = pitch(tilt)
-    middle = turn @ np.array([0.5, 0.0, 0.0])
-    body = Frame(-middle, turn)  # the middle of the body at the origin; the legs find the ground
-
-    girth = build["girth"]
-    rows = replace(kind.body, bottom=kind.body.bottom * (0.5 + 0.5 * girth)).wider(girth)
-    down = Ripple(0.004, 0.06) if young else None
-    parts = [fuse(moved(rows.sweep(), body), ripple=down)]
-    neck, head = _neck(kind, pose, build, body, rng)
-    parts.append(Part(neck.sweeps, neck.blend, ripple=down))
-    parts += _head(kind, build, head, rng, young)
-    out = pose in {"soar", "spread", "land"}
-    tail = kind.tail
-    touching = 2.2 * tail.half_width * (tail.feathers - 1) / (tail.length + 0.16)  # the ends of an open fan
-    widest = {"soar": 40.0, "spread": 46.0, "land": 60.0}
-    spread = min(widest[pose], float(np.rad2deg(touching))) if out else tail.closed
-    fan = tail_fan(kind.tail, build["tail"], spread * float(rng.uniform(0.8, 1.2)), float(rng.normal(0, 5)))
-    parts += carried(fan, body)
-    if kind.train is not None and not young:
-        parts += carried(TRAINS[kind.train](rng, build["tail"]), body)
-    if out:
-        parts += carried(opened(kind.wing, rows, build["wing"], pose, tilt, rng), body)
-    else:
-        parts += carried(folded(kind.wing, rows, build["wing"], young), body)
-    if pose != "swim":
-        parts += kind.leg.grow(build["legs"], pose, body, rng)
-    return parts
+        girth = build["girth"]
+        rows = replace(self.body, bottom=self.body.bottom * (0.5 + 0.5 * girth)).wider(girth)
+        down = Ripple(0.004, 0.06) if young else None
+        parts = [fuse(moved(rows.sweep(), body), ripple=down)]
+        neck, head = _neck(self, pose, build, body, rng)
+        parts.append(Part(neck.sweeps, neck.blend, ripple=down))
+        parts += _head(self, build, head, rng, young)
+        out = pose in {"soar", "spread", "land"}
+        tail = self.tail
+        touching = (
+            2.2 * tail.half_width * (tail.feathers - 1) / (tail.length + 0.16)
+        )  # the ends of an open fan
+        widest = {"soar": 40.0, "spread": 46.0, "land": 60.0}
+        spread = min(widest[pose], float(np.rad2deg(touching))) if out else tail.closed
+        fan = tail_fan(
+            self.tail, build["tail"], spread * float(rng.uniform(0.8, 1.2)), float(rng.normal(0, 5))
+        )
+        parts += carried(fan, body)
+        if self.train is not None and not young:
+            parts += carried(TRAINS[self.train](rng, build["tail"]), body)
+        if out:
+            parts += carried(opened(self.wing, rows, build["wing"], pose, tilt, rng), body)
+        else:
+            parts += carried(folded(self.wing, rows, build["wing"], young), body)
+        if pose != "swim":
+            parts += self.leg.grow(build["legs"], pose, body, rng)
+        return parts
 
 
 def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: Rng) -> tuple[Part, Frame]:

@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball, fuse, tube
 from normalgan.animals.frames import Frame
-from normalgan.animals.plan import Eyeball, Point, Range, Rng, drawn_pose, proportions
+from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.animals.sweep import Floats, Sweep
@@ -96,10 +96,11 @@ class Gills:
 
 
 @dataclass(frozen=True)
-class Fish:
+class Fish(PosedPlan):
     """A kind of fish, straight, its nose at x = 1, the root of its tail fin near x = 0.
 
     Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
         body: from the tail to the nose.
         fins: all fins but that of the tail, in the order in which they blend.
         eye: the right one of a pair.
@@ -108,10 +109,10 @@ class Fish:
         tail: the tail fin, upright, or None.
         spines: how many spines stand off its skin.
         wave: degrees by which body and tail swing when it swims.
-        habits: the poses it is seen in; one named twice is drawn twice as often.
         ranges: ranges of proportions that differ from the general ones.
     """
 
+    habits: tuple[Annotated[str, tuple(POSES)], ...]
     body: Profile
     fins: tuple[Fin | Finlet, ...]
     eye: Eyeball
@@ -120,39 +121,28 @@ class Fish:
     tail: Fin | None = None
     spines: int = 0
     wave: float = 26.0
-    habits: tuple[Annotated[str, tuple(POSES)], ...] = ("glide", "swim", "swim", "turn")
     ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
 
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """The habits, each once."""
-        return tuple(dict.fromkeys(self.habits))
-
-    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
-        return assemble(self, drawn_pose(self.habits, pose, rng), rng)
-
-
-def assemble(kind: Fish, pose: str, rng: Rng) -> list[Part]:
-    """Return the parts of one fish, in the order in which they blend."""
-    build = proportions(RANGES, kind.ranges, rng)
-    spine = _spine(pose, kind.wave, rng)
-    depth, girth = build["depth"], build["girth"]
-    stretch = np.array([1.0, depth, girth])
-    body = replace(kind.body, top=kind.body.top * depth, bottom=kind.body.bottom * depth).wider(girth)
-    parts = [fuse(spine.sweep(body))]
-    if kind.tail is not None:
-        parts.append(fuse(*plates(kind.tail, spine, build["tail"]), blend=0.03))
-    flare, flap = float(rng.normal(0, 7)), float(rng.normal(0, 7))
-    for each in kind.fins:
-        moved = _moved(each.fin(), stretch)
-        parts.append(fuse(*plates(moved, spine, build["fins"], flare, flap), blend=0.018))
-    eyes = np.array(_halves(np.array(kind.eye.at))) * stretch
-    eyes[:, 2] -= 0.35 * kind.eye.radius * np.sign(eyes[:, 2])
-    parts.append(fuse(*(ball(at, kind.eye.radius * build["eye"]) for at in spine.place(eyes))))
-    if kind.spines:
-        parts.append(fuse(*_spines(body, kind.spines, spine), blend=0.02))
-    return [*parts, *_grooves(kind, spine, stretch)]
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
+        build = proportions(RANGES, self.ranges, rng)
+        spine = _spine(pose, self.wave, rng)
+        depth, girth = build["depth"], build["girth"]
+        stretch = np.array([1.0, depth, girth])
+        body = replace(self.body, top=self.body.top * depth, bottom=self.body.bottom * depth).wider(girth)
+        parts = [fuse(spine.sweep(body))]
+        if self.tail is not None:
+            parts.append(fuse(*plates(self.tail, spine, build["tail"]), blend=0.03))
+        flare, flap = float(rng.normal(0, 7)), float(rng.normal(0, 7))
+        for each in self.fins:
+            moved = _moved(each.fin(), stretch)
+            parts.append(fuse(*plates(moved, spine, build["fins"], flare, flap), blend=0.018))
+        eyes = np.array(_halves(np.array(self.eye.at))) * stretch
+        eyes[:, 2] -= 0.35 * self.eye.radius * np.sign(eyes[:, 2])
+        parts.append(fuse(*(ball(at, self.eye.radius * build["eye"]) for at in spine.place(eyes))))
+        if self.spines:
+            parts.append(fuse(*_spines(body, self.spines, spine), blend=0.02))
+        return [*parts, *_grooves(self, spine, stretch)]
 
 
 def _spine(pose: str, wave: float, rng: Rng) -> Spine:

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from normalgan.animals.field import Part, Ripple
 from normalgan.animals.forms import Shape, ball, both, by, carried, fuse, mirrored, tube
@@ -96,6 +95,8 @@ def ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: 
         depth: from 0 to 1.
         flat: its width over its height.
     """
+    from scipy.interpolate import CubicSpline  # slow to import: only for who grows an insect
+
     stations, sizes = np.array(points, float), np.array(radii, float)
     knots = np.linspace(0, 1, len(stations))
     at = np.linspace(0, 1, 4 * rings + 1)
@@ -122,6 +123,8 @@ def wing(
         thick: half the thickness.
         bow: curvature across, positive arched upwards.
     """
+    from scipy.interpolate import CubicSpline
+
     corners = np.array([*outline, outline[0]], float)
     at = np.linspace(0, len(outline), 6 * len(outline) + 1)[:-1]
     smooth = CubicSpline(np.arange(len(corners)), corners, bc_type="periodic")(at)
@@ -312,15 +315,7 @@ def caterpillar(pose: str, rng: Rng) -> list[Part]:
     return parts
 
 
-BLADE = (
-    (-0.03, 0.02),
-    (0.2, 0.07),
-    (0.5, 0.07),
-    (0.66, -0.02),
-    (0.58, -0.14),
-    (0.3, -0.16),
-    (0.05, -0.06),
-)
+BLADE = ((-0.03, 0.02), (0.2, 0.07), (0.5, 0.07), (0.66, -0.02), (0.58, -0.14), (0.3, -0.16), (0.05, -0.06))
 
 
 def bee(pose: str, rng: Rng) -> list[Part]:
@@ -559,24 +554,8 @@ def scorpion(pose: str, rng: Rng) -> list[Part]:
     ]
 
 
-LONG = (
-    (-0.04, 0.02),
-    (0.3, 0.05),
-    (0.75, 0.06),
-    (0.92, 0.0),
-    (0.8, -0.09),
-    (0.35, -0.1),
-    (0.05, -0.05),
-)
-FORE = (
-    (-0.04, 0.02),
-    (0.35, 0.32),
-    (0.72, 0.48),
-    (0.80, 0.36),
-    (0.66, 0.06),
-    (0.4, -0.10),
-    (0.08, -0.08),
-)
+LONG = ((-0.04, 0.02), (0.3, 0.05), (0.75, 0.06), (0.92, 0.0), (0.8, -0.09), (0.35, -0.1), (0.05, -0.05))
+FORE = ((-0.04, 0.02), (0.35, 0.32), (0.72, 0.48), (0.80, 0.36), (0.66, 0.06), (0.4, -0.10), (0.08, -0.08))
 HIND = (
     (-0.04, 0.05),
     (0.35, 0.06),

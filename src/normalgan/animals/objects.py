@@ -259,7 +259,6 @@ def boat(pose: str, rng: Rng) -> list[Part]:
         top = 0.95 * f["mast"]
         mast = tube([[0.05, -0.9 * deep, 0], [0.05, top, 0]], [0.035, 0.025])
         boom = tube([[0.05, 0.12, 0], [-0.85 * long, 0.12, 0.03]], 0.024)
-        main = tube([[0.02, 0.15, 0], [0.03, 0.55 * top, 0.03], [0.04, 0.95 * top, 0]], 0.022, 0.0)
         rows = np.linspace(0.13, 0.95 * top, 6)
         span = 0.85 * long * (1 - (rows - 0.13) / (0.92 * top))
         mids = np.column_stack([0.05 - span / 2, rows, 0.02 * np.sin(3 * rows)])

@@ -1,5 +1,6 @@
 """Body plans: what every species can do, whatever its shape: grow from random numbers into parts."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Protocol
@@ -45,16 +46,14 @@ class BodyPlan(Protocol):
 
 
 @dataclass(frozen=True)
-class Form:
-    """A species made by a function of the pose and a source of random numbers.
+class PosedPlan(ABC):
+    """The base of most body plans: the pose is drawn first, and all else follows from it.
 
     Args:
-        habits: the poses that are drawn from; a pose named twice is drawn twice as often.
-        shape: returns the parts of one individual.
+        habits: the poses it is seen in; one named twice is drawn twice as often.
     """
 
     habits: tuple[str, ...]
-    shape: Callable[[str, Rng], list[Part]]
 
     @property
     def poses(self) -> tuple[str, ...]:
@@ -63,7 +62,27 @@ class Form:
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return one individual's parts."""
-        return self.shape(drawn_pose(self.habits, pose, rng), rng)
+        return self.assemble(drawn_pose(self.habits, pose, rng), rng)
+
+    @abstractmethod
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose, in the order in which they blend."""
+
+
+@dataclass(frozen=True)
+class Form(PosedPlan):
+    """A species made by a function of the pose and a source of random numbers.
+
+    Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
+        shape: returns the parts of one individual.
+    """
+
+    shape: Callable[[str, Rng], list[Part]]
+
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
+        return self.shape(pose, rng)
 
 
 def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
@@ -73,10 +92,7 @@ def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
 
 
 def proportions(
-    general: Mapping[str, Range],
-    own: Mapping[str, Range],
-    rng: Rng,
-    young: Mapping[str, float] | None = None,
+    general: Mapping[str, Range], own: Mapping[str, Range], rng: Rng, young: Mapping[str, float] | None = None
 ) -> dict[str, float]:
     """Draw by which factors an individual differs from the drawing of its species.
 

@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball, both, by, carried, fuse, moved, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
-from normalgan.animals.plan import Eyeball, Point, Range, Rng, drawn_pose, factors, proportions
+from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.animals.sweep import Floats, Sweep
@@ -24,12 +24,13 @@ COILED = ("coil", "wind", "rear")
 
 
 @dataclass(frozen=True)
-class Crawler:
+class Crawler(PosedPlan):
     """A kind of lizard or crocodile: one long trunk bent sideways, legs that sprawl, belly near y = 0.
 
     Lengths are in units of snout to tail root.
 
     Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
         trunk: from the tip of the tail to the neck; the tail starts at 0.
         head: length of the head.
         skull: the head with its upper jaw, in its own frame, in units of ``head``.
@@ -42,10 +43,10 @@ class Crawler:
         thick: radius of a leg.
         crest: height of the spikes along the back, 0 for none.
         scutes: how many pairs of rows of bumps the back has.
-        habits: the poses it is seen in; one named twice is drawn twice as often.
         ranges: ranges of proportions that differ from the general ones.
     """
 
+    habits: tuple[Annotated[str, CRAWLING], ...]
     trunk: Profile
     head: float
     skull: Profile
@@ -58,53 +59,97 @@ class Crawler:
     thick: float
     crest: float = 0.0
     scutes: int = 0
-    habits: tuple[Annotated[str, CRAWLING], ...] = ("crawl", "crawl", "stand", "bask", "gape")
     ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
 
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """The habits, each once."""
-        return tuple(dict.fromkeys(self.habits))
-
-    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
-        return crawler(self, drawn_pose(self.habits, pose, rng), rng)
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
+        build = proportions(RANGES, self.ranges, rng)
+        x = self.trunk.x
+        rows = replace(self.trunk, x=np.where(x < 0, x * build["tail"], x)).wider(build["girth"])
+        spine = _crawler_spine(rows, pose, rng)
+        parts = [fuse(spine.sweep(rows))]
+        at = spine.frame(self.neck[0])
+        lift = float(rng.uniform(0, 10)) + (8.0 if pose == "gape" else 0.0)
+        turn = float(np.clip(rng.normal(0, 14), -30, 30))
+        head = Frame(at.place(np.array([[0.0, self.neck[1], 0.0]]))[0], at.rotation @ yaw(turn) @ pitch(lift))
+        gape = float(rng.uniform(20, 32)) if pose == "gape" else float(rng.uniform(1, 4))
+        parts += carried(_crawler_head(self, gape), head, self.head * build["head"])
+        for number, root in enumerate((self.shoulder, self.hip)):
+            for sign in (1.0, -1.0):
+                swing = float(rng.normal(0, 6))
+                if pose == "crawl":  # diagonal legs go together
+                    swing += 26.0 * sign * (1 if number == 0 else -1) * float(rng.uniform(0.6, 1.0))
+                parts.append(
+                    _crawler_leg(self, np.array(root), sign, number == 0, swing, build["legs"], spine)
+                )
+        if self.crest:
+            parts.append(fuse(*_crest(rows, self.crest * build["crest"], spine), blend=0.015))
+        if self.scutes:
+            parts.append(fuse(*_bumps(rows, self.scutes, spine), blend=0.012))
+        return parts
 
 
 @dataclass(frozen=True)
-class Turtle:
+class Turtle(PosedPlan):
     """A kind of turtle, its shell a unit long.
 
     Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
         dome: height of the shell over its rim.
         half_width: of the shell.
         neck: length of the neck.
-        habits: the poses it is seen in; one named twice is drawn twice as often.
         clear: height of the rim over the ground.
         flippers: whether it swims instead of walking.
         bumpy: how far the scutes bulge.
     """
 
+    habits: tuple[Annotated[str, SHELLED], ...]
     dome: float
     half_width: float
     neck: float
-    habits: tuple[Annotated[str, SHELLED], ...]
     clear: float = 0.0
     flippers: bool = False
     bumpy: float = 0.02
 
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """The habits, each once."""
-        return tuple(dict.fromkeys(self.habits))
-
-    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
-        return turtle(self, drawn_pose(self.habits, pose, rng), rng)
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
+        build = factors(rng, 0.12, "dome", "wide", "clear", "neck", "head", "legs")
+        radii = np.array([0.50, self.dome * build["dome"], self.half_width * build["wide"]])
+        rim = 0.0 if self.flippers else self.clear * build["clear"]
+        under = 0.28 if self.flippers else 0.34
+        shell = [
+            fuse(ball((0, rim, 0), radii)),
+            # The dome alone: what lies below its rim is cut off, and a flatter belly set in its place.
+            fuse(_slab(rim, radii), carve=True, blend=0.02),
+            fuse(ball((0, rim + 0.005, 0), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
+            fuse(ball((0, rim, 0), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
+            *([fuse(*_scutes(radii, rim, self.bumpy), blend=0.25 * radii[1])] if self.bumpy else []),
+            fuse(*_grooves(radii, rim), carve=True, blend=0.008),
+        ]
+        tail = tube([(-0.40, rim, 0), (-0.52, rim - 0.03, 0), (-0.62, rim - 0.07, 0)], [0.06, 0.04, 0.012])
+        parts = [*shell, fuse(tail, blend=0.03)]
+        out = self.neck * build["neck"] * {"hide": 0.35}.get(pose, 1.0)
+        stretch = np.array(
+            [[0.36, rim - 0.01, 0], [0.48, rim + 0.01, 0], [0.50 + out, rim + 0.10 * (out > 0.1), 0]]
+        )
+        aside = float(np.clip(rng.normal(0, 16), -35, 35))
+        bent, _ = bend(stretch, float(rng.uniform(-10, 22)), aside)
+        parts.append(fuse(tube(bent, [0.11, 0.085, 0.07]), blend=0.05))
+        head = Frame(bent[-1], yaw(aside) @ pitch(float(rng.uniform(-12, 14))))
+        beak = tube([(0.15, 0.0, 0), (0.20, -0.02, 0), (0.205, -0.06, 0)], [0.05, 0.035, 0.012])
+        mouth = tube([(0.06, -0.045, 0.092), (0.13, -0.045, 0.066), (0.18, -0.05, 0.028)], 0.007)
+        face = [
+            fuse(TURTLE_HEAD.sweep(), blend=0.03),
+            fuse(beak, blend=0.02),
+            fuse(*both(ball((0.085, 0.045, 0.074), 0.021))),
+            fuse(*both(mouth), carve=True, blend=0.004),
+        ]
+        parts += carried(face, head, 1.15 * build["head"])
+        return parts + (_flippers if self.flippers else _turtle_legs)(radii, rim, build["legs"], pose, rng)
 
 
 @dataclass(frozen=True)
-class Snake:
+class Snake(PosedPlan):
     """A kind of snake: a long tube that tapers, coiled, winding or raised.
 
     Args:
@@ -115,40 +160,31 @@ class Snake:
     habits: tuple[Annotated[str, COILED], ...]
     hooded: bool = False
 
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """The habits, each once."""
-        return tuple(dict.fromkeys(self.habits))
-
-    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
-        return snake(self, drawn_pose(self.habits, pose, rng), rng)
-
-
-def crawler(kind: Crawler, pose: str, rng: Rng) -> list[Part]:
-    """Return the parts of one lizard or crocodile, in the order in which they blend."""
-    build = proportions(RANGES, kind.ranges, rng)
-    x = kind.trunk.x
-    rows = replace(kind.trunk, x=np.where(x < 0, x * build["tail"], x)).wider(build["girth"])
-    spine = _crawler_spine(rows, pose, rng)
-    parts = [fuse(spine.sweep(rows))]
-    at = spine.frame(kind.neck[0])
-    lift = float(rng.uniform(0, 10)) + (8.0 if pose == "gape" else 0.0)
-    turn = float(np.clip(rng.normal(0, 14), -30, 30))
-    head = Frame(at.place(np.array([[0.0, kind.neck[1], 0.0]]))[0], at.rotation @ yaw(turn) @ pitch(lift))
-    gape = float(rng.uniform(20, 32)) if pose == "gape" else float(rng.uniform(1, 4))
-    parts += carried(_crawler_head(kind, gape), head, kind.head * build["head"])
-    for number, root in enumerate((kind.shoulder, kind.hip)):
-        for sign in (1.0, -1.0):
-            swing = float(rng.normal(0, 6))
-            if pose == "crawl":  # diagonal legs go together
-                swing += 26.0 * sign * (1 if number == 0 else -1) * float(rng.uniform(0.6, 1.0))
-            parts.append(_crawler_leg(kind, np.array(root), sign, number == 0, swing, build["legs"], spine))
-    if kind.crest:
-        parts.append(fuse(*_crest(rows, kind.crest * build["crest"], spine), blend=0.015))
-    if kind.scutes:
-        parts.append(fuse(*_bumps(rows, kind.scutes, spine), blend=0.012))
-    return parts
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
+        fat = float(rng.uniform(0.060, 0.085))
+        line = {"coil": _coil, "wind": _wind, "rear": _rear}[pose](fat, rng)
+        steps = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        share = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
+        radii = fat * np.interp(share, [0, 0.18, 0.5, 0.85, 1.0], [0.16, 0.62, 1.0, 0.92, 0.62])
+        line[:, 1] += radii - fat  # every part of it lies on the ground, or on the coil below
+        way = line[-1] - line[-2]
+        heading = float(np.rad2deg(np.arctan2(-way[2], way[0])))
+        level = float(rng.uniform(-18, 4)) - (8.0 if self.hooded else 0.0)
+        head = Frame(line[-1], yaw(heading) @ pitch(level))
+        parts = [fuse(tube(line, list(radii)))]
+        if self.hooded and pose == "rear":
+            parts.append(fuse(_hood(line, fat, yaw(heading)[:, 2], rng), blend=0.03))
+        eyes = ball((0.36, 0.20, 0.37), 0.115)
+        mouth = tube(
+            [(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)], 0.035
+        )
+        pits = tube([(0.95, 0.02, 0.14), (0.85, 0.05, 0.18)], 0.045)
+        face = [
+            fuse(SNAKE_HEAD.sweep(), blend=0.4), fuse(*both(eyes)),
+            fuse(*both(mouth, pits), carve=True, blend=0.02),
+        ]  # fmt: skip
+        return parts + carried(face, head, 1.75 * fat * float(rng.uniform(0.9, 1.2)))
 
 
 def _crawler_spine(rows: Profile, pose: str, rng: Rng) -> Spine:
@@ -237,43 +273,6 @@ TURTLE_HEAD = Profile(
     np.array([-0.07, -0.09, -0.085, -0.065, -0.06]),
     np.array([0.07, 0.095, 0.088, 0.055, 0.022]),
 )
-
-
-def turtle(kind: Turtle, pose: str, rng: Rng) -> list[Part]:
-    """Return the parts of one turtle, in the order in which they blend."""
-    build = factors(rng, 0.12, "dome", "wide", "clear", "neck", "head", "legs")
-    radii = np.array([0.50, kind.dome * build["dome"], kind.half_width * build["wide"]])
-    rim = 0.0 if kind.flippers else kind.clear * build["clear"]
-    under = 0.28 if kind.flippers else 0.34
-    shell = [
-        fuse(ball((0, rim, 0), radii)),
-        # The dome alone: what lies below its rim is cut off, and a flatter belly set in its place.
-        fuse(_slab(rim, radii), carve=True, blend=0.02),
-        fuse(ball((0, rim + 0.005, 0), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
-        fuse(ball((0, rim, 0), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
-        *([fuse(*_scutes(radii, rim, kind.bumpy), blend=0.25 * radii[1])] if kind.bumpy else []),
-        fuse(*_grooves(radii, rim), carve=True, blend=0.008),
-    ]
-    tail = tube([(-0.40, rim, 0), (-0.52, rim - 0.03, 0), (-0.62, rim - 0.07, 0)], [0.06, 0.04, 0.012])
-    parts = [*shell, fuse(tail, blend=0.03)]
-    out = kind.neck * build["neck"] * {"hide": 0.35}.get(pose, 1.0)
-    stretch = np.array(
-        [[0.36, rim - 0.01, 0], [0.48, rim + 0.01, 0], [0.50 + out, rim + 0.10 * (out > 0.1), 0]]
-    )
-    aside = float(np.clip(rng.normal(0, 16), -35, 35))
-    bent, _ = bend(stretch, float(rng.uniform(-10, 22)), aside)
-    parts.append(fuse(tube(bent, [0.11, 0.085, 0.07]), blend=0.05))
-    head = Frame(bent[-1], yaw(aside) @ pitch(float(rng.uniform(-12, 14))))
-    beak = tube([(0.15, 0.0, 0), (0.20, -0.02, 0), (0.205, -0.06, 0)], [0.05, 0.035, 0.012])
-    mouth = tube([(0.06, -0.045, 0.092), (0.13, -0.045, 0.066), (0.18, -0.05, 0.028)], 0.007)
-    face = [
-        fuse(TURTLE_HEAD.sweep(), blend=0.03),
-        fuse(beak, blend=0.02),
-        fuse(*both(ball((0.085, 0.045, 0.074), 0.021))),
-        fuse(*both(mouth), carve=True, blend=0.004),
-    ]
-    parts += carried(face, head, 1.15 * build["head"])
-    return parts + (_flippers if kind.flippers else _turtle_legs)(radii, rim, build["legs"], pose, rng)
 
 
 def _slab(rim: float, radii: Floats) -> Sweep:
@@ -365,31 +364,6 @@ SNAKE_HEAD = Profile(
     np.array([-0.26, -0.3, -0.3, -0.26, -0.22, -0.16]),
     np.array([0.3, 0.5, 0.52, 0.4, 0.28, 0.2]),
 )
-
-
-def snake(kind: Snake, pose: str, rng: Rng) -> list[Part]:
-    """Return the parts of one snake, in the order in which they blend."""
-    fat = float(rng.uniform(0.060, 0.085))
-    line = {"coil": _coil, "wind": _wind, "rear": _rear}[pose](fat, rng)
-    steps = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    share = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
-    radii = fat * np.interp(share, [0, 0.18, 0.5, 0.85, 1.0], [0.16, 0.62, 1.0, 0.92, 0.62])
-    line[:, 1] += radii - fat  # every part of it lies on the ground, or on the coil below
-    way = line[-1] - line[-2]
-    heading = float(np.rad2deg(np.arctan2(-way[2], way[0])))
-    level = float(rng.uniform(-18, 4)) - (8.0 if kind.hooded else 0.0)
-    head = Frame(line[-1], yaw(heading) @ pitch(level))
-    parts = [fuse(tube(line, list(radii)))]
-    if kind.hooded and pose == "rear":
-        parts.append(fuse(_hood(line, fat, yaw(heading)[:, 2], rng), blend=0.03))
-    eyes = ball((0.36, 0.20, 0.37), 0.115)
-    mouth = tube([(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)], 0.035)
-    pits = tube([(0.95, 0.02, 0.14), (0.85, 0.05, 0.18)], 0.045)
-    face = [
-        fuse(SNAKE_HEAD.sweep(), blend=0.4), fuse(*both(eyes)),
-        fuse(*both(mouth, pits), carve=True, blend=0.02),
-    ]  # fmt: skip
-    return parts + carried(face, head, 1.75 * fat * float(rng.uniform(0.9, 1.2)))
 
 
 def _coil(fat: float, rng: Rng) -> Floats:

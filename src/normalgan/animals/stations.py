@@ -118,7 +118,7 @@ class Spine:
         over = x - at
         origin = np.array([
             float(np.interp(at, self.xs, self.along)) + over * np.cos(angle), 0.0,
-            float(np.interp(at, self.xs, self.aside)) - over * np.sin(angle),
+            float(np.interp(at, self.xs, self.aside)) - over * np.sin(angle)
         ])  # fmt: skip
         return Frame(origin, yaw(float(np.rad2deg(angle))))
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import Akima1DInterpolator
 
 Floats = NDArray[np.float64]
 Volume = NDArray[np.float32]
@@ -35,6 +34,8 @@ def smoothed(sweep: Sweep, pieces: int = 4, thinnest: float = 0.0) -> Sweep:
 
     Akima's interpolation goes through the stations and hardly overshoots beside steep steps.
     """
+    from scipy.interpolate import Akima1DInterpolator  # as slow to import as all that is here
+
     rows = np.column_stack([sweep.points, sweep.radii, sweep.widths, sweep.sides])
     count = len(rows)
     if count > 2:

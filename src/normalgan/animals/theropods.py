@@ -10,7 +10,7 @@ from normalgan.animals.bird_legs import Legs
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball, both, carried, fuse, moved, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
-from normalgan.animals.plan import Eyeball, Point, Range, Rng, drawn_pose, proportions
+from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
 from normalgan.animals.sweep import Sweep
@@ -40,10 +40,11 @@ class Arm:
 
 
 @dataclass(frozen=True)
-class Theropod:
+class Theropod(PosedPlan):
     """A kind of two-legged dinosaur, the hip at x = 0.
 
     Args:
+        habits: the poses it is seen in; one named twice is drawn twice as often.
         torso: from the root of the tail to the chest.
         tail: from its tip into the torso.
         neck: from inside the chest to the head.
@@ -55,10 +56,10 @@ class Theropod:
         leg: the legs.
         sail: height of a sail on the back, 0 for none.
         pitch: degrees by which the trunk is raised.
-        habits: the poses it is seen in; one named twice is drawn twice as often.
         ranges: ranges of proportions that differ from the general ones.
     """
 
+    habits: tuple[Annotated[str, tuple(POSES)], ...]
     torso: Profile
     tail: Profile
     neck: Stations
@@ -70,42 +71,33 @@ class Theropod:
     leg: Legs
     sail: float = 0.0
     pitch: Range = (-4.0, 16.0)
-    habits: tuple[Annotated[str, tuple(POSES)], ...] = ("stand", "stand", "walk", "walk", "run", "roar")
     ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
 
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """The habits, each once."""
-        return tuple(dict.fromkeys(self.habits))
-
-    def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
-        return assemble(self, drawn_pose(self.habits, pose, rng), rng)
-
-
-def assemble(kind: Theropod, pose: str, rng: Rng) -> list[Part]:
-    """Return the parts of one dinosaur, in the order in which they blend."""
-    young = YOUNG if rng.uniform() < YOUNG_SHARE else None
-    build = proportions(RANGES, kind.ranges, rng, young)
-    tilt = float(rng.uniform(*kind.pitch)) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
-    whole = about((0, 0, 0), pitch(tilt))
-    torso = kind.torso.wider(build["girth"])
-    tail = replace(kind.tail, x=kind.tail.x * build["tail"])
-    parts = [fuse(moved(torso.sweep(), whole)), fuse(_tail(tail, tilt, rng), blend=0.12)]
-    points = kind.neck.points
-    points = whole.place(points[0] + (points - points[0]) * build["neck"])
-    aside = float(np.clip(rng.normal(0, 13), -30, 30))
-    bent, _ = bend(points, float(rng.uniform(-8, 8)) + (10.0 if pose == "roar" else -0.3 * tilt), aside)
-    parts.append(fuse(tube(bent, kind.neck.radius * np.linspace(1, build["head"], len(bent))), blend=0.15))
-    nod = float(rng.uniform(-14, 2)) + (16.0 if pose == "roar" else 0.0)
-    head = Frame(bent[-1], yaw(1.4 * aside) @ pitch(nod))
-    gape = float(rng.uniform(24, 36) if pose == "roar" else rng.choice([4.0, 6.0, 18.0]))
-    parts += carried(_head(kind, gape), head, kind.length * build["head"])
-    parts += carried(_arms(kind, build["arm"], rng), whole)
-    if kind.sail:
-        parts += carried(_sail(torso, kind.sail * build["sail"]), whole)
-    stride = "walk" if pose == "run" else "stand" if pose == "roar" else pose
-    return parts + kind.leg.grow(build["legs"], stride, whole, rng)
+    def assemble(self, pose: str, rng: Rng) -> list[Part]:
+        """Return the parts of one individual in a pose."""
+        young = YOUNG if rng.uniform() < YOUNG_SHARE else None
+        build = proportions(RANGES, self.ranges, rng, young)
+        tilt = float(rng.uniform(*self.pitch)) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
+        whole = about((0, 0, 0), pitch(tilt))
+        torso = self.torso.wider(build["girth"])
+        tail = replace(self.tail, x=self.tail.x * build["tail"])
+        parts = [fuse(moved(torso.sweep(), whole)), fuse(_tail(tail, tilt, rng), blend=0.12)]
+        points = self.neck.points
+        points = whole.place(points[0] + (points - points[0]) * build["neck"])
+        aside = float(np.clip(rng.normal(0, 13), -30, 30))
+        bent, _ = bend(points, float(rng.uniform(-8, 8)) + (10.0 if pose == "roar" else -0.3 * tilt), aside)
+        parts.append(
+            fuse(tube(bent, self.neck.radius * np.linspace(1, build["head"], len(bent))), blend=0.15)
+        )
+        nod = float(rng.uniform(-14, 2)) + (16.0 if pose == "roar" else 0.0)
+        head = Frame(bent[-1], yaw(1.4 * aside) @ pitch(nod))
+        gape = float(rng.uniform(24, 36) if pose == "roar" else rng.choice([4.0, 6.0, 18.0]))
+        parts += carried(_head(self, gape), head, self.length * build["head"])
+        parts += carried(_arms(self, build["arm"], rng), whole)
+        if self.sail:
+            parts += carried(_sail(torso, self.sail * build["sail"]), whole)
+        stride = "walk" if pose == "run" else "stand" if pose == "roar" else pose
+        return parts + self.leg.grow(build["legs"], stride, whole, rng)
 
 
 def _tail(rows: Profile, tilt: float, rng: Rng) -> Sweep:
