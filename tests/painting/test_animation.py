@@ -89,7 +89,7 @@ def test_what_does_not_fit_in_an_animation_is_written_frame_by_frame(here: Path)
 
 
 def test_a_frame_for_all_keeps_what_stands_still(here: Path) -> None:
-    """A body that stands and an arm that is stretched out: in one frame for all the ramp stays where it was."""
+    """A body stands, and an arm is stretched out: in one frame for all the ramp stays where it was."""
     body = blob((80, 120), (40, 44), 20)
     frames = []
     for i in range(4):

@@ -7,6 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 from jsonargparse import Namespace
+from numpy.typing import NDArray
 
 from normalgan.animals import SPECIES, Animal
 from normalgan.commands.light_parser import LightParser
@@ -20,6 +21,8 @@ from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, SuggestiveCont
 from normalgan.rendering.loading import SUFFIXES
 from normalgan.rendering.maps import Floats
 from normalgan.rendering.media import Medium
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.renderers import RENDERERS
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.strokes.svg import to_svg
@@ -72,6 +75,10 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("--margin", type=float, default=0.06, help="share of the side left free around it")
     parser.add_argument("--orientation", type=str | None, help="JSON file that says how the mesh is turned")
+    parser.add_argument(
+        "--clip", type=str | None, help="animation of a rigged glTF file; the view is one for all its moments"
+    )
+    parser.add_argument("--time", type=float | None, help="moment of the clip in seconds; null is its first")
     parser.add_argument("--crease_angle", type=float | None, help="degrees from which an edge is sharp")
     parser.add_argument("--lines", type=LineDrawing, help="the style")
     parser.add_argument("--renderer", type=Renderer, help="of the maps")
@@ -93,9 +100,9 @@ def draw(settings: Namespace) -> None:
         InputError: if they cannot be used or the files not be written.
     """
     kind = _check(settings)
-    mesh = find_source(settings.mesh, settings.orientation, settings.crease_angle).load()
+    mesh, seen = _load(settings)
     rotation = look_at_origin(settings.azimuth, settings.elevation, settings.roll)
-    camera = framed(mesh.vertices, rotation, settings.field_of_view, settings.margin)
+    camera = framed(seen, rotation, settings.field_of_view, settings.margin)
     settings.renderer.check()
     view = View(mesh, camera, settings.renderer, settings.size)
     style, hand, paper = np.random.default_rng(settings.seed).spawn(3)
@@ -115,6 +122,26 @@ def draw(settings: Namespace) -> None:
             f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
         ) from error
     print(settings.output, *([settings.normal] if settings.normal else []), sep="\n")
+
+
+def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
+    """Return the mesh and the vertices (V, 3) that the view holds: of a clip those of all its moments."""
+    source = find_source(settings.mesh, settings.orientation, settings.crease_angle)
+    if settings.clip is None:
+        if settings.time is not None:
+            raise InputError("a time is one of a clip; name it with --clip.")
+        mesh = source.load()
+        return mesh, mesh.vertices
+    if not isinstance(source, MeshFile):
+        raise InputError(f"{settings.mesh} has no clips; give a rigged glTF file.")
+    from normalgan.rendering.rigs import ClipMeshes  # scipy takes half a second
+
+    meshes = ClipMeshes(source, settings.clip)
+    first, last = meshes.span
+    time = first if settings.time is None else settings.time
+    if not first <= time <= last:
+        raise InputError(f"time is {time}; the clip {settings.clip} runs from {first:g} to {last:g} seconds.")
+    return meshes.mesh(time), meshes.hull
 
 
 def find_source(name: str, orientation: str | None = None, crease_angle: float | None = None) -> MeshSource:

@@ -22,7 +22,7 @@ _REACH = 4
 """Frames before and after that a frame is averaged with, as far as they show the same."""
 _AROUND = 1 / 32
 """Standard deviation of the window, as a share of the network's side, in which frames are compared."""
-_ALIKE = 0.02
+_ALIKE = 0.07
 """Mean difference of the ink in a window from which two frames no longer show the same."""
 
 

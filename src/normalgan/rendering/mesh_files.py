@@ -73,27 +73,40 @@ class MeshFile:
         return finish(self.name, self, *read_triangles(Path(self.path)))
 
 
-def finish(name: str, file: MeshFile, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Mesh:
+def finish(
+    name: str,
+    file: MeshFile,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    about: NDArray[np.float64] | None = None,
+) -> Mesh:
     """Return a mesh of the triangles found in a file, made ready as the file's settings say.
+
+    It is moved and scaled so that its box is centred on the origin and its farthest vertex 1 away.
 
     Args:
         name: of the mesh.
         file: where the triangles are from, and how it stands.
         vertices: (V, 3) positions, in the file's world axes.
         faces: (F, 3) vertex indices.
+        about: (K, 3) points whose box and distance count in place of the mesh's own, such as those of all
+            moments of an animation; in the axes of ``vertices``.
 
     Raises:
         InputError: if no face has an area.
     """
     # By a power of two, so that no digit changes: squares of huge or tiny lengths leave floating point.
     _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
+    about = None if about is None else np.ldexp(about, -exponent)
     vertices, faces = weld(np.ldexp(vertices, -exponent), faces)
     if not len(faces):
         raise InputError(f"{file.path} has only faces without area; a mesh needs triangles that have one.")
     if file.rotation is not None:
         vertices = vertices @ np.array(file.rotation).T
-    vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    vertices /= np.linalg.norm(vertices, axis=1).max()
+        about = None if about is None else about @ np.array(file.rotation).T
+    about = vertices if about is None else about
+    centre = (about.min(axis=0) + about.max(axis=0)) / 2
+    vertices = (vertices - centre) / np.linalg.norm(about - centre, axis=1).max()
     faces = wind(vertices, faces, file.inside_out)
     vertices, faces, normals = shade(vertices, faces, file.crease_angle)
     return Mesh(name, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))

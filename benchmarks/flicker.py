@@ -1,0 +1,108 @@
+"""Tells how still the maps of an animation stand: rigs posed before one camera, drawn and painted.
+
+flicker.py RIG.glb [RIG.glb...] [--clips Idle Walk Gallop] [--frames 12] [--model M.onnx] [--sheet OUT.png]
+
+For each clip and each way of painting: the error; the flicker, by how much normals change from a frame to
+the next where the true ones change by less than a degree, painted and true; and the overlap of the masks. The
+ways: each drawing framed for itself, all in one frame, and so and averaged with neighbours. Prints JSON.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+from machine import describe
+from numpy.typing import NDArray
+from PIL import Image
+
+from normalgan.normals import Floats, angles, encode, paint_flat
+from normalgan.painting.normal_map import NormalMap
+from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.painter import Painter
+from normalgan.painting.picture import Picture
+from normalgan.painting.preview import lit
+from normalgan.painting.series import Member, paint_series
+from normalgan.rendering import EmbreeRenderer, find_meshes
+from normalgan.rendering.lines import SuggestiveContours
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.mesh_files import MeshFile
+from normalgan.rendering.rigs import ClipMeshes
+from normalgan.rendering.strokes import rasterise
+from normalgan.rendering.view import View
+from normalgan.rendering.views import framed, look_at_origin
+
+SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
+WAYS = {"own": (False, False), "shared": (True, False), "steady": (True, True)}
+
+
+def draw(file: MeshFile, clip: str, count: int) -> tuple[list[Floats], list[Maps]]:
+    """Return the drawings of a clip, (SIDE, SIDE) ink each, and what is true of them."""
+    meshes = ClipMeshes(file, clip)
+    camera = framed(meshes.hull, look_at_origin(AZIMUTH, ELEVATION, 0.0), None, 0.06)
+    lines, inks, truths = SuggestiveContours(resolution=SIDE), [], []
+    for moment in np.linspace(*meshes.span, count, endpoint=False):
+        view = View(meshes.mesh(float(moment)), camera, EmbreeRenderer(), SIDE)
+        inks.append(rasterise(lines.trace(view, np.random.default_rng(0)), SIDE))
+        truths.append(view.maps())
+    return inks, truths
+
+
+def measure(maps: list[NormalMap], truths: list[Maps]) -> dict[str, float]:
+    """Return the figures of one clip painted in one way."""
+    errors, overlaps, flicker, moved = [], [], [], []
+    for preds, true in zip(maps, truths, strict=True):
+        both = preds.mask & true.mask
+        errors.append(angles(preds.extended[both], true.normal[both]).mean())
+        overlaps.append(both.sum() / (preds.mask | true.mask).sum())
+    for i in range(1, len(maps)):
+        change = angles(truths[i].normal, truths[i - 1].normal)
+        still = truths[i].mask & truths[i - 1].mask & maps[i].mask & maps[i - 1].mask & (change < STILL)
+        if still.any():
+            moved.append(change[still].mean())
+            flicker.append(angles(maps[i].extended[still], maps[i - 1].extended[still]).mean())
+    return {
+        "error": round(float(np.mean(errors)), 2),
+        "flicker": round(float(np.mean(flicker)), 3) if flicker else float("nan"),
+        "true_change": round(float(np.mean(moved)), 3) if moved else float("nan"),
+        "mask_iou": round(float(np.mean(overlaps)), 3),
+    }
+
+
+def strip(maps: list[NormalMap]) -> NDArray[np.uint8]:
+    """Return maps side by side, and below them lit."""
+    colours = [np.asarray(encode(paint_flat(each.extended, each.mask)), np.uint8) for each in maps]
+    return np.vstack([np.hstack(colours), np.hstack([lit(each.extended, each.mask, 135) for each in maps])])
+
+
+def main() -> None:
+    """Print the figures; write a picture if asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("rigs", nargs="+")
+    parser.add_argument("--clips", nargs="+", default=["Idle", "Walk", "Gallop"])
+    parser.add_argument("--frames", type=int, default=12)
+    parser.add_argument("--model")
+    parser.add_argument("--sheet", type=Path, help="where the first rig's maps go, way below way")
+    asked = parser.parse_args()
+    painter = Painter(OnnxBackend(find_model(asked.model)))
+    figures: dict[str, dict[str, dict[str, float]]] = {}
+    strips = []
+    for file in find_meshes(asked.rigs):
+        for clip in asked.clips:
+            inks, truths = draw(file, clip, asked.frames)
+            members = [Member(Picture(np.repeat(1 - ink[..., None], 3, -1), None)) for ink in inks]
+            found = {}
+            for way, (shared, steady) in WAYS.items():
+                maps = list(paint_series(painter, members, shared, steady))
+                good = [each for each in maps if isinstance(each, NormalMap)]
+                found[way] = measure(good, truths)
+                if file.name == Path(asked.rigs[0]).stem and way != "shared":
+                    strips.append(strip(good[: min(6, len(good))]))
+            figures[f"{file.name} {clip}"] = found
+    if asked.sheet:
+        Image.fromarray(np.vstack(strips)).save(asked.sheet)
+    print(json.dumps({"clips": figures, "machine": describe("numpy", "onnxruntime")}, indent=1))
+
+
+if __name__ == "__main__":
+    main()

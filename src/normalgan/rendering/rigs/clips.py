@@ -1,0 +1,77 @@
+"""Clips: the moments of an animation as meshes that stand in one place, for one camera."""
+
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from normalgan.errors import InputError, did_you_mean
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh_files import MeshFile, finish
+from normalgan.rendering.rigs.animations import pose_at
+from normalgan.rendering.rigs.reading import read_rig
+from normalgan.rendering.rigs.rig import Clip, Doubles, Indices
+from normalgan.rendering.rigs.skinning import posed_surface, world_matrices
+
+_MOMENTS = 16
+"""Moments of a clip whose boxes together are taken for that of all of it."""
+
+
+class ClipMeshes:
+    """The moments of one clip of a rigged glTF file.
+
+    All are moved and scaled alike, by the box of the whole clip: what stands still stays where it is.
+
+    Args:
+        file: the rig, and how it stands.
+        clip: name of the clip; the part after its last ``|`` will do. Or its number from 0.
+
+    Raises:
+        InputError: if the file has no rig, or no such clip.
+    """
+
+    def __init__(self, file: MeshFile, clip: str) -> None:
+        self._file = file
+        self._rig = read_rig(Path(file.path))
+        self.clip: Clip = _find(self._rig.clips, clip, file.path)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The first and the last moment in seconds."""
+        return self.clip.span
+
+    def mesh(self, moment: float) -> Mesh:
+        """Return the mesh at a moment in seconds."""
+        return self._finished(*self._surface(moment))
+
+    @cached_property
+    def hull(self) -> Doubles:
+        """(K, 3) vertices of moments all over the clip, as their meshes have them: what a view holds."""
+        return np.concatenate([self.mesh(moment).vertices for moment in self._moments]).astype(np.float64)
+
+    @cached_property
+    def _moments(self) -> list[float]:
+        return [float(moment) for moment in np.linspace(*self.span, _MOMENTS)]
+
+    @cached_property
+    def _about(self) -> Doubles:
+        places = [self._surface(moment)[0] for moment in self._moments]
+        return np.concatenate(places)
+
+    def _surface(self, moment: float) -> tuple[Doubles, Indices]:
+        return posed_surface(self._rig, world_matrices(pose_at(self._rig.nodes, self.clip, moment)))
+
+    def _finished(self, vertices: Doubles, faces: Indices) -> Mesh:
+        return finish(self._file.name, self._file, vertices, faces, self._about)
+
+
+def _find(clips: tuple[Clip, ...], wanted: str, path: str) -> Clip:
+    names = [clip.name.rpartition("|")[2] or str(number) for number, clip in enumerate(clips)]
+    if not clips:
+        raise InputError(f"{path} has no animation; a clip is of a rigged glTF file that has some.")
+    for number, (name, clip) in enumerate(zip(names, clips, strict=True)):
+        if wanted in {name, clip.name, str(number)}:
+            return clip
+    raise InputError(
+        f"{path} has no clip {wanted!r}.{did_you_mean(wanted, names)} Its clips: {', '.join(names)}."
+    )
