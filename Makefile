@@ -59,6 +59,7 @@ lint: dev
 
 types: dev
 	$(BIN)/mypy
+	tools/page/check.sh
 
 clean:
 	rm -rf $(VENV) runs cache site .mypy_cache .ruff_cache .pytest_cache

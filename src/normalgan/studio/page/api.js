@@ -26,7 +26,7 @@ async function ask(path, options = {}) {
   try {
     response = await fetch(path, { cache: "no-store", ...options });
   } catch (error) {
-    if (error.name === "AbortError") throw error;
+    if (error instanceof Error && error.name === "AbortError") throw error;
     throw new Away(String(error));
   }
   if (response.ok) return response;
@@ -51,7 +51,9 @@ function post(path, { fields, pixels }, signal) {
   return ask(path, { method: "POST", body, headers: { "Content-Type": "application/x-normalgan-drawing" }, signal });
 }
 
+/** @param {Response} response @param {string} name */
 const number = (response, name) => Number(response.headers.get(name));
+/** @param {Response} response @param {string} name */
 const words = (response, name) => decodeURIComponent(response.headers.get(name) ?? "");
 
 /** @returns {Promise<{version: string, model: {name: string, size: number}}>} */
@@ -62,6 +64,7 @@ export const named = async () => (await ask("/api/open")).json();
 
 /**
  * Returns a painted map, or null if a newer request came in between.
+ * @param {Request} request @param {AbortSignal} [signal]
  * @throws {Lacking} if there is nothing to be painted.
  */
 export async function paint(request, signal) {
@@ -76,7 +79,10 @@ export async function paint(request, signal) {
   return { rgba, width, height, warning: words(response, "X-Warning") };
 }
 
-/** Returns heights in pixels, NaN off the object, or null if a newer request came in between. */
+/**
+ * Returns heights in pixels, NaN off the object, or null if a newer request came in between.
+ * @param {Request} request @param {AbortSignal} [signal]
+ */
 export async function height(request, signal) {
   const response = await post("/api/height", request, signal);
   if (response.status === 204) return null;
@@ -84,7 +90,7 @@ export async function height(request, signal) {
   return { heights, width: number(response, "X-Width"), height: number(response, "X-Height") };
 }
 
-/** @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
+/** @param {Request} request @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
 export const suggest = async (request) => (await (await post("/api/suggest", request)).json()).points;
 
 /** Returns a file and what it is called. @param {Request} request @returns {Promise<{blob: Blob, name: string}>} */
@@ -102,21 +108,29 @@ export async function imported(file) {
   return (await ask("/api/import", { method: "POST", body: file, headers })).json();
 }
 
-/** Projects and autosaves: documents in a folder of the server. */
+/** Projects and autosaves: documents in a folder of the server. @param {string} path */
 const folder = (path) => ({
+  /** @returns {Promise<{name: string, changed: string}[]>} */
   list: async () => (await ask(path)).json(),
+  /** @param {string} name */
   read: async (name) => {
     const response = await ask(`${path}/${encodeURIComponent(name)}`);
     return { doc: await response.json(), etag: response.headers.get("ETag") };
   },
-  /** Writes a document; `etag` null writes only a new one, undefined whatever is there. */
+  /**
+   * Writes a document; `etag` null writes only a new one, undefined whatever is there.
+   * @param {string} name @param {object} doc @param {string | null} [etag]
+   */
   write: async (name, doc, etag) => {
+    /** @type {Record<string, string>} */
     const guard = etag === null ? { "If-None-Match": "*" } : etag ? { "If-Match": etag } : {};
     const headers = { "Content-Type": "application/json", ...guard };
     const options = { method: "PUT", body: JSON.stringify(doc), headers };
     return (await ask(`${path}/${encodeURIComponent(name)}`, options)).headers.get("ETag");
   },
+  /** @param {string} name @param {string | null} [etag] */
   remove: async (name, etag) => {
+    /** @type {Record<string, string>} */
     const headers = etag ? { "If-Match": etag } : {};
     await ask(`${path}/${encodeURIComponent(name)}`, { method: "DELETE", headers });
   },

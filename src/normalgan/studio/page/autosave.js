@@ -1,6 +1,6 @@
 /** Autosave: each change goes to the browser's store at once and to the server some seconds later. */
 
-import { Away, autosaves } from "./api.js";
+import { Away, Refused, autosaves } from "./api.js";
 import { isEmpty } from "./document.js";
 import { forget, keep, kept } from "./store.js";
 
@@ -29,7 +29,7 @@ export class Autosave extends EventTarget {
     this.sent = null;
     /** @type {Promise<void>} the writing to the server that goes on, or the last one */
     this.sending = Promise.resolve();
-    editor.addEventListener("change", (event) => event.detail.live || this.#changed());
+    editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || this.#changed());
     connection.addEventListener("back", () => this.flush());
     addEventListener("pagehide", () => this.flush());
   }
@@ -99,9 +99,10 @@ export class Autosave extends EventTarget {
     }
   }
 
+  /** @param {unknown} error */
   #failed(error) {
     if (error instanceof Away) this.connection.lost();
-    else if (error.status !== 404) this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+    else if (!(error instanceof Refused && error.status === 404)) this.dispatchEvent(new CustomEvent("failed", { detail: error }));
   }
 }
 

@@ -1,8 +1,10 @@
 /** Ball: a little sphere in the normal map's colours; where it is touched is where the normal points. */
 
+import { context2d } from "./canvas.js";
 import { onBall, turned } from "./normal.js";
 
 const STEP = 5;
+/** @type {Record<string, [number, number]>} */
 const TURNS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class Ball {
@@ -12,9 +14,11 @@ export class Ball {
    */
   constructor(canvas, onTurn) {
     this.canvas = canvas;
-    this.context = canvas.getContext("2d");
+    this.context = context2d(canvas);
     this.onTurn = onTurn;
+    /** @type {import("./document.js").Normal} */
     this.normal = [0, 0, 1];
+    /** @type {ImageData | null} */
     this.sphere = null;
     this.held = false;
     this.turning = false;
@@ -43,7 +47,7 @@ export class Ball {
     context.putImageData(this.sphere, 0, 0);
     const radius = side / 2 - 2;
     const [x, y] = [side / 2 + normal[0] * radius, side / 2 - normal[1] * radius];
-    for (const [colour, width] of [["#fff", 0.045], ["#22232a", 0.018]]) {
+    for (const { colour, width } of [{ colour: "#fff", width: 0.045 }, { colour: "#22232a", width: 0.018 }]) {
       [context.strokeStyle, context.lineWidth, context.lineCap] = [colour, width * side, "round"];
       context.beginPath();
       context.moveTo(side / 2, side / 2);
@@ -57,6 +61,7 @@ export class Ball {
     }
   }
 
+  /** @param {PointerEvent} event @param {boolean} ended */
   #point(event, ended) {
     const box = this.canvas.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * 2 - 1;
@@ -64,12 +69,14 @@ export class Ball {
     this.onTurn(onBall(x * 1.03, y * 1.03), ended);
   }
 
+  /** @param {() => void} end */
   #release(end) {
     if (!this.held) return;
     this.held = false;
     end();
   }
 
+  /** @param {KeyboardEvent} event */
   #key(event) {
     const turn = TURNS[event.key];
     if (!turn || event.ctrlKey || event.metaKey) return;

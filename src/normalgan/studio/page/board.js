@@ -1,6 +1,7 @@
 /** Board: the pane of the drawing: the sheet, and above it points, suggestions and the tool's nib. */
 
 import { Camera } from "./camera.js";
+import { context2d } from "./canvas.js";
 import { drawAreas, drawHints, drawSuggestions } from "./marks.js";
 import { Sheet } from "./sheet.js";
 
@@ -13,7 +14,7 @@ export class Board {
    */
   constructor(canvas, below, editor, ink) {
     this.canvas = canvas;
-    this.context = canvas.getContext("2d");
+    this.context = context2d(canvas);
     this.editor = editor;
     this.ink = ink;
     this.camera = new Camera();
@@ -92,11 +93,13 @@ export class Board {
   #nib() {
     const { context, camera, editor } = this;
     const at = this.cursor ?? this.pointer;
-    const width = editor.widths[editor.tool];
+    /** @type {Record<string, number | undefined>} */
+    const widths = editor.widths;
+    const width = widths[editor.tool];
     if (!at || (!width && !this.cursor)) return;
     const { x, y } = camera.toPane(at.x, at.y);
     const radius = Math.max(2, ((width ?? 8) / 2) * camera.scale);
-    for (const [colour, line] of [["rgb(255 255 255 / 80%)", 3], ["rgb(40 40 60 / 80%)", 1]]) {
+    for (const { colour, line } of [{ colour: "rgb(255 255 255 / 80%)", line: 3 }, { colour: "rgb(40 40 60 / 80%)", line: 1 }]) {
       [context.strokeStyle, context.lineWidth] = [colour, line];
       context.beginPath();
       context.arc(x, y, radius, 0, 2 * Math.PI);

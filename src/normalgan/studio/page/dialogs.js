@@ -12,13 +12,16 @@ import { text } from "./text.js";
  * @returns {Promise<string>} the value, or "" if it was dismissed
  */
 export function choose(title, body, ways, more) {
+  /** @type {HTMLDialogElement} */
   const dialog = $("choose");
-  dialog.querySelector("h2").textContent = title;
-  dialog.querySelector("p").textContent = body;
-  dialog.querySelector(".more").replaceChildren(...(more ? [more] : []));
+  /** @param {string} selector */
+  const part = (selector) => /** @type {HTMLElement} */ (dialog.querySelector(selector));
+  part("h2").textContent = title;
+  part("p").textContent = body;
+  part(".more").replaceChildren(...(more ? [more] : []));
   const buttons = ways.map(({ value, text: words, strong }) =>
     make("button", { value, text: words, class: strong ? "strong" : "", autofocus: Boolean(strong) }));
-  dialog.querySelector(".ways").replaceChildren(make("button", { value: "", text: text.cancel }), ...buttons);
+  part(".ways").replaceChildren(make("button", { value: "", text: text.cancel }), ...buttons);
   return open(dialog);
 }
 
@@ -28,6 +31,7 @@ export function choose(title, body, ways, more) {
  * @returns {Promise<string>} the name, or "" if it was dismissed
  */
 export async function askName(before) {
+  /** @type {HTMLInputElement} */
   const field = $("name-field");
   field.value = before;
   const answer = open($("save-dialog"));

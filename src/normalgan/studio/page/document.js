@@ -66,6 +66,7 @@ export const withoutArea = (doc, index) => ({ ...doc, areas: doc.areas.filter((_
 export function anchorOf({ points, size }) {
   const count = points.length / 2;
   if (size) return { x: points[2 * (count >> 1)], y: points[2 * (count >> 1) + 1] };
+  /** @param {number} offset */
   const mean = (offset) => points.reduce((sum, value, i) => (i % 2 === offset ? sum + value : sum), 0) / count;
   return { x: mean(0), y: mean(1) };
 }
@@ -87,22 +88,33 @@ export function picturesOf(doc) {
   return [...doc.strokes, ...doc.layers].flatMap((each) => ("picture" in each ? [each.picture] : []));
 }
 
+// What a file holds may be anything.
+/** @typedef {(value: any) => boolean} Check */
+/** @type {Check} */
 const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
+/** @type {Check} */
 const isSide = (value) => Number.isInteger(value) && value >= SIDES.least && value <= SIDES.most;
+/** @type {Check} */
 const isPlaced = (value) =>
-  [value.x, value.y, value.width, value.height].every(isNumber) && /^data:image\/png;base64,/.test(value.picture);
+  [value.x, value.y, value.width, value.height].every(isNumber) && String(value.picture).startsWith("data:image/png;base64,");
+/** @type {Check} */
 const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber);
+/** @type {Check} */
 const isNormal = (value) =>
   Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05;
+/** @type {Check} */
 const isHint = (value) =>
   isNumber(value.x) && isNumber(value.y) && isNormal(value.normal) && (value.reach === undefined || isNumber(value.reach));
+/** @type {Check} */
 const isArea = (value) =>
   Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
   value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
   (value.size === undefined || (isNumber(value.size) && value.size > 0));
+/** @type {Check} */
 const isLayer = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";
+/** @param {unknown} list @param {Check} check @param {number} most */
 const isList = (list, check, most) => Array.isArray(list) && list.length <= most && list.every((each) => each && check(each));
 
 /**
@@ -119,7 +131,7 @@ export function parseDocument(value) {
     isList(doc.areas ?? [], isArea, MOST_AREAS) && isList(doc.layers, isLayer, 8) &&
     isList(doc.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES);
   if (!whole) throw new Error(text.notProject);
-  const source = ["outline", "model"].includes(doc.settings?.source) ? doc.settings.source : null;
+  const source = ["outline", "model"].includes(String(doc.settings?.source)) ? doc.settings.source : null;
   const { width, height, strokes, hints, layers } = doc;
   const settings = { source, name: String(doc.settings?.name ?? "") };
   return { format: FORMAT, version: VERSION, width, height, strokes, hints, areas: doc.areas ?? [], layers, settings };

@@ -1,14 +1,15 @@
 /** Small helpers for the page's elements. */
 
 import { icon } from "./icons.js";
-import { text } from "./text.js";
+import { wordsOf } from "./text.js";
 
 /** @template {HTMLElement} T @param {string} id @returns {T} */
 export const $ = (id) => /** @type {T} */ (document.getElementById(id));
 
 /**
  * Makes an element.
- * @param {string} tag
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag
  * @param {Record<string, unknown>} [properties] `class`, `text`, attributes with a dash, or properties
  * @param {...(Node | string)} children
  */
@@ -18,7 +19,7 @@ export function make(tag, properties = {}, ...children) {
     if (key === "class") element.className = String(value);
     else if (key === "text") element.textContent = String(value);
     else if (key.includes("-") || key === "role") element.setAttribute(key, String(value));
-    else element[key] = value;
+    else Object.assign(element, { [key]: value });
   }
   element.append(...children);
   return element;
@@ -26,11 +27,15 @@ export function make(tag, properties = {}, ...children) {
 
 /** Puts words and icons into elements that name them by `data-text`, `data-label` and `data-icon`. */
 export function fill(root = document) {
-  for (const each of root.querySelectorAll("[data-icon]")) each.prepend(icon(each.dataset.icon));
-  for (const each of root.querySelectorAll("[data-text]")) {
-    each.append(text[each.dataset.text]);
-  }
-  for (const each of root.querySelectorAll("[data-label]")) label(each, text[each.dataset.label]);
+  /** @param {"icon" | "text" | "label"} kind @param {(element: HTMLElement, name: string) => void} put */
+  const each = (kind, put) => {
+    for (const element of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll(`[data-${kind}]`))) {
+      put(element, element.dataset[kind] ?? "");
+    }
+  };
+  each("icon", (element, name) => element.prepend(icon(name)));
+  each("text", (element, name) => element.append(wordsOf(name)));
+  each("label", (element, name) => label(element, wordsOf(name)));
 }
 
 /** Names an element for the eye and for screen readers. @param {Element} element @param {string} words */

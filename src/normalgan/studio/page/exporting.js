@@ -2,8 +2,9 @@
 
 import { exported } from "./api.js";
 import { $, download, make, open } from "./dom.js";
-import { say, text } from "./text.js";
+import { say, text, wordsOf } from "./text.js";
 
+/** @type {Record<string, string[]>} */
 const FORMATS = {
   map: ["png8", "png16", "exr", "tiff"],
   preview: ["png", "gif"],
@@ -18,7 +19,9 @@ export class Exporting {
    * @param {import("./status.js").Status} status
    */
   constructor(editor, painter, status) {
-    Object.assign(this, { editor, painter, status });
+    this.editor = editor;
+    this.painter = painter;
+    this.status = status;
     $("export-what").addEventListener("change", () => this.#formats());
     this.#formats();
   }
@@ -29,7 +32,7 @@ export class Exporting {
       this.status.say(text.exportEmpty);
       return;
     }
-    $("export-name").value = this.editor.doc.settings.name;
+    /** @type {HTMLInputElement} */ ($("export-name")).value = this.editor.doc.settings.name;
     if (!(await open($("export-dialog")))) return;
     this.status.say(text.exporting);
     try {
@@ -42,21 +45,21 @@ export class Exporting {
   }
 
   #wish() {
-    const value = (id) => $(`export-${id}`).value;
+    const value = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ ($(`export-${id}`)).value;
     return {
       name: value("name").trim() || text.untitled.toLowerCase(),
       what: value("what"),
       format: value("format"),
       y: value("y"),
-      alpha: $("export-alpha").checked,
+      alpha: /** @type {HTMLInputElement} */ ($("export-alpha")).checked,
       size: value("size") ? Number(value("size")) : null,
     };
   }
 
   /** Shows only what goes with the kind of file. */
   #formats() {
-    const what = $("export-what").value;
-    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: text[what === "height" && format === "png" ? "png16" : format] })));
+    const what = /** @type {HTMLSelectElement} */ ($("export-what")).value;
+    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: wordsOf(what === "height" && format === "png" ? "png16" : format) })));
     $("export-y-row").hidden = what !== "map";
     $("export-alpha-row").hidden = what !== "map" && what !== "preview";
   }

@@ -1,5 +1,6 @@
 /** Icons: lines on a grid of 24, in the colour of the text. */
 
+/** @type {Record<string, string>} */
 const paths = {
   new: "M6 3h8l4 4v14H6z M14 3v4h4 M12 11v6 M9 14h6",
   open: "M3 19V6h6l2 2h8v3 M3 19l3-8h16l-3 8z",

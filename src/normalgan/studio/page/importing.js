@@ -21,18 +21,21 @@ export class Importing {
     this.board = board;
     this.status = status;
     this.projects = projects;
+    /** @type {"" | "drawing" | "traced"} */
     this.as = "";
-    $("import-file").addEventListener("change", () => {
-      const [file] = $("import-file").files;
-      $("import-file").value = "";
+    /** @type {HTMLInputElement} */
+    const chosen = $("import-file");
+    chosen.addEventListener("change", () => {
+      const [file] = chosen.files ?? [];
+      chosen.value = "";
       if (file) this.take(file, this.as);
     });
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
-      this.#dropped(event.dataTransfer.files[0]);
+      this.#dropped(event.dataTransfer?.files[0]);
     });
-    addEventListener("paste", (event) => this.#dropped(event.clipboardData.files[0]));
+    addEventListener("paste", (event) => this.#dropped(event.clipboardData?.files[0]));
   }
 
   /** Lets the user choose a file. @param {"" | "drawing" | "traced"} as "" asks */
@@ -41,6 +44,7 @@ export class Importing {
     $("import-file").click();
   }
 
+  /** @param {File | undefined} file */
   #dropped(file) {
     if (!file || document.querySelector("dialog[open]")) return;
     if (file.name.endsWith(".normalgan")) this.projects.openFile(file);
@@ -60,7 +64,11 @@ export class Importing {
     }
   }
 
-  /** Puts a picture into the document. @returns {Promise<boolean>} whether it was not cancelled */
+  /**
+   * Puts a picture into the document.
+   * @param {string} url @param {number} width @param {number} height @param {"" | "drawing" | "traced"} as @param {string} name
+   * @returns {Promise<boolean>} whether it was not cancelled
+   */
   async place(url, width, height, as, name) {
     await decodeAll([url]);
     const way = as || (await this.#ask(url));
@@ -81,6 +89,7 @@ export class Importing {
     return true;
   }
 
+  /** @param {string} url */
   #ask(url) {
     const preview = make("img", { src: url, alt: "", class: "thumbnail" });
     const ways = [{ value: "traced", text: text.asTraced }, { value: "drawing", text: text.asDrawing, strong: true }];
@@ -88,7 +97,10 @@ export class Importing {
   }
 }
 
-/** Returns an empty document in the shape of a picture. */
+/**
+ * Returns an empty document in the shape of a picture.
+ * @param {import("./document.js").Doc} doc @param {number} width @param {number} height
+ */
 function shaped(doc, width, height) {
   return { ...doc, width, height };
 }

@@ -1,5 +1,6 @@
 /** Ink: the strokes of a document as pixels, finer than the drawing so that zooming stays crisp. */
 
+import { context2d } from "./canvas.js";
 import { decoded, hasHoles } from "./pictures.js";
 import { averaged } from "./pixels.js";
 import { boxOf, drawPiece, drawStroke, prepare } from "./strokes.js";
@@ -23,11 +24,12 @@ export class Ink {
   /** @param {number} [scale] pixels of the ink for one of the drawing; 0 chooses */
   constructor(scale = 0) {
     this.canvas = document.createElement("canvas");
-    this.context = this.canvas.getContext("2d", { willReadFrequently: true });
+    this.context = context2d(this.canvas, { willReadFrequently: true });
     this.fixed = scale;
     this.width = this.height = this.scale = 0;
     /** @type {import("./document.js").Stroke[]} */
     this.drawn = [];
+    /** @type {import("./document.js").Line | null} the stroke that goes on */
     this.live = null;
     this.pieces = 0;
     /** @type {Box | null} what has changed since `pixels` was called last */
@@ -80,6 +82,7 @@ export class Ink {
     const onPaper = !pictures.length || !pictures.every((stroke) => hasHoles(stroke.picture));
     const { left, top, right, bottom } = whole ? ALL : this.stale ?? { left: 0, top: 0, right: 0, bottom: 0 };
     this.stale = null;
+    /** @param {number} value @param {number} most */
     const clamp = (value, most) => Math.max(0, Math.min(most, value));
     const box = /** @type {[number, number, number, number]} */ ([
       clamp(Math.floor(left), this.width), clamp(Math.floor(top), this.height),

@@ -2,20 +2,22 @@
 
 import { say, text } from "./text.js";
 
+/** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /**
  * Lets keys work on a board that has the focus.
  * @param {import("./board.js").Board} board
- * @param {() => {down: Function, move: Function, up: Function, cancel: Function} | null} tool
+ * @param {() => import("./tools.js").Tool | null} tool
  * @param {import("./status.js").Status} status
  */
 export function followKeyboard(board, tool, status) {
   const { canvas, editor } = board;
   /** @type {ReturnType<typeof tool>} the stroke that goes on */
   let active = null;
-  const touch = () => ({ ...board.cursor, pressure: 0.5, reach: 14 / board.camera.scale });
+  const touch = () => ({ x: 0, y: 0, ...board.cursor, pressure: 0.5, reach: 14 / board.camera.scale });
 
+  /** @param {[number, number]} way @param {number} step */
   const move = ([dx, dy], step) => {
     const { width, height } = editor.doc;
     board.cursor ??= { x: width / 2, y: height / 2 };

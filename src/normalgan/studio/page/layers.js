@@ -9,20 +9,24 @@ import { $ } from "./dom.js";
  * @param {import("./importing.js").Importing} importing
  */
 export function followLayer(editor, importing) {
+  /** @param {Partial<import("./document.js").Layer>} change */
   const changed = (change) => withLayers(editor.history.state, editor.doc.layers.map((layer) => ({ ...layer, ...change })));
+  /** @type {HTMLInputElement} */
   const opacity = $("layer-opacity");
+  /** @type {HTMLInputElement} */
+  const visible = $("layer-visible");
   opacity.addEventListener("input", () => editor.preview(changed({ opacity: opacity.valueAsNumber / 100 })));
   opacity.addEventListener("change", () => editor.commit(changed({ opacity: opacity.valueAsNumber / 100 })));
-  $("layer-visible").addEventListener("change", (event) => editor.commit(changed({ visible: event.target.checked })));
+  visible.addEventListener("change", () => editor.commit(changed({ visible: visible.checked })));
   $("layer-remove").addEventListener("click", () => editor.commit(withLayers(editor.doc, [])));
   $("layer-choose").addEventListener("click", () => importing.pick("traced"));
   const show = () => {
     const [layer] = editor.doc.layers;
     $("layer-none").hidden = Boolean(layer);
-    for (const each of document.querySelectorAll(".with-layer")) each.hidden = !layer;
+    for (const each of document.querySelectorAll(".with-layer")) /** @type {HTMLElement} */ (each).hidden = !layer;
     if (!layer) return;
     opacity.value = String(Math.round(layer.opacity * 100));
-    $("layer-visible").checked = layer.visible;
+    visible.checked = layer.visible;
   };
   editor.addEventListener("change", show);
   show();

@@ -20,7 +20,7 @@ import { begin } from "./start.js";
 import { SHOWN, followKeys } from "./shortcuts.js";
 import { Status } from "./status.js";
 import { claimTab } from "./tab.js";
-import { say, text } from "./text.js";
+import { say, text, wordsOf } from "./text.js";
 import { followTheme } from "./theme.js";
 import { followTools, widen } from "./toolbar.js";
 import { AreaTool, HintTool, LineTool } from "./tools.js";
@@ -43,13 +43,16 @@ const lines = new LineTool(board);
 const pins = new HintTool(board, () => painter.painted, (words) => status.say(words));
 const areas = new AreaTool(board, () => painter.painted, (words) => status.say(words));
 const points = new Points(board, pins, painter, status);
-const tool = () => ({ pen: lines, eraser: lines, hint: pins, region: areas, brush: areas, hand: null })[editor.tool];
+/** @type {Record<string, import("./tools.js").Tool | null>} */
+const tools = { pen: lines, eraser: lines, hint: pins, region: areas, brush: areas, hand: null };
+const tool = () => tools[editor.tool];
 const pointers = followPointers(board, tool);
 followKeyboard(board, tool, status);
 followTools(editor, board);
 followLayer(editor, importing);
-autosave.addEventListener("failed", (event) => status.fail(event.detail));
+autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
+/** @param {"undo" | "redo"} way @param {string} words */
 const step = (way, words) => {
   pointers.cancel();
   if (editor.step(way)) status.say(words);
@@ -57,9 +60,11 @@ const step = (way, words) => {
 const undo = () => step("undo", text.undone);
 const redo = () => step("redo", text.redone);
 const help = () => open($("help-dialog"));
+/** @type {HTMLInputElement[]} */
+const [newWidth, newHeight] = [$("new-width"), $("new-height")];
 const create = async () => {
   if (!(await projects.mayLeave()) || !(await open($("new-dialog")))) return;
-  projects.create($("new-width").valueAsNumber, $("new-height").valueAsNumber);
+  projects.create(newWidth.valueAsNumber, newHeight.valueAsNumber);
 };
 const escape = () => {
   pointers.cancel();
@@ -82,15 +87,15 @@ followKeys({
   n: () => points.next(1), "shift+n": () => points.next(-1),
   Delete: () => points.remove(), Backspace: () => points.remove(), Escape: escape, "?": help,
 });
-for (const button of document.querySelectorAll("[data-side]")) {
+for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
   button.addEventListener("click", () => {
-    $("new-width").value = $("new-height").value = button.dataset.side;
+    newWidth.value = newHeight.value = button.dataset.side ?? "";
   });
 }
 for (const cancel of document.querySelectorAll("[data-close]")) {
-  cancel.addEventListener("click", () => cancel.closest("dialog").close(""));
+  cancel.addEventListener("click", () => cancel.closest("dialog")?.close(""));
 }
-const rows = SHOWN.map(([keys, words]) => make("tr", {}, make("td", {}, ...keys.split("  ").flatMap((key) => [make("kbd", { text: key }), " "])), make("td", { text: text[words] })));
+const rows = SHOWN.map(([keys, words]) => make("tr", {}, make("td", {}, ...keys.split("  ").flatMap((key) => [make("kbd", { text: key }), " "])), make("td", { text: wordsOf(words) })));
 $("keys").replaceChildren(...rows);
 
 const served = await about().catch((error) => status.fail(error));

@@ -8,11 +8,17 @@ import { colourOf } from "./normal.js";
 const RADIUS = 9;
 const NEEDLE = 22;
 const ACCENT = "#5b62e0";
+const PALE = "rgb(255 255 255 / 90%)";
+const DARK = "#33343c";
 
-/** Draws a disc in the colour of its normal, with a needle that leans as the normal does. */
+/**
+ * Draws a disc in the colour of its normal, with a needle that leans as the normal does.
+ * @param {CanvasRenderingContext2D} context @param {{x: number, y: number}} at in the pane
+ * @param {import("./document.js").Normal} normal @param {boolean} chosen
+ */
 function drawMark(context, { x, y }, normal, chosen) {
   const tip = { x: x + normal[0] * NEEDLE, y: y - normal[1] * NEEDLE };
-  for (const [colour, width] of [["rgb(255 255 255 / 90%)", 5], [chosen ? ACCENT : "#33343c", 2]]) {
+  for (const { colour, width } of [{ colour: PALE, width: 5 }, { colour: chosen ? ACCENT : DARK, width: 2 }]) {
     [context.strokeStyle, context.lineWidth, context.lineCap] = [colour, width, "round"];
     context.beginPath();
     context.moveTo(x, y);
@@ -67,7 +73,7 @@ export function drawAreas(context, camera, editor) {
     } else {
       context.closePath();
       context.setLineDash([6, 4]);
-      for (const [colour, width] of [["rgb(255 255 255 / 90%)", 4], [chosen ? ACCENT : "#33343c", 1.5]]) {
+      for (const { colour, width } of [{ colour: PALE, width: 4 }, { colour: chosen ? ACCENT : DARK, width: 1.5 }]) {
         [context.strokeStyle, context.lineWidth] = [colour, width];
         context.stroke();
       }

@@ -37,6 +37,7 @@ export function turned([x, y, z], right, up) {
 
 /** Returns a normal in words, such as "30° right, 12° up". @param {Normal} normal @returns {string} */
 export function inWords([x, y]) {
+  /** @param {number} value */
   const degrees = (value) => Math.round((Math.asin(Math.max(-1, Math.min(1, value))) * 180) / Math.PI);
   const parts = [];
   if (degrees(x)) parts.push(say(x > 0 ? "right" : "left", { angle: Math.abs(degrees(x)) }));
@@ -79,7 +80,7 @@ export function meanNormal(map, points, { width, height }) {
   const [xs, ys] = [0, 1].map((offset) => points.filter((_, i) => i % 2 === offset));
   const [left, top] = [Math.min(...xs), Math.min(...ys)];
   const [across, down] = [Math.max(...xs) - left, Math.max(...ys) - top];
-  const context = new OffscreenCanvas(1, 1).getContext("2d");
+  const context = /** @type {OffscreenCanvasRenderingContext2D} */ (new OffscreenCanvas(1, 1).getContext("2d"));
   const sum = [0, 0, 0];
   for (let row = 0; row < GRID; row++) {
     for (let column = 0; column < GRID; column++) {

@@ -48,7 +48,7 @@ export class Painter extends EventTarget {
     this.wantsHeight = false;
     /** @type {{heights: Float32Array, width: number, height: number} | null} */
     this.heights = null;
-    editor.addEventListener("change", (event) => this.#changed(event.detail.live ? "pin" : null));
+    editor.addEventListener("change", (event) => this.#changed(/** @type {CustomEvent} */ (event).detail.live ? "pin" : null));
     editor.addEventListener("drawing", () => this.#touched("pen"));
     connection.addEventListener("back", () => this.refresh());
   }
@@ -86,6 +86,7 @@ export class Painter extends EventTarget {
     }
   }
 
+  /** @param {object} more */
   #request(more) {
     const { doc } = this.editor;
     const { width, height } = this.ink;
@@ -187,13 +188,13 @@ export class Painter extends EventTarget {
       this.heights = heights;
       this.dispatchEvent(new Event("height"));
     } catch (error) {
-      if (error.name !== "AbortError") this.#failed(error, false);
+      if (!(error instanceof Error && error.name === "AbortError")) this.#failed(error, false);
     } finally {
       if (this.climbing === climbing) this.climbing = null;
     }
   }
 
-  /** @param {Error & {status?: number}} error @param {boolean} [painting] */
+  /** @param {unknown} error @param {boolean} [painting] */
   #failed(error, painting = true) {
     if (painting && error instanceof Lacking) {
       // A stroke that was just begun may be no drawing yet, and more may have come since.

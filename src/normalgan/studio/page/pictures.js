@@ -1,5 +1,6 @@
 /** Pictures: data URLs decoded once, so that drawing them needs no waiting. */
 
+import { context2d } from "./canvas.js";
 import { text } from "./text.js";
 
 /** @type {Map<string, HTMLImageElement>} */
@@ -46,7 +47,7 @@ export async function darkOnLight(url) {
   const image = decoded(url);
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
-  const context = canvas.getContext("2d", { willReadFrequently: true });
+  const context = context2d(canvas, { willReadFrequently: true });
   context.drawImage(image, 0, 0);
   const pixels = context.getImageData(0, 0, canvas.width, canvas.height);
   let [light, seen] = [0, 0];
@@ -68,7 +69,9 @@ export async function darkOnLight(url) {
 export function hasHoles(url) {
   const before = cutOut.get(url);
   if (before !== undefined) return before;
-  const context = new OffscreenCanvas(64, 64).getContext("2d", { willReadFrequently: true });
+  const small = document.createElement("canvas");
+  small.width = small.height = 64;
+  const context = context2d(small, { willReadFrequently: true });
   context.drawImage(decoded(url), 0, 0, 64, 64);
   const holes = context.getImageData(0, 0, 64, 64).data.some((value, i) => i % 4 === 3 && value < 128);
   cutOut.set(url, holes);

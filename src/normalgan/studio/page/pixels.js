@@ -28,6 +28,10 @@ export function averaged(context, [left, top, right, bottom], scale, channels, o
   return bytes;
 }
 
+/**
+ * @param {Uint8ClampedArray} data @param {Uint8Array} out
+ * @param {number} width @param {number} rows @param {number} scale
+ */
 function grey(data, out, width, rows, scale) {
   const [line, area] = [4 * width * scale, scale * scale];
   let at = 0;
@@ -43,6 +47,10 @@ function grey(data, out, width, rows, scale) {
   }
 }
 
+/**
+ * @param {Uint8ClampedArray} data @param {Uint8Array} out
+ * @param {number} width @param {number} rows @param {number} scale @param {boolean} onPaper
+ */
 function coloured(data, out, width, rows, scale, onPaper) {
   const [line, area] = [4 * width * scale, scale * scale];
   let at = 0;

@@ -1,11 +1,12 @@
 /** Pointer: mouse, pen and fingers on the board, as strokes, pinches and moves of the view. */
 
+/** @type {Record<string, number>} */
 const REACH = { mouse: 14, pen: 16, touch: 24 };
 
 /**
  * Lets pointers work on a board.
  * @param {import("./board.js").Board} board
- * @param {() => {down: Function, move: Function, up: Function, cancel: Function} | null} tool null moves the view
+ * @param {() => import("./tools.js").Tool | null} tool null moves the view
  */
 export function followPointers(board, tool) {
   const { canvas, camera } = board;
@@ -17,19 +18,21 @@ export function followPointers(board, tool) {
   let penSeen = false;
   let spaceHeld = false;
 
+  /** @param {MouseEvent} event */
   const inPane = (event) => {
     const box = canvas.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   };
+  /** @param {PointerEvent} event */
   const touch = (event) => {
     const { x, y } = inPane(event);
     // A mouse has no pressure, and some pens report none: they draw with the middle one.
     const pressure = event.pointerType === "pen" && event.pressure > 0 ? event.pressure : 0.5;
     return { ...camera.toDrawing(x, y), pressure, reach: (REACH[event.pointerType] ?? REACH.mouse) / camera.scale };
   };
-  const pinch = (id, to) => {
+  /** @param {number} id @param {{x: number, y: number}} from @param {{x: number, y: number}} to */
+  const pinch = (id, from, to) => {
     const [other] = [...down].filter(([key]) => key !== id).map(([, at]) => at);
-    const from = down.get(id);
     const growth = Math.hypot(to.x - other.x, to.y - other.y) / Math.max(1, Math.hypot(from.x - other.x, from.y - other.y));
     // Around the middle, which then follows by half: what is under either finger stays there.
     camera.zoom((from.x + other.x) / 2, (from.y + other.y) / 2, growth);
@@ -56,16 +59,16 @@ export function followPointers(board, tool) {
     canvas.classList.toggle("grabbing", panning);
     if (panning) return;
     active = chosen;
-    active.down(touch(event));
+    active?.down(touch(event));
     board.redraw();
   });
 
   canvas.addEventListener("pointermove", (event) => {
     const at = inPane(event);
     board.pointer = camera.toDrawing(at.x, at.y);
-    if (down.has(event.pointerId)) {
-      const before = down.get(event.pointerId);
-      if (down.size > 1) pinch(event.pointerId, at);
+    const before = down.get(event.pointerId);
+    if (before) {
+      if (down.size > 1) pinch(event.pointerId, before, at);
       else if (panning) camera.pan(at.x - before.x, at.y - before.y);
       if (down.size > 1 || panning) board.moved();
       else if (active) {
@@ -77,6 +80,7 @@ export function followPointers(board, tool) {
     board.redraw();
   });
 
+  /** @param {PointerEvent} event @param {"up" | "cancel"} way */
   const ended = (event, way) => {
     if (!down.delete(event.pointerId)) return;
     if (down.size) return;

@@ -101,6 +101,7 @@ export class Points {
     }
   }
 
+  /** @param {import("./document.js").Normal} normal @param {boolean} ended */
   #turn(normal, ended) {
     const { editor } = this;
     const { state } = editor.history;
@@ -110,6 +111,7 @@ export class Points {
     } else if (editor.chosen >= 0) this.#change(changedHint(state, editor.chosen, { normal }), ended);
   }
 
+  /** @param {boolean} ended */
   #reach(ended) {
     const { editor } = this;
     if (editor.chosen < 0) return;
@@ -122,12 +124,16 @@ export class Points {
     this.#change(changedHint(state, editor.chosen, { reach }), ended);
   }
 
+  /** @param {import("./document.js").Doc} doc @param {boolean} ended */
   #change(doc, ended) {
     if (ended) this.editor.commit(doc);
     else this.editor.preview(doc);
   }
 
-  /** Returns the chosen point or area: where it is, its direction, and what it is called. */
+  /**
+   * Returns the chosen point or area: where it is, its direction, and what it is called.
+   * @returns {{x: number, y: number, normal: import("./document.js").Normal, reach?: number, ball: "ball" | "areaBall", number: number} | undefined}
+   */
   #chosen() {
     const { editor } = this;
     const hint = editor.doc.hints[editor.chosen];
@@ -153,9 +159,9 @@ export class Points {
       });
       return chip;
     });
-    const focused = [...$("chips").children].indexOf(document.activeElement);
+    const focused = [...$("chips").children].indexOf(/** @type {Element} */ (document.activeElement));
     $("chips").replaceChildren(...chips, ...offers);
-    if (focused >= 0) $("chips").children[Math.min(focused, chips.length + offers.length - 1)]?.focus();
+    if (focused >= 0) [...chips, ...offers].at(Math.min(focused, chips.length + offers.length - 1))?.focus();
     $("hints-empty").hidden = chips.length + offers.length > 0;
     const chosen = this.#chosen();
     this.popover.hidden = !chosen || !["hint", "region", "brush"].includes(editor.tool);
@@ -175,6 +181,10 @@ export class Points {
     return Math.max(width, height);
   }
 
+  /**
+   * @param {"hintName" | "areaName"} name @param {number} index @param {import("./document.js").Normal} normal
+   * @param {boolean} chosen @param {() => void} choose
+   */
   #chip(name, index, normal, chosen, choose) {
     const words = say(name, { number: index + 1, direction: inWords(normal) });
     const chip = make("button", { class: name === "areaName" ? "chip area" : "chip", type: "button", text: index + 1, "aria-label": words, "aria-pressed": chosen, title: words });
@@ -183,8 +193,9 @@ export class Points {
     return chip;
   }
 
-  /** Lets the card be dragged; where it was put it stays, until the next page. */
+  /** Lets the card be dragged; where it was put it stays, until the next page. @param {HTMLElement} handle */
   #followHandle(handle) {
+    /** @type {{x: number, y: number} | null} */
     let from = null;
     handle.addEventListener("pointerdown", (event) => {
       handle.setPointerCapture(event.pointerId);
@@ -199,18 +210,23 @@ export class Points {
     for (const end of ["pointerup", "pointercancel"]) handle.addEventListener(end, () => { from = null; });
   }
 
-  /** Returns where the card covers least: other points, then the drawing. */
+  /**
+   * Returns where the card covers least: other points, then the drawing.
+   * @param {{x: number, y: number}} pin in the pane @param {number} width @param {number} height
+   */
   #spot(pin, width, height) {
     const { pane, camera } = this.board;
     const { hints, areas, width: side, height: other } = this.editor.doc;
     const marks = [...hints, ...areas.map(anchorOf)].map((each) => camera.toPane(each.x, each.y));
     const [start, end] = [camera.toPane(0, 0), camera.toPane(side, other)];
+    /** @param {number} a @param {number} b @param {number} from @param {number} to */
     const overlap = (a, b, from, to) => Math.max(0, Math.min(b, to) - Math.max(a, from));
     const ways = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
     const spots = ways.flatMap(([x, y]) => [1, 3].map((far) => ({
       x: pin.x - width / 2 + x * (far * GAP + width / 2), y: pin.y - height / 2 + y * (far * GAP + height / 2),
     })));
     for (const x of [8, pane.width - width - 8]) for (const y of [8, pane.height - height - 8]) spots.push({ x, y });
+    /** @param {{x: number, y: number}} spot */
     const cost = ({ x, y }) => {
       const covered = marks.filter((at) =>
         at.x > x - MARK && at.x < x + width + MARK && at.y > y - MARK && at.y < y + height + MARK).length;
@@ -229,6 +245,7 @@ export class Points {
     const { offsetWidth: width, offsetHeight: height } = this.popover;
     const { pane } = this.board;
     const at = this.dragged ?? this.#spot({ x, y }, width, height);
+    /** @param {number} value @param {number} most */
     const clamp = (value, most) => Math.max(8, Math.min(most - 8, value));
     this.popover.style.left = `${clamp(at.x, pane.width - width)}px`;
     this.popover.style.top = `${clamp(at.y, pane.height - height)}px`;

@@ -51,6 +51,7 @@ export class Projects {
     return this.#write(name, name === this.name ? this.etag : null);
   }
 
+  /** @param {string} name @param {string | null} etag @returns {Promise<boolean>} whether it was saved */
   async #write(name, etag) {
     const { editor } = this;
     const doc = withSettings(editor.history.state, { name });
@@ -71,6 +72,7 @@ export class Projects {
     return true;
   }
 
+  /** @param {string} name @param {string | null} etag @returns {Promise<boolean>} whether it was saved */
   async #conflict(name, etag) {
     const ways = [{ value: "overwrite", text: text.overwrite }, { value: "copy", text: text.copy, strong: true }];
     const way = await choose(text.conflictTitle, say(etag ? "conflict" : "taken", { name }), ways);
@@ -105,6 +107,7 @@ export class Projects {
     this.#show(doc, etag, saved);
   }
 
+  /** @param {import("./document.js").Doc} doc @param {string | null} etag */
   #show(doc, etag, saved = true) {
     this.etag = etag;
     if (saved) this.autosave.clean = doc;
@@ -115,7 +118,9 @@ export class Projects {
 
   /** Shows the projects to choose from. */
   async choose() {
+    /** @type {HTMLDialogElement} */
     const dialog = $("open-dialog");
+    /** @type {{name: string, changed: string}[]} */
     let rows;
     try {
       rows = await projects.list();
@@ -128,6 +133,7 @@ export class Projects {
     if (!dialog.open) dialog.showModal();
   }
 
+  /** @param {HTMLDialogElement} dialog @param {{name: string, changed: string}} project */
   #row(dialog, { name, changed }) {
     const when = new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
     const open = make("button", { type: "button", class: "project" }, make("strong", { text: name }), make("span", { text: when }));
@@ -153,6 +159,7 @@ export class Projects {
     }
   }
 
+  /** @param {string} name */
   async #remove(name) {
     const way = await choose(text.delete, say("reallyDelete", { name }), [{ value: "delete", text: text.delete }]);
     if (way !== "delete") return;
@@ -167,10 +174,12 @@ export class Projects {
   }
 
   async #openFile() {
-    const [file] = $("open-file").files;
-    $("open-file").value = "";
+    /** @type {HTMLInputElement} */
+    const chosen = $("open-file");
+    const [file] = chosen.files ?? [];
+    chosen.value = "";
     if (!file) return;
-    $("open-dialog").close();
+    /** @type {HTMLDialogElement} */ ($("open-dialog")).close();
     await this.openFile(file);
   }
 

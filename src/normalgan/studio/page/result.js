@@ -5,7 +5,11 @@ import { $ } from "./dom.js";
 import { say, text } from "./text.js";
 import { createViewer } from "./viewer.js";
 
+/** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
+/** @type {View[]} */
 export const VIEWS = ["map", "lit", "matcap", "flat", "relief"];
+/** @param {HTMLElement} tab */
+const viewOf = (tab) => /** @type {View} */ (tab.dataset.view);
 const KEY = "normalgan-view";
 
 export class Result {
@@ -18,20 +22,20 @@ export class Result {
     this.status = status;
     this.viewer = createViewer($("viewer"), { text: text.viewerTexts, onError: (words) => this.#say(words) });
     painter.addEventListener("painting", () => $("result").setAttribute("aria-busy", "true"));
-    painter.addEventListener("painted", (event) => this.#painted(event.detail));
+    painter.addEventListener("painted", (event) => this.#painted(/** @type {CustomEvent} */ (event).detail));
     painter.addEventListener("raising", () => status.note(text.raising));
     painter.addEventListener("height", () => this.#raised());
     painter.addEventListener("empty", () => this.#emptied());
-    painter.addEventListener("failed", (event) => this.#failed(event.detail));
+    painter.addEventListener("failed", (event) => this.#failed(/** @type {CustomEvent} */ (event).detail));
     for (const tab of this.#tabs()) {
-      tab.addEventListener("click", () => this.show(tab.dataset.view));
+      tab.addEventListener("click", () => this.show(viewOf(tab)));
       tab.addEventListener("keydown", (event) => this.#walk(event, tab));
     }
     const before = localStorage.getItem(KEY);
-    this.show(VIEWS.includes(before) ? before : "map");
+    this.show(VIEWS.find((view) => view === before) ?? "map");
   }
 
-  /** @param {string} view */
+  /** @param {View} view */
   show(view) {
     for (const tab of this.#tabs()) {
       const chosen = tab.dataset.view === view;
@@ -46,20 +50,23 @@ export class Result {
 
   /** @returns {HTMLElement[]} */
   #tabs() {
-    return [...$("views").children];
+    return /** @type {HTMLElement[]} */ ([...$("views").children]);
   }
 
+  /** @param {KeyboardEvent} event @param {HTMLElement} tab */
   #walk(event, tab) {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
     if (!step) return;
     event.preventDefault();
     const tabs = this.#tabs();
     const next = tabs[(tabs.indexOf(tab) + step + tabs.length) % tabs.length];
     next.focus();
-    this.show(next.dataset.view);
+    this.show(viewOf(next));
   }
 
+  /** @param {{ms: number, whole: boolean}} detail */
   #painted({ ms, whole }) {
+    if (!this.painter.painted) return;
     const { rgba, width, height, warning } = this.painter.painted;
     this.viewer.setMap(rgba, width, height);
     $("empty-result").hidden = true;
@@ -72,7 +79,7 @@ export class Result {
     this.status.note(say("painted", { ms }));
   }
 
-  /** What the drawing lacks is said where its map would be, until there is one; all else by the status. */
+  /** What the drawing lacks is said where its map would be, until there is one; all else by the status. @param {unknown} error */
   #failed(error) {
     $("result").setAttribute("aria-busy", "false");
     if (error instanceof Lacking) this.#warn(error.message);
@@ -81,6 +88,7 @@ export class Result {
   }
 
   #raised() {
+    if (!this.painter.heights) return;
     const { heights, width, height } = this.painter.heights;
     this.viewer.setHeight(heights, width, height);
     this.status.note("");
@@ -95,6 +103,7 @@ export class Result {
     this.status.note("");
   }
 
+  /** @param {string} words */
   #warn(words) {
     $("warning").textContent = words && `${words[0].toUpperCase()}${words.slice(1)}.`.replace("..", ".");
     $("warning").hidden = !words;

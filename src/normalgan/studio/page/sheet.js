@@ -1,5 +1,6 @@
 /** Sheet: paper, traced picture and ink, drawn where they changed. */
 
+import { context2d } from "./canvas.js";
 import { decoded } from "./pictures.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
@@ -14,8 +15,11 @@ export class Sheet {
    * @param {import("./camera.js").Camera} camera
    */
   constructor(canvas, editor, ink, camera) {
-    Object.assign(this, { canvas, editor, ink, camera });
-    this.context = canvas.getContext("2d");
+    this.canvas = canvas;
+    this.editor = editor;
+    this.ink = ink;
+    this.camera = camera;
+    this.context = context2d(canvas);
     /** @type {Box | null} what is to be drawn with the next frame */
     this.stale = null;
     this.frame = 0;
@@ -33,7 +37,10 @@ export class Sheet {
     this.frame ||= requestAnimationFrame(() => this.#draw());
   }
 
-  /** Takes the size of its pane; at once, or it would flicker, as setting a size empties a canvas. */
+  /**
+   * Takes the size of its pane; at once, or it would flicker, as setting a size empties a canvas.
+   * @param {number} width @param {number} height
+   */
   resize(width, height) {
     [this.canvas.width, this.canvas.height] = [width, height];
     this.stale = ALL;

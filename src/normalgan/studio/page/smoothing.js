@@ -9,6 +9,7 @@ export class Smoother {
     this.length = (amount * LONGEST) / scale;
     /** @type {{x: number, y: number, pressure: number} | null} */
     this.tip = null;
+    /** @type {{x: number, y: number, pressure: number} | null} */
     this.target = null;
   }
 
@@ -24,6 +25,7 @@ export class Smoother {
     const way = Math.hypot(point.x - this.target.x, point.y - this.target.y);
     const share = this.length > 0 ? 1 - Math.exp(-way / this.length) : 1;
     const { tip } = this;
+    /** @param {"x" | "y" | "pressure"} key */
     const mixed = (key) => tip[key] + (point[key] - tip[key]) * share;
     this.target = point;
     this.tip = { x: mixed("x"), y: mixed("y"), pressure: mixed("pressure") };

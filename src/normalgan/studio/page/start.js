@@ -2,6 +2,7 @@
 
 import { named } from "./api.js";
 import { unsaved } from "./autosave.js";
+import { context2d } from "./canvas.js";
 import { parseDocument, picturesOf } from "./document.js";
 import { $, label, make, open } from "./dom.js";
 import { icon } from "./icons.js";
@@ -39,10 +40,14 @@ export async function begin(parts) {
   }
 }
 
-/** @type {import("./autosave.js").Left[]} what is left to be offered */
+/** @typedef {import("./autosave.js").Left} Left */
+/** @type {Left[]} what is left to be offered */
 let offered = [];
 
-/** Offers the newest unsaved work, and a list of all where there is more. */
+/**
+ * Offers the newest unsaved work, and a list of all where there is more.
+ * @param {Left[]} found @param {Parts} parts
+ */
 async function offer(found, parts) {
   offered = found;
   const banner = $("restore");
@@ -55,6 +60,7 @@ async function offer(found, parts) {
   $("restore-picture").replaceChildren(about.picture);
   $("restore-all").hidden = found.length < 2;
   $("restore-all").textContent = say("restoreAll", { count: found.length });
+  /** @param {Left} left */
   const restore = async (left) => {
     if (!(await projects.mayLeave())) return;
     const { doc, etag } = await left.read();
@@ -65,18 +71,25 @@ async function offer(found, parts) {
     banner.hidden = true;
     status.say(text.restored);
   };
+  /** @param {Left[]} dropped */
   const drop = async (dropped) => {
     for (const left of dropped) await autosave.drop(left.tab, left.there);
     await offer(offered.filter((left) => !dropped.includes(left)), parts);
   };
-  const said = (work) => work().catch((error) => status.fail(error));
+  /** @param {() => Promise<void>} work */
+  const said = (work) => work().catch((/** @type {unknown} */ error) => status.fail(error));
   $("restore-yes").onclick = () => said(() => restore(newest));
   $("restore-no").onclick = () => said(() => drop([newest]));
-  $("restore-all").onclick = () => said(() => list(found, { restore, drop: (left) => said(() => drop(left)), said }));
+  $("restore-all").onclick = () => said(() => list(found, { restore, drop, said }));
 }
 
-/** Shows all unsaved work to choose from, each with its name, time and picture. */
+/**
+ * Shows all unsaved work to choose from, each with its name, time and picture.
+ * @param {Left[]} found
+ * @param {{restore: (left: Left) => Promise<void>, drop: (left: Left[]) => Promise<void>, said: (work: () => Promise<void>) => Promise<void>}} acts
+ */
 async function list(found, { restore, drop, said }) {
+  /** @type {HTMLDialogElement} */
   const dialog = $("restore-dialog");
   const rows = await Promise.all(found.map(async (left) => {
     const { name, when, picture } = await described(left);
@@ -88,7 +101,7 @@ async function list(found, { restore, drop, said }) {
     const remove = make("button", { type: "button" }, icon("remove"));
     label(remove, say("discardOne", { name, when }));
     remove.addEventListener("click", async () => {
-      remove.closest("li").remove();
+      remove.closest("li")?.remove();
       await drop([left]);
       if (!$("restore-list").children.length) dialog.close();
     });
@@ -98,7 +111,7 @@ async function list(found, { restore, drop, said }) {
   if ((await open(dialog)) === "drop") await drop(offered);
 }
 
-/** Returns what unsaved work is called, when it was changed, and a small picture of it. */
+/** Returns what unsaved work is called, when it was changed, and a small picture of it. @param {Left} left */
 async function described({ name, changed, read }) {
   const when = new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
   const picture = make("canvas", { class: "small", width: SMALL, height: SMALL, "aria-hidden": "true" });
@@ -116,7 +129,7 @@ async function described({ name, changed, read }) {
 
 /** Draws a document as large as fits. @param {HTMLCanvasElement} canvas @param {import("./document.js").Doc} doc */
 function draw(canvas, doc) {
-  const context = canvas.getContext("2d");
+  const context = context2d(canvas);
   const scale = SMALL / Math.max(doc.width, doc.height);
   context.translate((SMALL - scale * doc.width) / 2, (SMALL - scale * doc.height) / 2);
   context.scale(scale, scale);

@@ -30,6 +30,6 @@ export class Status {
     if (error instanceof Away) {
       this.connection.lost();
       this.say(text.offline, "away"); // again, where it is known already: what was begun has ended
-    } else this.say(say("broken", { reason: error.message }), "error");
+    } else this.say(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "error");
   }
 }

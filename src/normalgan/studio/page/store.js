@@ -37,9 +37,8 @@ function database() {
     const request = indexedDB.open(NAME, 2);
     request.onupgradeneeded = () => {
       const { result } = request;
-      for (const [name, keyPath] of [[HEADS, "tab"], [PIECES, null]]) {
-        if (!result.objectStoreNames.contains(name)) result.createObjectStore(name, { keyPath });
-      }
+      if (!result.objectStoreNames.contains(HEADS)) result.createObjectStore(HEADS, { keyPath: "tab" });
+      if (!result.objectStoreNames.contains(PIECES)) result.createObjectStore(PIECES);
     };
     request.onsuccess = () => resolve(request.result);
     request.onerror = () => reject(request.error);
@@ -64,6 +63,7 @@ async function run(mode, work) {
   });
 }
 
+/** @param {string} tab */
 const ofTab = (tab) => IDBKeyRange.bound([tab], [tab, []]);
 
 /** Keeps this page's document: only what is new of it is written. @param {Unsaved} entry */
@@ -72,10 +72,12 @@ export const keep = (entry) => inTurn(() => write(entry));
 /** @param {Unsaved} entry */
 async function write({ tab, changed, etag, doc }) {
   const wanted = new Map();
+  /** @param {Stroke | Layer} each */
   const numbered = (each) => {
-    if (!numbers.has(each)) numbers.set(each, next++);
-    wanted.set(numbers.get(each), each);
-    return numbers.get(each);
+    const number = numbers.get(each) ?? next++;
+    numbers.set(each, number);
+    wanted.set(number, each);
+    return number;
   };
   const head = { ...doc, strokes: doc.strokes.map(numbered), layers: doc.layers.map(numbered) };
   const fresh = [...wanted].filter(([number]) => !stored.has(number));
@@ -106,8 +108,9 @@ async function whole(tab, head) {
     run("readonly", (_, pieces) => pieces.getAllKeys(ofTab(tab))),
     run("readonly", (_, pieces) => pieces.getAll(ofTab(tab))),
   ]);
-  const found = new Map(keys.map((key, i) => [key[1], values[i]]));
+  const found = new Map(keys.map((key, i) => [/** @type {[string, number]} */ (key)[1], values[i]]));
   // The first version kept the strokes themselves.
+  /** @param {number | Stroke | Layer} each */
   const piece = (each) => (typeof each === "number" ? found.get(each) : each);
   return /** @type {Doc} */ ({ ...head, strokes: head.strokes.map(piece), layers: head.layers.map(piece) });
 }

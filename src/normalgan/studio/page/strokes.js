@@ -9,6 +9,8 @@ const ALIKE = 0.05;
 
 /** @param {number[]} points @param {number} i */
 const at = (points, i) => ({ x: points[3 * i], y: points[3 * i + 1], p: points[3 * i + 2] });
+/** @typedef {{x: number, y: number, p: number}} Point p: pressure */
+/** @param {Point} a @param {Point} b @returns {Point} */
 const middle = (a, b) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, p: (a.p + b.p) / 2 });
 
 /**
@@ -26,6 +28,7 @@ export function drawPiece(context, line, i, last) {
   const way = Math.hypot(point.x - from.x, point.y - from.y) + Math.hypot(to.x - point.x, to.y - point.y);
   // A canvas strokes with one width: where it changes, by short straight parts.
   const parts = Math.abs(first - end) < ALIKE ? 1 : Math.max(2, Math.ceil(way / 1.5));
+  /** @type {{x: number, y: number}} */
   let start = from;
   for (let k = 1; k <= parts; k++) {
     const t = k / parts;

@@ -191,6 +191,9 @@ export const text = {
   pixels: "{width} × {height}",
 };
 
+/** Returns the words of a name, as the page's own markup names them. @param {string} name @returns {string} */
+export const wordsOf = (name) => String(text[/** @type {keyof typeof text} */ (name)]);
+
 /**
  * Returns a sentence with its blanks filled.
  * @param {keyof typeof text} key
@@ -198,5 +201,5 @@ export const text = {
  * @returns {string}
  */
 export function say(key, values = {}) {
-  return text[key].replace(/\{(\w+)\}/g, (_, name) => String(values[name]));
+  return wordsOf(key).replace(/\{(\w+)\}/g, (_, /** @type {string} */ name) => String(values[name]));
 }

@@ -9,6 +9,14 @@ import { text } from "./text.js";
 /** @typedef {{x: number, y: number, pressure: number, reach: number}} Touch in the drawing; reach: what counts as hit */
 
 export const MOST_HINTS = 200;
+/**
+ * @typedef {object} Tool what works on the board from the pointer's or the keyboard's press to its end
+ * @property {(touch: Touch) => void} down
+ * @property {(touch: Touch) => void} move
+ * @property {() => void} up
+ * @property {() => void} cancel
+ */
+/** @param {number} value */
 const round = (value) => Math.round(value * 100) / 100;
 
 /** Pen and eraser: a stroke from down to up. */
@@ -16,7 +24,9 @@ export class LineTool {
   /** @param {import("./board.js").Board} board */
   constructor(board) {
     this.board = board;
+    /** @type {import("./document.js").Line | null} */
     this.line = null;
+    this.smoother = new Smoother(0, 1);
   }
 
   /** @param {Touch} touch */
@@ -31,7 +41,7 @@ export class LineTool {
   /** @param {Touch} touch */
   move(touch) {
     if (!this.line) return;
-    this.#add(this.smoother.move(touch));
+    this.#add(this.line, this.smoother.move(touch));
     this.board.sheet.redraw(this.board.ink.draw(this.line, false));
     this.board.editor.draw();
   }
@@ -39,7 +49,8 @@ export class LineTool {
   up() {
     if (!this.line) return;
     const { line, board } = this;
-    this.#add(this.smoother.end());
+    const end = this.smoother.end();
+    if (end) this.#add(line, end);
     this.line = null;
     board.sheet.redraw(board.ink.draw(line, true));
     board.editor.commit(withStroke(board.editor.doc, line));
@@ -53,10 +64,11 @@ export class LineTool {
     this.board.editor.drop();
   }
 
-  #add({ x, y, pressure }) {
+  /** @param {import("./document.js").Line} line @param {{x: number, y: number, pressure: number}} tip */
+  #add(line, { x, y, pressure }) {
     const point = [round(x), round(y), round(pressure)];
-    const last = this.line.points.slice(-3);
-    if (point.some((value, i) => value !== last[i])) this.line.points.push(...point);
+    const last = line.points.slice(-3);
+    if (point.some((value, i) => value !== last[i])) line.points.push(...point);
   }
 }
 
@@ -68,7 +80,10 @@ export class HintTool {
    * @param {(words: string) => void} announce
    */
   constructor(board, map, announce) {
-    Object.assign(this, { board, map, announce });
+    this.board = board;
+    this.map = map;
+    this.announce = announce;
+    /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean} | null} */
     this.held = null;
   }
 
@@ -115,7 +130,11 @@ export class HintTool {
     if (this.add(at, normal)) editor.set({ suggestions: editor.suggestions.filter((_, i) => i !== index) });
   }
 
-  /** Pins a point. @returns {boolean} whether there was room for it */
+  /**
+   * Pins a point.
+   * @param {{x: number, y: number}} at @param {import("./document.js").Normal} normal
+   * @returns {boolean} whether there was room for it
+   */
   add(at, normal) {
     const { editor } = this.board;
     const { width, height, hints } = editor.doc;
@@ -129,9 +148,10 @@ export class HintTool {
     return true;
   }
 
-  /** Middles of pixels: there the server puts a hint anyway. */
+  /** Middles of pixels: there the server puts a hint anyway. @param {{x: number, y: number}} at */
   #inside({ x, y }) {
     const { width, height } = this.board.editor.doc;
+    /** @param {number} value @param {number} side */
     const clamp = (value, side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
     return { x: clamp(x, width), y: clamp(y, height) };
   }
@@ -150,6 +170,9 @@ export class AreaTool {
     this.announce = announce;
     /** @type {number[] | null} */
     this.points = null;
+    /** @type {number | undefined} */
+    this.size = undefined;
+    this.step = 0;
   }
 
   /** @param {Touch} touch */
@@ -174,7 +197,8 @@ export class AreaTool {
   move({ x, y }) {
     if (!this.points) return;
     const { points } = this;
-    const far = points.length < 2 || Math.hypot(x - points.at(-2), y - points.at(-1)) > this.step;
+    const [lastX, lastY] = points.slice(-2);
+    const far = points.length < 2 || Math.hypot(x - lastX, y - lastY) > this.step;
     if (!far || points.length >= 4000) return;
     points.push(round(x), round(y));
     this.board.editor.outline = { points, normal: [0, 0, 1], ...(this.size && { size: this.size }) };

@@ -5,15 +5,31 @@ import { createGlPainter } from "./viewer_gl.js";
 import { DEFAULT_LIGHT, FRONT, listen } from "./viewer_input.js";
 import { normalised } from "./viewer_shading.js";
 
+/** @type {Record<string, string>} */
 const CURSORS = { map: "default", relief: "grab" };
 const VIEWS = new Set(["map", "lit", "matcap", "flat", "relief"]);
 
+/** @param {{length: number}} values @param {number} width @param {number} height @param {number} channels */
 function checkSize(values, width, height, channels) {
   if (values.length !== width * height * channels) {
     throw new RangeError(`${values.length} values do not make ${width} × ${height} × ${channels}`);
   }
 }
 
+/** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
+/** @typedef {{rgba: Uint8Array, width: number, height: number}} Picture */
+/** @typedef {{heights: Float32Array, width: number, height: number}} Heights in pixels, NaN off the object */
+/**
+ * @typedef {{map: Picture | null, heights: Heights | null, view: View, light: number[],
+ *   turn: {yaw: number, pitch: number, zoom: number}, ratio: number}} Scene what is to be shown
+ */
+/**
+ * @typedef {object} ScenePainter draws the scene, by WebGL or without
+ * @property {(map: Picture | null) => void} setMap
+ * @property {(heights: Heights | null) => void} setHeight
+ * @property {(scene: Scene) => void} draw
+ * @property {() => void} dispose
+ */
 /**
  * @typedef {object} Viewer
  * @property {boolean} available whether there is WebGL; without it, CPU draws all but the relief
@@ -21,7 +37,7 @@ function checkSize(values, width, height, channels) {
  *   colours of normals, OpenGL green, row by row from the top; alpha is the object
  * @property {(heights: Float32Array | null, width?: number, height?: number) => void} setHeight
  *   in pixels towards the viewer, row by row from the top, NaN off the object
- * @property {(view: "map" | "lit" | "matcap" | "flat" | "relief") => void} setView
+ * @property {(view: View) => void} setView
  * @property {(light: number[]) => void} setLight towards the light: x right, y up, z to the viewer
  * @property {() => void} resize
  * @property {() => void} dispose
@@ -37,9 +53,11 @@ function checkSize(values, width, height, channels) {
  * @returns {Viewer}
  */
 export function createViewer(canvas, { onError = () => {}, text, onMove = () => {} }) {
+  /** @type {Scene} */
   const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1 };
   const gl = canvas.getContext("webgl2", { antialias: true, depth: true });
   const ending = new AbortController();
+  /** @type {ScenePainter | null} */
   let painter = null;
   let frame = 0;
 
@@ -59,7 +77,7 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
     try {
       painter = createGlPainter(canvas, gl);
     } catch (error) {
-      onError(`${text.webglFailed} ${error.message}`);
+      onError(`${text.webglFailed} ${error instanceof Error ? error.message : error}`);
       return;
     }
     painter.setMap(scene.map);
@@ -70,6 +88,7 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
   function resize() {
     const box = canvas.getBoundingClientRect();
     scene.ratio = window.devicePixelRatio;
+    /** @param {number} side */
     const pixels = (side) => Math.max(1, Math.round(side * scene.ratio));
     const [width, height] = [pixels(box.width), pixels(box.height)];
     if (canvas.width === width && canvas.height === height) return;
@@ -98,6 +117,7 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
     },
     { signal },
   );
+  /** @param {"light" | "turn"} what */
   const moved = (what) => {
     redraw();
     if (what === "light") onMove({ light: [...scene.light] });
@@ -110,13 +130,13 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
 
   return {
     available: gl !== null,
-    setMap(rgba, width, height) {
+    setMap(rgba, width = 0, height = 0) {
       if (rgba) checkSize(rgba, width, height, 4);
       scene.map = rgba && { rgba, width, height };
       painter?.setMap(scene.map);
       redraw();
     },
-    setHeight(heights, width, height) {
+    setHeight(heights, width = 0, height = 0) {
       if (heights) checkSize(heights, width, height, 1);
       scene.heights = heights && { heights, width, height };
       painter?.setHeight(scene.heights);

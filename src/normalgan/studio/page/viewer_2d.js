@@ -1,5 +1,6 @@
 /** Draws the views without WebGL: shaded by CPU at the map's size, then scaled to the canvas. */
 
+import { context2d } from "./canvas.js";
 import { CHECKER, fitted } from "./viewer_fit.js";
 import { celShader, clayShader, matcapShader } from "./viewer_shading.js";
 
@@ -10,7 +11,7 @@ const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
  * @param {{rgba: Uint8Array}} map
  * @param {"lit" | "matcap" | "flat"} view
  * @param {number[]} light unit vector
- * @returns {Uint8ClampedArray}
+ * @returns {Uint8ClampedArray<ArrayBuffer>}
  */
 export function shadedPixels({ rgba }, view, light) {
   const shade = SHADERS[view](light);
@@ -26,28 +27,33 @@ export function shadedPixels({ rgba }, view, light) {
 }
 
 /**
- * Returns a painter {setMap, setHeight, draw, dispose}; its relief is the sentence that it needs WebGL.
+ * Returns a painter whose relief is the sentence that it needs WebGL.
  * @param {HTMLCanvasElement} canvas
  * @param {{reliefNeedsWebgl: string}} text
+ * @returns {import("./viewer.js").ScenePainter}
  */
 export function createPlainPainter(canvas, text) {
-  const context = canvas.getContext("2d");
+  const context = context2d(canvas);
   const sheet = document.createElement("canvas");
   let drawn = ""; // the view and light that the sheet shows
 
+  /** @param {import("./viewer.js").Picture | null} map */
   function setMap(map) {
     [sheet.width, sheet.height] = map ? [map.width, map.height] : [1, 1];
     drawn = "";
   }
 
-  function fillSheet({ map, view, light }) {
+  /** @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
+  function fillSheet(map, { view, light }) {
+    if (view === "relief") return;
     const wanted = view === "map" ? view : `${view} ${light}`;
     if (drawn === wanted) return;
     const pixels = view === "map" ? new Uint8ClampedArray(map.rgba) : shadedPixels(map, view, light);
-    sheet.getContext("2d").putImageData(new ImageData(pixels, map.width), 0, 0);
+    context2d(sheet).putImageData(new ImageData(pixels, map.width), 0, 0);
     drawn = wanted;
   }
 
+  /** @param {{x: number, y: number, width: number, height: number}} place @param {number} ratio */
   function drawChecker(place, ratio) {
     const side = CHECKER.side * ratio;
     context.save();
@@ -63,6 +69,7 @@ export function createPlainPainter(canvas, text) {
     context.restore();
   }
 
+  /** @param {string} sentence @param {number} ratio */
   function write(sentence, ratio) {
     context.font = `${15 * ratio}px system-ui, sans-serif`;
     context.fillStyle = getComputedStyle(canvas).color;
@@ -77,6 +84,7 @@ export function createPlainPainter(canvas, text) {
     lines.forEach((line, i) => context.fillText(line, canvas.width / 2, first + 22 * ratio * i));
   }
 
+  /** @param {import("./viewer.js").Scene} scene */
   function draw(scene) {
     context.clearRect(0, 0, canvas.width, canvas.height);
     if (scene.view === "relief") {
@@ -84,7 +92,7 @@ export function createPlainPainter(canvas, text) {
     } else if (scene.map) {
       const place = fitted(scene.map, canvas);
       if (scene.view === "map") drawChecker(place, scene.ratio);
-      fillSheet(scene);
+      fillSheet(scene.map, scene);
       context.imageSmoothingQuality = "medium"; // "high" enlarges with halos
       context.drawImage(sheet, place.x, place.y, place.width, place.height);
     }

@@ -6,11 +6,12 @@ import { createRelief } from "./viewer_relief.js";
 import { FLAT_FRAGMENT, FLAT_VERTEX } from "./viewer_shaders.js";
 import { MATCAP_SIZE, matcapPixels } from "./viewer_shading.js";
 
+/** @type {Record<string, number>} */
 const VIEWS = { map: 0, lit: 1, matcap: 2, flat: 3 };
 const MAP_UNIT = 0;
 const BALL_UNIT = 1;
 
-// A copy of RGBA bytes whose colours are multiplied by their alpha.
+/** Returns a copy of RGBA bytes whose colours are multiplied by their alpha. @param {Uint8Array} rgba */
 function premultiplied(rgba) {
   const copy = new Uint8Array(rgba);
   for (let i = 3; i < copy.length; i += 4) {
@@ -22,9 +23,10 @@ function premultiplied(rgba) {
 }
 
 /**
- * Returns a painter {setMap, setHeight, draw, dispose}; throws an Error if the shaders do not compile.
+ * Returns a painter; throws an Error if the shaders do not compile.
  * @param {HTMLCanvasElement} canvas
  * @param {WebGL2RenderingContext} gl its context
+ * @returns {import("./viewer.js").ScenePainter}
  */
 export function createGlPainter(canvas, gl) {
   const flat = createProgram(gl, FLAT_VERTEX, FLAT_FRAGMENT);
@@ -37,25 +39,29 @@ export function createGlPainter(canvas, gl) {
   gl.clearColor(0, 0, 0, 0);
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
 
+  /** @param {number} unit @param {number} width @param {number} height @param {Uint8Array} pixels */
   function upload(unit, width, height, pixels) {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   }
 
+  /** @param {import("./viewer.js").Picture | null} picture */
   function setMap(picture) {
-    const { rgba, width, height } = picture ?? { rgba: [0, 0, 0, 0], width: 1, height: 1 };
+    const { rgba, width, height } = picture ?? { rgba: new Uint8Array(4), width: 1, height: 1 };
     upload(MAP_UNIT, width, height, premultiplied(rgba));
     gl.generateMipmap(gl.TEXTURE_2D);
   }
 
+  /** @param {number[]} light */
   function makeBall(light) {
     if (ballLight === light.join()) return;
     upload(BALL_UNIT, MATCAP_SIZE, MATCAP_SIZE, new Uint8Array(matcapPixels(light).buffer));
     ballLight = light.join();
   }
 
-  function drawFlat(scene) {
-    const place = fitted(scene.map, canvas);
+  /** @param {import("./viewer.js").Picture} picture @param {import("./viewer.js").Scene} scene */
+  function drawFlat(picture, scene) {
+    const place = fitted(picture, canvas);
     if (scene.view === "matcap") makeBall(scene.light);
     gl.disable(gl.DEPTH_TEST);
     gl.viewport(place.x, canvas.height - place.y - place.height, place.width, place.height);
@@ -69,13 +75,14 @@ export function createGlPainter(canvas, gl) {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
+  /** @param {import("./viewer.js").Scene} scene */
   function draw(scene) {
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (scene.view === "relief") {
       if (scene.heights) relief.draw(scene, fitted(scene.heights, canvas), canvas);
     } else if (scene.map) {
-      drawFlat(scene);
+      drawFlat(scene.map, scene);
     }
   }
 

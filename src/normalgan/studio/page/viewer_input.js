@@ -7,7 +7,9 @@ export const FRONT = { yaw: 0, pitch: 0, zoom: 1 };
 const LOWEST = 0.97; // how far out the light goes: at 1 it would graze the picture's plane
 const STEP = 0.08; // of the light, for a key
 const TURN = Math.PI / 36;
+/** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+/** @type {Record<string, number>} */
 const ZOOMS = { "+": 1, "=": 1, "-": -1, _: -1 };
 
 /**
@@ -22,6 +24,7 @@ export function lightOver(x, y) {
   return [a, b, Math.sqrt(1 - a * a - b * b)];
 }
 
+/** @param {number} value @param {number} low @param {number} high */
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
 /**
@@ -34,24 +37,28 @@ const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 export function listen(canvas, scene, changed, signal) {
   const isTurning = () => scene.view === "relief";
   const isStill = () => scene.view === "map";
-  let last = null; // pointer while it drags
+  /** @type {PointerEvent | null} the pointer while it drags */
+  let last = null;
 
+  /** @param {number} x @param {number} y */
   function setLight(x, y) {
     scene.light = lightOver(x, y);
     changed("light");
   }
 
+  /** @param {number} yaw @param {number} pitch */
   function turn(yaw, pitch) {
     scene.turn.yaw = (scene.turn.yaw + yaw) % (2 * Math.PI);
     scene.turn.pitch = clamp(scene.turn.pitch + pitch, -Math.PI / 2, Math.PI / 2);
     changed("turn");
   }
 
-  function drag(event) {
+  /** @param {PointerEvent} event @param {PointerEvent} before */
+  function drag(event, before) {
     const box = canvas.getBoundingClientRect();
     const radius = Math.min(box.width, box.height) / 2;
     if (isTurning()) {
-      const [right, down] = [event.clientX - last.clientX, event.clientY - last.clientY];
+      const [right, down] = [event.clientX - before.clientX, event.clientY - before.clientY];
       turn(((right / radius) * Math.PI) / 2, ((down / radius) * Math.PI) / 2);
     } else {
       const x = (event.clientX - box.x - box.width / 2) / radius;
@@ -60,7 +67,7 @@ export function listen(canvas, scene, changed, signal) {
     last = event;
   }
 
-  // Nearer: a larger relief, or a light that is higher above the surface.
+  /** Comes nearer: a larger relief, or a light that is higher above the surface. @param {number} amount */
   function approach(amount) {
     if (isTurning()) {
       scene.turn.zoom = clamp(scene.turn.zoom * Math.exp(amount), 0.3, 5);
@@ -71,6 +78,7 @@ export function listen(canvas, scene, changed, signal) {
     }
   }
 
+  /** @param {KeyboardEvent} event */
   function press(event) {
     const factor = event.shiftKey ? 3 : 1;
     const arrow = ARROWS[event.key]?.map((value) => value * factor);
@@ -85,17 +93,18 @@ export function listen(canvas, scene, changed, signal) {
     event.preventDefault();
   }
 
+  /** @template {keyof HTMLElementEventMap} K @param {K} name @param {(event: HTMLElementEventMap[K]) => void} act */
   const on = (name, act) => canvas.addEventListener(name, act, { signal, passive: false });
   on("pointerdown", (event) => {
     if (!event.isPrimary || event.button !== 0 || isStill()) return;
     canvas.setPointerCapture(event.pointerId);
     last = event;
-    if (!isTurning()) drag(event);
+    if (!isTurning()) drag(event, event);
   });
   on("pointermove", (event) => {
-    if (last && event.pointerId === last.pointerId) drag(event);
+    if (last && event.pointerId === last.pointerId) drag(event, last);
   });
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+  for (const end of /** @type {const} */ (["pointerup", "pointercancel", "lostpointercapture"])) {
     on(end, (event) => {
       if (event.pointerId === last?.pointerId) last = null;
     });

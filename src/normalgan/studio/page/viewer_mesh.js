@@ -35,6 +35,7 @@ export function meshOf({ heights, width, height }) {
   return { places, wheres, corners };
 }
 
+/** @param {Float32Array} heights */
 function middleOf(heights) {
   let [low, high] = [Infinity, -Infinity];
   for (const level of heights) {
@@ -44,9 +45,11 @@ function middleOf(heights) {
   return low <= high ? (low + high) / 2 : 0;
 }
 
+/** @param {Float32Array} levels @param {number} columns @param {number} rows @param {number} limit */
 function triangles(levels, columns, rows, limit) {
   const corners = new Uint32Array(6 * Math.max(columns - 1, 0) * Math.max(rows - 1, 0));
   let count = 0;
+  /** @param {number} a @param {number} b @param {number} c */
   function add(a, b, c) {
     const [p, q, r] = [levels[a], levels[b], levels[c]];
     if (!(Math.max(p, q, r) - Math.min(p, q, r) <= limit)) return; // also where one is NaN

@@ -1,7 +1,8 @@
 /** A compiled pair of shaders with its uniforms by name; textures. */
 
+/** @param {WebGL2RenderingContext} gl @param {number} kind @param {string} source */
 function compiled(gl, kind, source) {
-  const shader = gl.createShader(kind);
+  const shader = /** @type {WebGLShader} */ (gl.createShader(kind)); // none only on a lost context, where it does not matter
   gl.shaderSource(shader, source);
   gl.compileShader(shader);
   return shader;
@@ -12,7 +13,7 @@ function compiled(gl, kind, source) {
  * @param {WebGL2RenderingContext} gl
  * @param {string} vertexSource
  * @param {string} fragmentSource
- * @returns {{program: WebGLProgram, at: Object<string, WebGLUniformLocation>}}
+ * @returns {{program: WebGLProgram, at: Record<string, WebGLUniformLocation | null>}}
  */
 export function createProgram(gl, vertexSource, fragmentSource) {
   const shaders = [
@@ -27,11 +28,12 @@ export function createProgram(gl, vertexSource, fragmentSource) {
     throw new Error(log.filter(Boolean).join(" ").trim());
   }
   for (const shader of shaders) gl.deleteShader(shader); // the program keeps what it needs
+  /** @type {Record<string, WebGLUniformLocation | null>} */
   const at = {};
   const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) ?? 0; // null on a lost context
   for (let i = 0; i < count; i++) {
-    const { name } = gl.getActiveUniform(program, i);
-    at[name] = gl.getUniformLocation(program, name);
+    const name = gl.getActiveUniform(program, i)?.name;
+    if (name) at[name] = gl.getUniformLocation(program, name);
   }
   return { program, at };
 }

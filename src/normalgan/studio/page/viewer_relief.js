@@ -30,9 +30,9 @@ export function createRelief(gl, mapUnit) {
   const indices = gl.createBuffer();
   let count = 0;
   gl.bindVertexArray(array);
-  for (const [location, buffer, channels] of [
-    [0, places, 3],
-    [1, wheres, 2],
+  for (const { location, buffer, channels } of [
+    { location: 0, buffer: places, channels: 3 },
+    { location: 1, buffer: wheres, channels: 2 },
   ]) {
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.enableVertexAttribArray(location);
@@ -41,6 +41,7 @@ export function createRelief(gl, mapUnit) {
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
   gl.bindVertexArray(null);
 
+  /** @param {import("./viewer.js").Heights | null} heights */
   function setHeight(heights) {
     const mesh = meshOf(heights ?? { heights: new Float32Array(), width: 0, height: 0 });
     count = mesh.corners.length;
@@ -53,7 +54,11 @@ export function createRelief(gl, mapUnit) {
     gl.bindVertexArray(null);
   }
 
-  // `place` is where the drawing lies on the canvas when it is seen from the front.
+  /**
+   * @param {import("./viewer.js").Scene} scene
+   * @param {{width: number, height: number}} place where the drawing lies on the canvas when it is seen from the front
+   * @param {{width: number, height: number}} canvas
+   */
   function draw(scene, place, canvas) {
     const size = ROOM * scene.turn.zoom * Math.max(place.width, place.height);
     gl.enable(gl.DEPTH_TEST);

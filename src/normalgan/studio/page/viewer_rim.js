@@ -2,15 +2,21 @@
 
 const ROUNDS = 4; // more would eat thin legs and ears
 
-// Edges that only one triangle has, as pairs of vertices. All vertices lie on a grid and are joined to
-// grid neighbours, so that an edge is a vertex and one of nine directions.
+/**
+ * Returns edges that only one triangle has, as pairs of vertices. All vertices lie on a grid and are joined to
+ * grid neighbours, so that an edge is a vertex and one of nine directions.
+ * @param {Uint32Array} corners @param {number} vertices @param {number} columns
+ */
 function rimOf(corners, vertices, columns) {
   const seen = new Uint8Array(9 * vertices);
+  /** @param {number} from @param {number} to */
   const key = (from, to) => {
     const step = to - from + columns + 1; // 0, 1, 2 a row above; then columns more for each row
     return 9 * from + 3 * Math.floor(step / columns) + (step % columns);
   };
+  /** @type {number[]} */
   const rim = [];
+  /** @param {(from: number, to: number) => void} act */
   const eachEdge = (act) => {
     for (let at = 0; at < corners.length; at += 3) {
       for (let k = 0; k < 3; k++) act(corners[at + k], corners[at + ((k + 1) % 3)]);

@@ -2,7 +2,9 @@
 
 import { CEL, CLAY } from "./viewer_shading.js";
 
+/** @param {number} value */
 const number = (value) => (Number.isInteger(value) ? `${value}.0` : `${value}`);
+/** @param {number[]} values */
 const vec = (values) => `vec3(${values.map(number).join(", ")})`;
 
 const CLAY_SHADING = `

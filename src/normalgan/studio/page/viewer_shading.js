@@ -43,13 +43,15 @@ export function normalised(vector) {
   return vector.map((value) => value / length);
 }
 
-/** Returns the unit vector half-way between the light and the viewer. */
+/** Returns the unit vector half-way between the light and the viewer. @param {number[]} light */
 function halfway(light) {
   return normalised([light[0], light[1], light[2] + 1 + 1e-6]);
 }
 
+/** @param {number[]} a @param {number} x @param {number} y @param {number} z */
 const dot = (a, x, y, z) => a[0] * x + a[1] * y + a[2] * z;
 
+/** @param {number} from @param {number} to @param {number} value */
 function smoothstep(from, to, value) {
   const t = Math.min(Math.max((value - from) / (to - from), 0), 1);
   return t * t * (3 - 2 * t);
@@ -60,7 +62,7 @@ const TABLE = Uint8ClampedArray.from({ length: 4097 }, (_, i) => {
   return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
 });
 
-/** Returns the sRGB level, 0 to 255, of a linear value (IEC 61966-2-1). */
+/** Returns the sRGB level, 0 to 255, of a linear value (IEC 61966-2-1). @param {number} linear */
 function toSrgb(linear) {
   return TABLE[Math.round(4096 * Math.min(Math.max(linear, 0), 1))];
 }
@@ -92,6 +94,7 @@ export function clayShader(light) {
 export function celShader(light) {
   const half = halfway(light);
   const { paints, thresholds, soft } = CEL;
+  /** @param {number} edge @param {number} value */
   const step = (edge, value) => smoothstep(edge - soft, edge + soft, value);
   return (x, y, z, out, at) => {
     const lambert = dot(light, x, y, z);
@@ -106,7 +109,11 @@ export function celShader(light) {
   };
 }
 
-/** The ball: a body that darkens away from the light, a window and a warm fill mirrored in the glaze. */
+/**
+ * The ball: a body that darkens away from the light, a window and a warm fill mirrored in the glaze.
+ * @param {number[]} light
+ * @returns {Shader}
+ */
 function glazeShader(light) {
   const fillLight = normalised([-light[0], 0.3 - light[1], 0.35]);
   return (x, y, z, out, at) => {
@@ -152,6 +159,7 @@ export function matcapShader(light) {
   const ball = matcapPixels(light);
   return (x, y, z, out, at) => {
     const outside = z < 0 ? Math.hypot(x, y) : 1; // what faces away looks like the rim
+    /** @param {number} value */
     const cell = (value) =>
       Math.min(Math.max(Math.floor(((value / outside + 1) / 2) * MATCAP_SIZE), 0), MATCAP_SIZE - 1);
     const from = 4 * (cell(y) * MATCAP_SIZE + cell(x));
