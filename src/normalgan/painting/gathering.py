@@ -1,11 +1,14 @@
 """Gathering: smoothing that follows surfaces and stops at barriers."""
 
+import cv2
 import numpy as np
 
 from normalgan.normals import Floats
 
 _FADED = 0.005
 """What has faded to less is left out."""
+_COLUMNS = 128
+"""So many at once stay in a processor's cache."""
 
 
 def spread(planes: Floats, cost: Floats, reach: float) -> Floats:
@@ -25,16 +28,27 @@ def spread(planes: Floats, cost: Floats, reach: float) -> Floats:
     decay = np.exp(np.float32(-np.sqrt(2) / reach) * (1 + cost))
     steps = int(np.ceil(np.log2(-np.log(_FADED) * reach / np.sqrt(2))))
     down = _along(planes, decay, steps)
-    return _along(down.swapaxes(1, 2), decay.T, steps).swapaxes(1, 2)
+    return _turned(_along(_turned(down), np.asarray(cv2.transpose(decay), np.float32), steps))
+
+
+def _turned(planes: Floats) -> Floats:
+    """Return planes (C, H, W) as (C, W, H)."""
+    # Plane by plane: NumPy takes three times as long to turn all at once.
+    return np.stack([np.asarray(cv2.transpose(plane), np.float32) for plane in planes])
 
 
 def _along(planes: Floats, decay: Floats, steps: int) -> Floats:
     """Return planes (C, H, W) after a pass down the columns and one up."""
-    out = np.array(planes, order="C")
+    out = np.empty_like(planes, order="C")
     # Between two rows the dearer of both decides.
-    between = np.ascontiguousarray(np.minimum(decay[1:], decay[:-1]))
-    _down(out, between, steps)
-    _down(out[:, ::-1], between[::-1], steps)
+    between = np.minimum(decay[1:], decay[:-1])
+    for left in range(0, planes.shape[2], _COLUMNS):
+        own = np.s_[left : left + _COLUMNS]
+        block = np.ascontiguousarray(planes[..., own])
+        _down(block, between[:, own], steps)
+        block = np.ascontiguousarray(block[:, ::-1])
+        _down(block, between[::-1, own], steps)
+        out[..., own] = block[:, ::-1]
     return out
 
 
@@ -43,7 +57,9 @@ def _down(planes: Floats, between: Floats, steps: int) -> None:
     kept = np.zeros(planes.shape[1:], np.float32)
     kept[1:] = between
     planes *= 1 - kept
+    carried = np.empty_like(planes)
     for k in (2**i for i in range(steps)):
-        planes[:, k:] += kept[k:] * planes[:, :-k]
+        np.multiply(kept[k:], planes[:, :-k], out=carried[:, k:])
+        planes[:, k:] += carried[:, k:]
         kept[k:] *= kept[:-k].copy()
         kept[:k] = 0

@@ -23,17 +23,22 @@ def show(ink: Floats, frame: Frame) -> Floats:
     middle; areas, whose width is no line's, are drawn as their outline.
     """
     fine = Frame(frame.shape, frame.left, frame.top, frame.side, frame.size * _FINER)
-    inked = fine.cut(ink) > 0.5
+    whole = fine.cut(ink) > 0.5
+    # Nothing is done about what is empty, which is most of the frame of a drawing that is not square.
+    box = _around(whole, 2 * _FINER)
+    inked = whole[box]
     depth = _depth(inked)
     width = _width(inked, depth)
-    if areas(inked, width, depth).any() or width > _LEFT_ALONE[1] * _FINER:
-        lines, drawn_width = middle(inked, width), KNOWN_WIDTH * _FINER
+    thick = areas(inked, width, depth, fine.size)
+    if thick.any() or width > _LEFT_ALONE[1] * _FINER:
+        lines, drawn_width = middle(inked, width, thick), KNOWN_WIDTH * _FINER
     elif width >= _LEFT_ALONE[0] * _FINER:
         return frame.cut(ink)
     else:
         lines, drawn_width = inked, KNOWN_WIDTH * _FINER - width + 1
     away = cv2.distanceTransform((~lines).astype(np.uint8), cv2.DIST_L2, 5)
-    drawn = np.clip(np.float32(drawn_width / 2 + 0.5) - away, 0, 1)
+    drawn = np.zeros(whole.shape, np.float32)
+    np.clip(np.float32(drawn_width / 2 + 0.5) - away, 0, 1, out=drawn[box])
     shown = cv2.resize(drawn, (frame.size, frame.size), interpolation=cv2.INTER_AREA)
     return np.asarray(shown, np.float32)
 
@@ -55,14 +60,29 @@ def _width(inked: Mark, depth: Floats) -> float:
     return float(np.median(2 * depth[ridge] - 1)) if ridge.any() else 0.0
 
 
-def areas(inked: Mark, width: float, depth: Floats | None = None) -> Mark:
+def _around(marked: Mark, room: int) -> tuple[slice, slice]:
+    """Return the part of a picture (H, W) that holds what is marked, with so many pixels around it."""
+    if not marked.any():
+        return np.s_[:, :]
+    rows, columns = np.flatnonzero(marked.any(1)), np.flatnonzero(marked.any(0))
+    return np.s_[
+        max(rows[0] - room, 0) : rows[-1] + 1 + room, max(columns[0] - room, 0) : columns[-1] + 1 + room
+    ]
+
+
+def areas(inked: Mark, width: float, depth: Floats, side: int) -> Mark:
     """Return the parts of a drawing (H, W) too thick for a line, when most lines are ``width`` wide.
 
     A patch that is thick for the most part is an area with all its thin parts: a silhouette's legs.
+
+    Args:
+        inked: (H, W).
+        width: of most lines in pixels.
+        depth: (H, W), how far inside the ink each pixel lies.
+        side: of the whole picture in pixels.
     """
-    side = max(inked.shape)
     thickest = min(max(1.5 * width, 0.02 * side), 0.035 * side)  # half the width that is none of a line
-    core: Mark = (_depth(inked) if depth is None else depth) > thickest
+    core: Mark = depth > thickest
     if not core.any():
         return core
     away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
@@ -73,7 +93,7 @@ def areas(inked: Mark, width: float, depth: Floats | None = None) -> Mark:
     return found
 
 
-def middle(inked: Mark, width: float) -> Mark:
+def middle(inked: Mark, width: float, thick: Mark) -> Mark:
     """Return lines one pixel wide: the middle of the lines of a drawing (H, W), the outline of its areas.
 
     Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns", 1984, as scikit-image has it.
@@ -81,10 +101,10 @@ def middle(inked: Mark, width: float) -> Mark:
     Args:
         inked: (H, W).
         width: of most lines in pixels.
+        thick: (H, W), its areas.
     """
     from skimage.morphology import skeletonize  # takes half a second, and most drawings do without
 
-    thick = areas(inked, width)
     blur = max(width / 4, 0.5)  # a line's rough edges would grow hairs
     smooth = cv2.GaussianBlur(inked.astype(np.float32), (0, 0), blur) > 0.5
     lines: Mark = skeletonize(smooth & ~thick)

@@ -1,0 +1,105 @@
+"""Times each step from a drawing to its map, in processor time on one thread: the machine may be busy.
+
+painting_steps.py [MODEL] [--sides 256 512 1024] [--rounds 15]: the model that comes with the package,
+or one by `normalgan export`. The drawings are those of ``examples/sketches``, brought to each size beforehand. Prints
+JSON: the median of the milliseconds of each step.
+"""
+
+import argparse
+import json
+import statistics
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import cv2
+from machine import describe
+
+from normalgan.painting import pipeline, preparation
+from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.picture import Picture, fitted, read_picture
+from normalgan.painting.upsampling import fill_and_sharpen
+
+SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
+
+
+class Clock:
+    """Adds up the processor time of functions that are wrapped in it."""
+
+    def __init__(self) -> None:
+        self.taken: dict[str, float] = defaultdict(float)
+
+    def wrap(self, name: str, work: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the function, timed under a name."""
+
+        def timed(*args: Any, **settings: Any) -> Any:
+            start = time.process_time()
+            try:
+                return work(*args, **settings)
+            finally:
+                self.taken[name] += 1000 * (time.process_time() - start)
+
+        return timed
+
+    @contextmanager
+    def steps(self) -> Iterator[None]:
+        """Time the steps of preparation."""
+        names = ("clean", "show", "fill_outline")
+        patches = [
+            patch.object(preparation, name, self.wrap(name, getattr(preparation, name))) for name in names
+        ]
+        for each in patches:
+            each.start()
+        try:
+            yield
+        finally:
+            for each in patches:
+                each.stop()
+
+
+def once(drawing: Picture, backend: OnnxBackend) -> dict[str, float]:
+    """Return the milliseconds of each step of one drawing."""
+    clock = Clock()
+    start = time.process_time()
+    with clock.steps():
+        prepared = preparation.prepare(drawing, backend.size)
+    painted = clock.wrap("network", backend.paint)(prepared.seen, prepared.hints)
+    upsample = clock.wrap("upsample", fill_and_sharpen)
+    clock.wrap("finish", pipeline.finish)(prepared, *painted, upsample)
+    total = 1000 * (time.process_time() - start)
+    taken = dict(clock.taken)
+    taken["finish"] -= taken["upsample"]
+    taken["other"] = total - sum(taken.values())
+    return {**taken, "total": total}
+
+
+def main() -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("model", nargs="?")
+    parser.add_argument("--sides", type=int, nargs="+", default=[256, 512, 1024])
+    parser.add_argument("--rounds", type=int, default=15)
+    given = parser.parse_args()
+    cv2.setNumThreads(1)
+    backend = OnnxBackend(find_model(given.model), threads=1)
+    drawings = [read_picture(path) for path in sorted(SKETCHES.glob("*.png"))]
+    figures: dict[str, Any] = {}
+    for side in given.sides:
+        sized = [each.resized(fitted(each.size, side)) for each in drawings]
+        for each in sized:
+            once(each, backend)
+        taken = [once(each, backend) for _ in range(given.rounds) for each in sized]
+        figures[str(side)] = {key: round(statistics.median(t[key] for t in taken), 1) for key in taken[0]}
+    print(
+        json.dumps(
+            {**figures, "machine": describe("onnxruntime", "numpy", "opencv-python-headless")}, indent=1
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()
