@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from normalgan.animals.field import Part, smooth_minimum
 from normalgan.animals.frames import bend, fold
 from normalgan.animals.meshing import drop_crumbs, fill_voids, to_mesh, unit_sphere
-from normalgan.animals.sweep import Sweep, segment_distance
+from normalgan.animals.sweep import Cut, Sweep, segment_distance
 
 
 def capsule(radius: float, width: float, length: float = 1.0) -> Sweep:
@@ -50,9 +50,8 @@ def test_a_meshed_capsule_has_its_volume() -> None:
 
 def test_a_carved_part_is_missing_and_a_cut_is_flat() -> None:
     whole = capsule(0.3, 0.3)
-    cut = Sweep(
-        whole.points, whole.radii, whole.widths, whole.sides, (np.array([1.0, 0, 0]), np.array([1.0, 0, 0]))
-    )
+    plane = Cut(point=np.array([1.0, 0, 0]), normal=np.array([1.0, 0, 0]))
+    cut = Sweep(whole.points, whole.radii, whole.widths, whole.sides, plane)
     dug = to_mesh("dug", [Part((cut,), 0.0), Part((capsule(0.1, 0.1, 2.0),), 0.0, carve=True)])
     # The hole along the axis leaves the flat end a ring; round it, the surface faces +x.
     end = dug.vertices[:, 0] > dug.vertices[:, 0].max() - 0.005

@@ -3,7 +3,7 @@ import pytest
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import Animal
-from normalgan.animals.insects import INSECTS, legs, wing
+from normalgan.animals.insects import INSECTS, LegRow, legs, wing
 from normalgan.animals.plate import Plate
 
 
@@ -33,7 +33,7 @@ def test_a_standing_body_is_on_as_many_feet_as_it_should(species: str, count: in
 
 
 def test_legs_reach_their_ground_and_lift_in_a_walk() -> None:
-    rows = ((0.2, 0.1, 45.0, 0.4), (0.0, 0.1, 90.0, 0.4), (-0.2, 0.1, 135.0, 0.4))
+    rows = [LegRow(x, z=0.1, azimuth=90 - 225 * x, reach=0.4) for x in (0.2, 0.0, -0.2)]
     for pose, lifted in (("stand", 0), ("walk", 3)):
         part = legs(rows, pose, np.random.default_rng(0), 0.3, 0.03)
         toes = np.array([sweep.points[-1, 1] for sweep in part.sweeps])

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from normalgan.animals.field import Part, Ripple
 from normalgan.animals.frames import Frame
 from normalgan.animals.solids import MIRROR, Box, Ellipsoid, Ring, Solid
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.sweep import Cut, Floats, Sweep
 
 Shape = Sweep | Solid
 SIDE = (0.0, 0.0, 1.0)
@@ -66,7 +66,7 @@ def tube(
         rows = np.linspace(ends[0], ends[1], 4)
         curve, thick, wide, sides = rows[:, :3], rows[:, 3], rows[:, 4], rows[:, 5:]
     last = curve[-1] - curve[-2]
-    cut = (curve[-1], last / np.linalg.norm(last)) if flat else None
+    cut = Cut(curve[-1], last / np.linalg.norm(last)) if flat else None
     return Sweep(curve, thick, wide, sides, cut)
 
 
@@ -81,7 +81,7 @@ def mirrored(shape: Shape) -> Shape:
     """Return its image on the animal's other side."""
     if not isinstance(shape, Sweep):
         return shape.mirrored()
-    cut = None if shape.cut is None else (shape.cut[0] * MIRROR, shape.cut[1] * MIRROR)
+    cut = None if shape.cut is None else Cut(shape.cut.point * MIRROR, shape.cut.normal * MIRROR)
     return Sweep(shape.points * MIRROR, shape.radii, shape.widths, shape.sides * MIRROR, cut)
 
 
@@ -112,7 +112,7 @@ def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part
 def _moved_sweep(sweep: Sweep, frame: Frame, size: float) -> Sweep:
     cut = None
     if sweep.cut is not None:
-        cut = (frame.place(sweep.cut[0] * size), frame.rotation @ sweep.cut[1])
+        cut = Cut(frame.place(sweep.cut.point * size), frame.rotation @ sweep.cut.normal)
     sides = sweep.sides @ frame.rotation.T
     return Sweep(frame.place(sweep.points * size), sweep.radii * size, sweep.widths * size, sides, cut)
 

@@ -1,6 +1,7 @@
 """The insects and their like, each a function, and what they are made of: jointed legs, rings, wings."""
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,9 +13,23 @@ from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.plate import Plate
 from normalgan.animals.sweep import Floats, Sweep
 
-LegRow = tuple[float, float, float, float]
-"""Where a pair of legs grows and goes: x, half the distance apart, degrees from straight ahead, reach."""
 OUT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # columns: to the right, ahead, up
+
+
+class LegRow(NamedTuple):
+    """Where a pair of legs grows and goes.
+
+    Args:
+        x: where it grows.
+        z: half the distance apart.
+        azimuth: degrees from straight ahead.
+        reach: how far the feet are from there.
+    """
+
+    x: float
+    z: float
+    azimuth: float
+    reach: float
 
 
 def legs(
@@ -164,25 +179,18 @@ def beetle(pose: str, rng: Rng) -> list[Part]:
             for x in np.linspace(-0.85, 0.75, 12)
         ]
     ]
+    rows = (
+        LegRow(front - 0.08, 0.6 * wide, 42, 0.36 * f["legs"]),
+        LegRow(-0.10, 0.7 * wide, 92, 0.38 * f["legs"]),
+        LegRow(-0.24, 0.6 * wide, 138, 0.42 * f["legs"]),
+    )
     parts = [
         fuse(case),
         fuse(tube(seam, 0.014), blend=0.01, carve=True),
         fuse(ball([front - 0.03, 0.01, 0], [0.16, 0.82 * high, 0.82 * wide]), blend=0.008),
         fuse(ball([front + 0.14, -0.02, 0], [0.10, 0.09, 0.115]), blend=0.015),
         eyes([front + 0.17, 0.0, 0.10], 0.034),
-        legs(
-            (
-                (front - 0.08, 0.6 * wide, 42, 0.36 * f["legs"]),
-                (-0.10, 0.7 * wide, 92, 0.38 * f["legs"]),
-                (-0.24, 0.6 * wide, 138, 0.42 * f["legs"]),
-            ),
-            pose,
-            rng,
-            0.20,
-            0.032,
-            1.22,
-            -0.07,
-        ),
+        legs(rows, pose, rng, 0.20, 0.032, 1.22, -0.07),
     ]
     if rng.uniform() < 0.5:
         parts.append(fuse(*both(*(tube(line, 0.01) for line in lines)), blend=0.01, carve=True))
@@ -237,7 +245,7 @@ def ladybird(pose: str, rng: Rng) -> list[Part]:
         spots.append(ball(up * radii, np.array([0.085, 0.016, 0.085]) * f["spots"], lie))
     parts.append(fuse(*both(*spots), blend=0.012))
     reach = 0.30 * f["legs"]
-    rows = ((0.28, 0.22, 40, reach), (0.0, 0.27, 92, reach), (-0.22, 0.22, 140, reach))
+    rows = (LegRow(0.28, 0.22, 40, reach), LegRow(0.0, 0.27, 92, reach), LegRow(-0.22, 0.22, 140, reach))
     parts.append(legs(rows, pose, rng, 0.24, 0.030, 1.15, -0.1))
     return parts
 
@@ -249,6 +257,11 @@ def ant(pose: str, rng: Rng) -> list[Part]:
     gaster, head = 0.17 * f["gaster"], 0.135 * f["head"]
     middle = -0.26 - 1.25 * gaster
     nose = 0.20 + head
+    rows = (
+        LegRow(0.14, 0.055, 48, 0.42 * f["legs"]),
+        LegRow(0.05, 0.06, 95, 0.44 * f["legs"]),
+        LegRow(-0.05, 0.055, 142, 0.5 * f["legs"]),
+    )
     return [
         fuse(
             tube(
@@ -272,18 +285,7 @@ def ant(pose: str, rng: Rng) -> list[Part]:
         feelers(
             [nose + 0.08, 0.07, 0.04], [[0.10, 0.16, 0.09], [0.27, 0.13, 0.15], [0.38, 0.05, 0.18]], 0.02
         ),
-        legs(
-            (
-                (0.14, 0.055, 48, 0.42 * f["legs"]),
-                (0.05, 0.06, 95, 0.44 * f["legs"]),
-                (-0.05, 0.055, 142, 0.5 * f["legs"]),
-            ),
-            pose,
-            rng,
-            0.24,
-            0.027,
-            1.3,
-        ),
+        legs(rows, pose, rng, 0.24, 0.027, 1.3),
     ]
 
 
@@ -325,21 +327,14 @@ def bee(pose: str, rng: Rng) -> list[Part]:
     raised, back = held(pose, rng, (12, 50), (0, 25), (8, 20), (48, 66))
     span = np.array(BLADE) * f["wings"]
     rear = [[-0.12, 0.0, 0], [-0.30, 0.0, 0], [-0.50, -0.06, 0], [-0.66, -0.16, 0]]
+    rows = (LegRow(0.15, 0.09, 50, 0.28), LegRow(0.05, 0.1, 95, 0.30), LegRow(-0.04, 0.09, 140, 0.36))
     parts = [
         fuse(ball([0.07, 0.02, 0], [1.1 * breast, breast, breast]), ripple=Ripple(0.008, 0.06)),
         fuse(ringed(rear, [0.55 * belly, belly, 0.85 * belly, 0.2 * belly], 5, 0.13), blend=0.03),
         fuse(ball([0.31, -0.02, 0], [0.12, 0.15 * f["head"], 0.16 * f["head"]]), blend=0.02),
         eyes([0.33, 0.0, 0.13 * f["head"]], [0.07, 0.10, 0.055]),
         feelers([0.41, 0.05, 0.04], [[0.08, 0.08, 0.05], [0.2, 0.06, 0.1]], 0.017),
-        legs(
-            ((0.15, 0.09, 50, 0.28), (0.05, 0.1, 95, 0.30), (-0.04, 0.09, 140, 0.36)),
-            pose,
-            rng,
-            0.30,
-            0.030,
-            1.2,
-            -0.1,
-        ),
+        legs(rows, pose, rng, 0.30, 0.030, 1.2, -0.1),
     ]
     fore = wing([0.08, 0.8 * breast, 0.07], [(a, b) for a, b in span], raised, back, 0.013)
     hind = wing([-0.02, 0.75 * breast, 0.07], [(a, b) for a, b in 0.7 * span], raised - 8, back + 18, 0.013)
@@ -351,6 +346,7 @@ def fly(pose: str, rng: Rng) -> list[Part]:
     f = factors(rng, 0.14, "belly", "eyes", "wings")
     raised, back = held(pose, rng, (10, 45), (0, 25), (8, 18), (52, 72))
     size = 0.125 * f["eyes"]
+    rows = (LegRow(0.15, 0.1, 48, 0.34), LegRow(0.05, 0.1, 95, 0.36), LegRow(-0.05, 0.1, 140, 0.42))
     return [
         fuse(ball([0.05, 0.03, 0], [0.22, 0.19, 0.19])),
         fuse(
@@ -370,15 +366,7 @@ def fly(pose: str, rng: Rng) -> list[Part]:
             blend=0.01,
         ),
         feelers([0.40, 0.06, 0.03], [[0.05, 0.03, 0.02], [0.09, 0.0, 0.04]], 0.018),
-        legs(
-            ((0.15, 0.1, 48, 0.34), (0.05, 0.1, 95, 0.36), (-0.05, 0.1, 140, 0.42)),
-            pose,
-            rng,
-            0.30,
-            0.024,
-            1.25,
-            -0.08,
-        ),
+        legs(rows, pose, rng, 0.30, 0.024, 1.25, -0.08),
         fuse(
             *wing(
                 [0.03, 0.17, 0.08],
@@ -425,7 +413,7 @@ def grasshopper(pose: str, rng: Rng) -> list[Part]:
         feelers([0.345, 0.10, 0.03], [[0.5 * long, 0.35 * long, 0.12], [long, 0.42 * long, 0.22]], 0.016),
         fuse(*both(hind, shin), blend=0.01),
     ]
-    rows = ((0.22, 0.06, 40, 0.26), (0.08, 0.07, 95, 0.26))
+    rows = (LegRow(0.22, 0.06, 40, 0.26), LegRow(0.08, 0.07, 95, 0.26))
     return [*parts, legs(rows, "fly" if pose == "leap" else pose, rng, 0.24, 0.024, 1.3, -0.04)]
 
 
@@ -445,6 +433,7 @@ def mantis(pose: str, rng: Rng) -> list[Part]:
         tube([wrist, claw], [0.032, 0.014]),
     ]
     face = top + np.array([0.07, 0.05, 0])
+    rows = (LegRow(0.04, 0.04, 80, 0.40), LegRow(-0.04, 0.04, 128, 0.46))
     return [
         fuse(
             ringed(
@@ -469,7 +458,7 @@ def mantis(pose: str, rng: Rng) -> list[Part]:
         eyes(by(face, 0.0, 0.045, 0.095), [0.042, 0.052, 0.042]),
         feelers(by(face, 0.03, 0.05, 0.02), [[0.1, 0.16, 0.06], [0.14, 0.3, 0.14]], 0.015),
         fuse(*both(*arm), blend=0.012),
-        legs(((0.04, 0.04, 80, 0.40), (-0.04, 0.04, 128, 0.46)), pose, rng, 0.34, 0.022, 1.28),
+        legs(rows, pose, rng, 0.34, 0.022, 1.28),
     ]
 
 
@@ -501,7 +490,7 @@ def spider(pose: str, rng: Rng) -> list[Part]:
     ]
     azimuths = (28 * f["front"], 68, 108, 150)
     rows = tuple(
-        (0.22 - 0.065 * i, 0.10, a, reach * (1.12, 0.95, 0.9, 1.15)[i]) for i, a in enumerate(azimuths)
+        LegRow(0.22 - 0.065 * i, 0.10, a, reach * (1.12, 0.95, 0.9, 1.15)[i]) for i, a in enumerate(azimuths)
     )
     parts.append(legs(rows, pose, rng, 0.26, thick, float(rng.uniform(1.3, 1.6))))
     return parts
@@ -528,6 +517,8 @@ def scorpion(pose: str, rng: Rng) -> list[Part]:
         tube(np.array(finger) @ pincer.T + hand, [0.55 * claw, 0.36 * claw, 0.12 * claw])
         for finger in fingers
     ]
+    azimuths = (55, 82, 108, 138)
+    rows = tuple(LegRow(0.18 - 0.1 * i, 0.10, a, 0.36 * f["legs"]) for i, a in enumerate(azimuths))
     return [
         fuse(
             ringed(
@@ -543,14 +534,7 @@ def scorpion(pose: str, rng: Rng) -> list[Part]:
             blend=0.01,
         ),
         eyes([0.24, 0.10, 0.03], 0.022),
-        legs(
-            tuple((0.18 - 0.1 * i, 0.10, a, 0.36 * f["legs"]) for i, a in enumerate((55, 82, 108, 138))),
-            pose,
-            rng,
-            0.15,
-            0.026,
-            1.3,
-        ),
+        legs(rows, pose, rng, 0.15, 0.026, 1.3),
     ]
 
 
@@ -580,6 +564,7 @@ def butterfly(pose: str, rng: Rng) -> list[Part]:
         *wing([0.06, 0.03, 0.025], [(a, b) for a, b in fore], raised, back, 0.016, 0.15),
         *wing([-0.04, 0.03, 0.025], [(a, b) for a, b in hind], raised - 3, back, 0.016, 0.15),
     ]
+    rows = (LegRow(0.09, 0.035, 55, 0.15), LegRow(0.04, 0.035, 95, 0.16), LegRow(-0.01, 0.035, 130, 0.17))
     parts = [
         fuse(tube([[-0.06, 0, 0], [0.05, 0.01, 0], [0.15, 0, 0]], [1.2 * slim, 1.5 * slim, 1.1 * slim])),
         fuse(
@@ -592,15 +577,7 @@ def butterfly(pose: str, rng: Rng) -> list[Part]:
         eyes([0.235, 0.02, 0.045], 0.032),
         feelers([0.25, 0.03, 0.02], [[0.14, 0.07, 0.07], [0.30, 0.10, 0.15]], 0.018, 1.9),
         fuse(*wings, blend=0.012),
-        legs(
-            ((0.09, 0.035, 55, 0.15), (0.04, 0.035, 95, 0.16), (-0.01, 0.035, 130, 0.17)),
-            "fly" if pose == "fly" else "stand",
-            rng,
-            0.17,
-            0.019,
-            1.12,
-            -0.02,
-        ),
+        legs(rows, "fly" if pose == "fly" else "stand", rng, 0.17, 0.019, 1.12, -0.02),
     ]
     return carried(parts, Frame(np.zeros(3), pitch(tilt)))
 
@@ -613,6 +590,7 @@ def dragonfly(pose: str, rng: Rng) -> list[Part]:
     end = -0.20 - 0.75 * f["tail"]
     size = 0.085 * f["eyes"]
     wings = [(a, b) for a, b in np.array(LONG) * [0.85, 1.35] * f["wings"]]
+    rows = (LegRow(0.14, 0.05, 45, 0.22), LegRow(0.07, 0.06, 85, 0.22), LegRow(0.0, 0.06, 125, 0.24))
     return [
         fuse(ball([0.03, 0.03, 0], np.array([0.19, 0.13, 0.11]) * f["breast"], pitch(-12))),
         fuse(
@@ -625,15 +603,7 @@ def dragonfly(pose: str, rng: Rng) -> list[Part]:
         eyes([0.27, 0.045, 0.06], [0.9 * size, size, 0.9 * size]),
         fuse(*wing([0.08, 0.13, 0.04], wings, raised, 2, 0.014), blend=0.012),
         fuse(*wing([-0.06, 0.12, 0.04], wings, raised + 4, 14, 0.014), blend=0.012),
-        legs(
-            ((0.14, 0.05, 45, 0.22), (0.07, 0.06, 85, 0.22), (0.0, 0.06, 125, 0.24)),
-            pose,
-            rng,
-            0.24,
-            0.020,
-            1.2,
-            -0.05,
-        ),
+        legs(rows, pose, rng, 0.24, 0.020, 1.2, -0.05),
     ]
 
 

@@ -12,7 +12,7 @@ from normalgan.animals.frames import Frame, bend, fold, pitch, yaw
 from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
 from normalgan.animals.quadruped_pose import POSES, Pose
 from normalgan.animals.stations import Profile, Stations
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.sweep import Cut, Floats, Sweep
 from normalgan.errors import InputError
 
 SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
@@ -519,7 +519,7 @@ def leg(limb: Limb, build: Build, angles: tuple[float, ...], stance: bool, body:
     sole = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
     if stance:
         sole = np.array([0.0, -1.0, 0.0])
-    cut = (points[-1] * mirror, sole * mirror) if limb.template.sole else None
+    cut = Cut(points[-1] * mirror, sole * mirror) if limb.template.sole else None
     sides = np.tile([0.0, 0.0, 1.0], (len(rows.x), 1))
     return Sweep(points[:-1] * mirror, rows.radius * thick, rows.widths * thick, sides, cut)
 
@@ -552,7 +552,7 @@ def skull(head: Head, build: Build, frame: Frame) -> Part:
     size = head.length * build.head
     placed = frame.place(points * size)
     sides = np.tile(frame.rotation[:, 2], (len(points), 1))
-    cut = (placed[-1], frame.rotation[:, 0]) if head.flat else None
+    cut = Cut(placed[-1], frame.rotation[:, 0]) if head.flat else None
     return Part((Sweep(placed, rows.radius * size, rows.widths * size, sides, cut),), blend=0.1 * head.length)
 
 

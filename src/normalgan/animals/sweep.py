@@ -1,12 +1,25 @@
 """Sweeps: an ellipse of changing size moved along a curve, the one primitive of which animals are made."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Volume = NDArray[np.float32]
+
+
+class Cut(NamedTuple):
+    """A plane beyond which there is nothing.
+
+    Args:
+        point: (3,) on it.
+        normal: (3,) outwards, of unit length.
+    """
+
+    point: Floats
+    normal: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,15 +31,15 @@ class Sweep:
         radii: (n,) radius of the section across ``sides``.
         widths: (n,) radius of the section along ``sides``.
         sides: (n, 3) direction of the second axis of each section; its part along the curve is ignored.
-        cut: point and outward normal, (3,) each, of a plane beyond which the last third ends flat (soles,
-            snouts); the plane may well run through the rest, as that of a folded leg does.
+        cut: a plane beyond which the last third ends flat (soles, snouts); it may well run through the rest,
+            as that of a folded leg does.
     """
 
     points: Floats
     radii: Floats
     widths: Floats
     sides: Floats
-    cut: tuple[Floats, Floats] | None = None
+    cut: Cut | None = None
 
 
 def smoothed(sweep: Sweep, pieces: int = 4, thinnest: float = 0.0) -> Sweep:
