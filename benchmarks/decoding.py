@@ -1,12 +1,14 @@
 """Times what decoding in a child process adds: to a picture, and to a cold start of `normalgan generate`.
 
-decoding.py [ROUNDS]: how often each is timed. The same decoder runs here and in the child by turns; "added"
-is the median of the differences. Processor time counts all processes. On a busy machine run it with a high
-priority, else it measures the waiting for a processor. Prints JSON.
+decoding.py [ROUNDS]: how often each is timed. The same decoder runs here and in the child by turns, so that
+both meet the same load: "added" is the median of the differences, "ratio" that of the quotients, round by
+round, and "least_added" what the fastest round there takes more than the fastest here. Processor time counts
+all processes. On a busy machine "added" holds the waiting for a processor. Prints JSON.
 """
 
 import io
 import json
+import os
 import resource
 import statistics
 import subprocess
@@ -67,13 +69,15 @@ def compared(
     rounds: int,
     clock: Callable[[], float] = waited,
 ) -> dict[str, float]:
-    """Return the medians of both in milliseconds, and that of what the second takes more, round by round."""
+    """Return the medians of both in milliseconds, and how much more the second takes, round by round."""
     here(), there()
     times = [(timed(here, clock), timed(there, clock)) for _ in range(rounds)]
     return {
         "here_ms": round(statistics.median(a for a, _ in times), 2),
         "child_ms": round(statistics.median(b for _, b in times), 2),
         "added_ms": round(statistics.median(b - a for a, b in times), 2),
+        "least_added_ms": round(min(b for _, b in times) - min(a for a, _ in times), 2),
+        "ratio": round(statistics.median(b / a for a, b in times), 3),
     }
 
 
@@ -113,12 +117,14 @@ def cold_start(rounds: int, clock: Callable[[], float]) -> dict[str, float]:
 
 
 def main(rounds: int = 25) -> None:
-    """Print the figures."""
+    """Print the figures, with the load of the machine before and after."""
+    load = round(os.getloadavg()[0], 1)
     figures = {
         "rounds": rounds,
         "pictures": pictures(rounds),
         "cold_start": cold_start(rounds, waited),
         "cold_start_processor": cold_start(rounds, worked),
+        "load": [load, round(os.getloadavg()[0], 1)],
         "machine": describe("numpy", "pillow", "resvg-py", "onnxruntime"),
     }
     print(json.dumps(figures, indent=1))

@@ -58,7 +58,14 @@ def test_a_licence_is_read_where_packages_say_it(
 @pytest.mark.parametrize(
     ("code", "said", "error", "sound", "words"),
     [
-        (0, "", "No known vulnerabilities found", True, "none is known"),
+        (0, "", "No known vulnerabilities found", True, "advisories: none is known."),
+        (
+            0,
+            "numpy Dependency not found on PyPI and could not be audited: numpy (2.4.6)",
+            "No known vulnerabilities found",
+            True,
+            "none is known; 1 packages not checked",
+        ),
         (1, "idna 3.6 PYSEC-2024-60", "Found 1 known vulnerability in 1 package", False, "PYSEC-2024-60"),
         (1, "", "urllib3: Name or service not known", True, "not checked; their data cannot be reached"),
         (1, "", "python: No module named pip_audit", True, "not checked; pip-audit is not installed"),
