@@ -1,8 +1,8 @@
 """Times each step from a drawing to its map, in processor time on one thread: the machine may be busy.
 
-painting_steps.py [MODEL] [--sides 256 512 1024] [--rounds 15]: the model that comes with the package,
-or one by `normalgan export`. The drawings are those of ``examples/sketches``, brought to each size beforehand. Prints
-JSON: the median of the milliseconds of each step.
+painting_steps.py [MODEL] [--sides 256 512 1024] [--rounds 15]: the model that comes with the package, or
+one by `normalgan export`. The drawings are those of ``examples/sketches``, brought to each size beforehand.
+Prints JSON: the median of the milliseconds of each step.
 """
 
 import argparse
