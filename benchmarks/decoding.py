@@ -1,7 +1,7 @@
 """Times what decoding in a child process adds: to a picture, and to a cold start of `normalgan generate`.
 
-decoding.py [ROUNDS]: how often each is timed. The same decoder runs here and in the child by turns, so that
-both meet the same load: "added" is the median of the differences, "ratio" that of the quotients, round by
+decoding.py [ROUNDS [STARTS]]: how often each picture and each start is timed. The same decoder runs here and
+in the child by turns, so that both meet the same load: "added" is the median of the differences, "ratio" that of the quotients, round by
 round, and "least_added" what the fastest round there takes more than the fastest here. Processor time counts
 all processes. On a busy machine "added" holds the waiting for a processor. Prints JSON.
 """
@@ -116,14 +116,15 @@ def cold_start(rounds: int, clock: Callable[[], float]) -> dict[str, float]:
         return compared(lambda: run(HERE), lambda: run(THERE), rounds, clock)
 
 
-def main(rounds: int = 25) -> None:
+def main(rounds: int = 25, starts: int = 9) -> None:
     """Print the figures, with the load of the machine before and after."""
     load = round(os.getloadavg()[0], 1)
     figures = {
         "rounds": rounds,
         "pictures": pictures(rounds),
-        "cold_start": cold_start(rounds, waited),
-        "cold_start_processor": cold_start(rounds, worked),
+        "starts": starts,
+        "cold_start": cold_start(starts, waited),
+        "cold_start_processor": cold_start(starts, worked),
         "load": [load, round(os.getloadavg()[0], 1)],
         "machine": describe("numpy", "pillow", "resvg-py", "onnxruntime"),
     }
@@ -131,4 +132,4 @@ def main(rounds: int = 25) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:2]))
+    main(*map(int, sys.argv[1:3]))

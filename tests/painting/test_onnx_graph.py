@@ -226,12 +226,49 @@ def test_a_model_that_takes_too_long_is_ended(tmp_path: Path, monkeypatch: pytes
         model.paint(np.zeros((SIZE, SIZE), np.float32))
 
 
+def plain() -> ModelProto:
+    return made([VECTORS])
+
+
+def noted() -> ModelProto:
+    model = plain()
+    helper.set_model_props(model, {"size": "missing"})
+    return model
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: made([node("Neg", "missing", "x"), VECTORS]), b"missing"),
+        (plain, b"hints"),
+        (plain, b"normal"),
+        (noted, b"missing"),
+    ],
+    ids=["operator", "input", "output", "note"],
+)
 def test_a_name_that_is_no_text_is_refused_and_nothing_is_printed(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], make: Callable[[], ModelProto], name: bytes
 ) -> None:
-    content = made([node("Neg", "missing", "x"), VECTORS]).SerializeToString()
     path = tmp_path / "name.onnx"
-    path.write_bytes(content.replace(b"missing", b"m\x80ssing"))
+    path.write_bytes(make().SerializeToString().replace(name, b"\x94" + name[1:]))
     with pytest.raises(InputError, match=r"name\.onnx is no model that ONNX Runtime can run: .*\.$"):
         OnnxBackend(path)
     assert capfd.readouterr() == ("", "")
+
+
+def test_inputs_of_no_shape_or_with_odd_names_are_refused(tmp_path: Path) -> None:
+    scalar = plain()
+    scalar.graph.input[0].type.tensor_type.shape.ClearField("dim")
+    scalar.graph.node[0].CopyFrom(node("Identity", "hints"))
+    odd = plain()
+    odd.graph.input.append(value("a\n" * 500, 1))
+    for model, words in (
+        (scalar, "takes sketch, hints and gives normal"),
+        (odd, r"takes sketch, hints, a\?a"),
+    ):
+        path = tmp_path / "model.onnx"
+        path.write_bytes(model.SerializeToString())
+        with pytest.raises(InputError, match=words) as refusal:
+            OnnxBackend(path)
+        assert len(str(refusal.value)) < 600
+        assert "\n" not in str(refusal.value)

@@ -1,7 +1,9 @@
 """OnnxBackend: a generator as ONNX, run by ONNX Runtime; no torch."""
 
 import threading
+from collections.abc import Iterable
 from functools import cache
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +69,11 @@ class OnnxBackend:
                 disabled_optimizers=None if folds else ["ConstantFolding"],
                 enable_fallback=0,  # else what goes wrong is printed, and tried again with the same provider
             )
+            # Texts are decoded when they are asked for: any of them may be none.
+            inputs = {each.name: each.shape for each in self._session.get_inputs()}
+            self._outputs = [each.name for each in self._session.get_outputs()]
+            self.notes: dict[str, str] = self._session.get_modelmeta().custom_metadata_map
+            """What the file says about itself."""
         except InputError:
             raise
         except OSError as error:
@@ -76,13 +83,11 @@ class OnnxBackend:
                 f"{path} is no model that ONNX Runtime can run: {brief(error)[:200]}."
             ) from error
         self._path = path
-        inputs = {each.name: each.shape for each in self._session.get_inputs()}
-        self._outputs = [each.name for each in self._session.get_outputs()]
-        side = inputs.get("sketch", [None])[-1]
+        side = (inputs.get("sketch") or [None])[-1]
         fits = [_fits(inputs.get(name), channels, side) for name, channels in (("sketch", 1), ("hints", 4))]
         if len(inputs) != 2 or not all(fits) or "normal" not in self._outputs:
             raise InputError(
-                f"{path} takes {', '.join(inputs)} and gives {', '.join(self._outputs)}, which is not what "
+                f"{path} takes {_listed(inputs)} and gives {_listed(self._outputs)}, which is not what "
                 "`normalgan export` writes: sketch and hints of one fixed size, and normal."
             )
         if not SMALLEST <= side <= LARGEST:
@@ -92,8 +97,6 @@ class OnnxBackend:
             )
         self.size: int = side
         """Side of the model's pictures in pixels."""
-        self.notes: dict[str, str] = self._session.get_modelmeta().custom_metadata_map
-        """What the file says about itself."""
 
     def paint(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
         """Return the normals painted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
@@ -159,6 +162,12 @@ def _limit_memory() -> None:
         "Cpu", onnxruntime.OrtAllocatorType.ORT_ARENA_ALLOCATOR, 0, onnxruntime.OrtMemType.DEFAULT
     )
     onnxruntime.create_and_register_allocator(where, onnxruntime.OrtArenaCfg({"max_mem": MEMORY}))
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Return names as they can be shown: a file may hold any number of any length."""
+    text = ", ".join(islice(names, 9))
+    return "".join(each if each.isprintable() else "?" for each in text[:200])
 
 
 def _fits(shape: list[object] | None, channels: int, side: object) -> bool:
