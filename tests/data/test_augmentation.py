@@ -3,7 +3,16 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.data.augmentation import Augmentation, change_width, drop_lines, turn_normals, wobble
+from normalgan.data.augmentation import (
+    Augmentation,
+    change_width,
+    dilate,
+    drop_lines,
+    sample_at,
+    sampling_grid,
+    turn_normals,
+    wobble,
+)
 from normalgan.errors import InputError
 
 SIZE = 128
@@ -45,7 +54,7 @@ def test_a_sphere_stays_a_sphere(motion: dict[str, float]) -> None:
     assert mean_error(moved["normal"], batch["normal"], both) < 0.2
 
 
-@pytest.mark.parametrize("motion", [{"flip": 1.0}, {"rotation": 60.0}], ids=["flip", "turn"])
+@pytest.mark.parametrize("motion", [{"flip": 1.0}, {"rotation": 170.0}], ids=["flip", "turn"])
 def test_the_sphere_test_can_fail(motion: dict[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("normalgan.data.augmentation.turn_normals", lambda normal, transform: normal)
     batch = sphere(8)
@@ -179,6 +188,48 @@ def test_dropped_share_is_bounded() -> None:
     gone = 1 - drop_lines(torch.ones(64, 1, SIZE, SIZE), 0.3).mean(dim=(1, 2, 3))
     assert gone.max() <= 0.3
     assert gone.mean() > 0.1
+
+
+def test_a_grid_takes_each_pixel_from_where_it_was_before_it_was_moved() -> None:
+    """Pixels of a matrix: two to the right and one down, and a quarter turn about the origin."""
+    picture = torch.arange(25.0).view(1, 1, 5, 5)
+    move = torch.tensor([[[1.0, 0, 2], [0, 1, 1], [0, 0, 1]]])
+    moved = sample_at(picture, sampling_grid(move, 5))
+    torch.testing.assert_close(moved[..., 1:, 2:], picture[..., :-1, :-2])
+    assert moved[..., 0, :].abs().max() < 1e-4
+    turn = torch.tensor([[[0.0, -1, 4], [1, 0, 0], [0, 0, 1]]])  # (x, y) goes to (4 - y, x)
+    turned = sample_at(picture, sampling_grid(turn, 5))
+    torch.testing.assert_close(turned[0, 0], picture[0, 0].rot90(-1), atol=1e-4, rtol=0)
+
+
+def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
+    torch.manual_seed(0)
+    cpu = torch.device("cpu")
+    moves = Augmentation(flip=0.5, rotation=30, scale=(0.8, 1.2), translation=0.1).draw_transform(
+        400, 64, cpu
+    )
+    (a, b), (c, d) = moves[:, 0, :2].unbind(1), moves[:, 1, :2].unbind(1)
+    determinant = a * d - b * c
+    assert 0.4 < (determinant < 0).float().mean() < 0.6
+    size = determinant.abs().sqrt()
+    assert float(size.min()) >= 0.8 - 1e-5
+    assert float(size.max()) <= 1.2 + 1e-5
+    assert float(size.max() - size.min()) > 0.35
+    angle = torch.rad2deg(torch.atan2(-b, d))
+    assert angle.abs().max() <= 30 + 1e-3
+    assert angle.std() > 10
+    middle = moves @ torch.tensor([31.5, 31.5, 1.0])
+    assert (middle[:, :2] - 31.5).abs().max() <= 0.1 * 64
+    assert (middle[:, :2] - 31.5).abs().max() > 0.09 * 64
+
+
+def test_lines_are_dilated_to_their_four_neighbours() -> None:
+    dot = torch.zeros(1, 1, 5, 5)
+    dot[..., 2, 2] = 1
+    assert dilate(dot).sum() == 5
+    assert dilate(-torch.ones(1, 1, 4, 4)).min() == -1  # nothing comes in from outside
+    thin = change_width(dilate(dot), 0.0)
+    torch.testing.assert_close(thin, dilate(dot))
 
 
 @pytest.mark.parametrize(

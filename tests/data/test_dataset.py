@@ -10,7 +10,8 @@ from torch.utils.data import DataLoader
 from toys import Octahedron, recipe
 
 from normalgan.data.dataset import SampleDataset, bytes_per_sample
-from normalgan.data.items import collate, to_item
+from normalgan.data.items import collate, decode, decode_item, to_item
+from normalgan.data.loaders import Loaders
 from normalgan.data.render import render_samples
 from normalgan.data.shards import ShardedSamples
 from normalgan.errors import InputError
@@ -58,9 +59,28 @@ def test_normals_are_of_unit_length_on_the_object_and_zero_off_it(store: Sharded
 def test_stray_normals_off_the_object_are_dropped() -> None:
     normal = torch.ones(2, 2, 3, dtype=torch.float16)
     mask = torch.tensor([[True, False], [False, False]])
-    item = to_item(torch.zeros(2, 2, dtype=torch.uint8), normal, mask, "x")
+    item = decode_item(to_item(torch.zeros(2, 2, dtype=torch.uint8), normal, mask, "x"))
     torch.testing.assert_close(item["normal"][:, 0, 0], torch.full((3,), 3**-0.5))
     assert item["normal"].abs().sum() == pytest.approx(3**0.5)
+
+
+@pytest.mark.parametrize("memory", [0, 2**30])
+def test_batches_travel_as_stored_and_decode_to_the_items(store: ShardedSamples, memory: int) -> None:
+    dataset = SampleDataset(store, memory)
+    batches = list(Loaders(4, 0, as_stored=True).in_order(dataset))
+    decoded = list(Loaders(4, 0).in_order(dataset))
+    for sent, wanted in zip(batches, decoded, strict=True):
+        assert [sent[key].dtype for key in ("sketch", "normal", "mask")] == [
+            torch.uint8,
+            torch.float16,
+            torch.bool,
+        ]
+        for batch in (decode(sent), decode(wanted)):  # one that is decoded stays as it is
+            assert batch["name"] == wanted["name"]
+            for key in ("sketch", "normal", "mask"):
+                assert torch.equal(batch[key], wanted[key])
+    share = Loaders(4, 0, replicas=3, rank=2, as_stored=True).in_order(dataset)
+    assert {batch["sketch"].dtype for batch in share} == {torch.uint8}
 
 
 def test_memory_and_store_give_the_same_and_memory_is_used_only_within_bounds(

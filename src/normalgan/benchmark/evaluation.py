@@ -32,7 +32,7 @@ from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
 from normalgan.callbacks.rows import spread
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.items import collate
+from normalgan.data.items import collate, decode
 from normalgan.gan import SHARE
 from normalgan.hints import hints_at
 from normalgan.normals import Floats, write_bytes
@@ -151,7 +151,7 @@ class Evaluation:
 
     def batches(self) -> Iterator[Batch]:
         """Yield the test split in order."""
-        yield from self.data.test_dataloader()
+        yield from map(decode, self.data.test_dataloader())
 
     def _classical(self, kind: str) -> Method:
         match kind:

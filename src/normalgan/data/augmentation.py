@@ -1,13 +1,10 @@
 """Augmentation: moves whole samples about, turning their normals along, and roughens the lines."""
 
-from typing import Any, cast
+import math
+from typing import Any
 
-import kornia.augmentation as K
 import torch
 import torch.nn.functional as F
-from kornia.constants import DataKey, Resample
-from kornia.geometry.transform import remap
-from kornia.morphology import dilation, erosion
 from torch import Tensor
 
 from normalgan.batch import Batch
@@ -18,8 +15,8 @@ from normalgan.metrics import unit_vectors
 def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
     """Turn the vectors of a normal map as its pixels were moved.
 
-    kornia moves pixels and leaves what they hold alone; but a picture that is turned shows an object that
-    is turned, mirrored, an object that is mirrored, and stretched, one that is stretched. Normals are
+    To move pixels leaves what they hold alone; but a picture that is turned shows an object that is
+    turned, mirrored, an object that is mirrored, and stretched, one that is stretched. Normals are
     carried by the inverse transpose of what carries points; depth is taken to grow as the picture does,
     by the root of the growth of areas. The outline of the one is then that of the other.
 
@@ -40,16 +37,43 @@ def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
     return torch.cat([torch.einsum("nij,njhw->nihw", turn, normal[:, :2]), normal[:, 2:]], dim=1)
 
 
+def sampling_grid(transform: Tensor, side: int) -> Tensor:
+    """Return where in a picture each pixel of the moved one comes from.
+
+    Args:
+        transform: (N, 3, 3) that moves the picture, (x, y) in pixels, y down, pixel (0, 0) at the origin.
+        side: H and W.
+
+    Returns:
+        (N, H, W, 2) as `torch.nn.functional.grid_sample` takes it, corners not aligned.
+    """
+    a, b, x, c, d, y = transform[:, :2].flatten(1).T[:, :, None, None]  # each (N, 1, 1)
+    across = torch.arange(side, device=transform.device, dtype=transform.dtype)
+    right, down = across - x, across[:, None] - y  # (N, 1, W) and (N, H, 1)
+    fit = 2 / (side * (a * d - b * c))
+    grid = torch.stack([d * fit * right - b * fit * down, a * fit * down - c * fit * right], dim=-1)
+    return grid.add_(1 / side - 1)  # pixel 0 is half a pixel from the rim, which is at -1
+
+
+def smooth_shifts(count: int, side: int, strength: float, device: torch.device) -> Tensor:
+    """Return smooth moves of the pixels of pictures, (N, H, W, 2) in pixels, of deviation ``strength``."""
+    shift = torch.randn(count, 2, 9, 9, device=device) * strength
+    # Bicubic to a quarter of the side alone, which is as smooth: it takes long.
+    coarse = F.interpolate(shift, size=(max(side // 4, 9),) * 2, mode="bicubic", align_corners=True)
+    return F.interpolate(coarse, size=(side, side), mode="bilinear", align_corners=True).permute(0, 2, 3, 1)
+
+
+def sample_at(picture: Tensor, grid: Tensor) -> Tensor:
+    """Return pictures (N, C, H, W) as they are at the places of a grid (N, H, W, 2), 0 outside."""
+    return F.grid_sample(picture, grid, mode="bilinear", padding_mode="zeros", align_corners=False)
+
+
 def wobble(sketch: Tensor, strength: float) -> Tensor:
     """Move the lines about smoothly, each pixel by ``strength`` pixels or so (standard deviation)."""
-    n, _, h, w = sketch.shape
-    shift = torch.randn(n, 2, 9, 9, device=sketch.device) * strength
-    shift = F.interpolate(shift, size=(h, w), mode="bicubic", align_corners=True)
-    y, x = torch.meshgrid(
-        torch.arange(h, device=sketch.device), torch.arange(w, device=sketch.device), indexing="ij"
-    )
-    moved: Tensor = remap(sketch, x + shift[:, 0], y + shift[:, 1], align_corners=True)
-    return moved
+    count, side = len(sketch), sketch.shape[-1]
+    still = torch.eye(3, device=sketch.device).expand(count, 3, 3)
+    shift = smooth_shifts(count, side, strength, sketch.device)
+    return sample_at(sketch, sampling_grid(still, side) + shift * (2 / side))
 
 
 def drop_lines(sketch: Tensor, share: float) -> Tensor:
@@ -65,10 +89,23 @@ def drop_lines(sketch: Tensor, share: float) -> Tensor:
 
 def change_width(sketch: Tensor, strength: float) -> Tensor:
     """Make the lines of each sketch thicker or fainter, by up to ``strength`` of a 3 × 3 morphology."""
-    cross = torch.tensor([[0.0, 1, 0], [1, 1, 1], [0, 1, 0]], device=sketch.device)
     amount = (torch.rand(len(sketch), 1, 1, 1, device=sketch.device) * 2 - 1) * strength
-    thick, thin = dilation(sketch, cross), erosion(sketch, cross)
+    thick, thin = dilate(sketch), -dilate(-sketch)
     return sketch + amount.clamp(min=0) * (thick - sketch) + amount.clamp(max=0) * (sketch - thin)
+
+
+def dilate(picture: Tensor) -> Tensor:
+    """Return at each pixel the greatest of it and its four neighbours, (N, C, H, W).
+
+    >>> dilate(torch.eye(3)[None, None])[0, 0].tolist()
+    [[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]
+    """
+    # Without max_pool2d, which takes three times as long on a processor.
+    padded = F.pad(picture, (1, 1, 1, 1), value=-math.inf)
+    middle = torch.maximum(picture, padded[..., 1:-1, 2:])
+    for beside in (padded[..., 1:-1, :-2], padded[..., 2:, 1:-1], padded[..., :-2, 1:-1]):
+        torch.maximum(middle, beside, out=middle)
+    return middle
 
 
 class Augmentation:
@@ -129,18 +166,6 @@ class Augmentation:
         self.jitter = jitter
         self.dropout = dropout
         self.width = width
-        self.geometric = K.AugmentationSequential(
-            K.RandomHorizontalFlip(p=flip),
-            K.RandomAffine(
-                rotation,
-                (translation, translation),
-                (*scale, *scale) if stretch else scale,
-                shear or None,
-                p=1.0,
-            ),
-            data_keys=["input", "mask"],
-            extra_args={DataKey.MASK: {"resample": Resample.NEAREST, "align_corners": None}},
-        )
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; the same for the same seed.
@@ -150,20 +175,47 @@ class Augmentation:
         at a moved pixel. Outlines stay outlines; folds inside a stretched object would be drawn slightly
         otherwise.
         """
-        device = batch["sketch"].device
+        sketch, normal, mask = batch["sketch"], batch["normal"], batch["mask"]
+        device, (count, _, _, side) = sketch.device, sketch.shape
         with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
             torch.manual_seed(seed)
-            moved, mask = self.geometric(torch.cat([batch["sketch"], batch["normal"]], dim=1), batch["mask"])
-            transform = cast(Tensor, self.geometric.transform_matrix)
-            sketch = self.roughen(moved[:, :1])
+            transform = self.draw_transform(count, side, device)
+            grid = sampling_grid(transform, side)
+            # Lines are moved and made to wobble in one step: two interpolations would blur them twice.
+            shift = smooth_shifts(count, side, self.jitter * side / 256, device) if self.jitter else 0.0
+            sketch = self.roughen(sample_at(sketch, grid + shift * (2 / side)))
+        moved = sample_at(torch.cat([normal, mask], dim=1), grid)
+        mask = (moved[:, 3:] > 0.5).to(mask.dtype)
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
-        normal = unit_vectors(turn_normals(moved[:, 1:], transform)) * mask
+        normal = unit_vectors(turn_normals(moved[:, :3], transform)) * mask
         return {**batch, "sketch": sketch, "normal": normal, "mask": mask}
 
+    def draw_transform(self, count: int, side: int, device: torch.device) -> Tensor:
+        """Return how each of ``count`` pictures is moved, (N, 3, 3) for (x, y) in pixels, y down.
+
+        All numbers are drawn on the device, for which the processor need not wait.
+        """
+        flip, rotation, scale, translation, stretch, shear = (
+            self.settings[name] for name in ("flip", "rotation", "scale", "translation", "stretch", "shear")
+        )
+        mirrored, turned, wide, tall, slanted, right, down = torch.rand(7, count, device=device)
+        sign = 1 - 2 * (mirrored < flip).float()
+        angle = math.radians(rotation) * (2 * turned - 1)
+        width = scale[0] + (scale[1] - scale[0]) * wide
+        height = scale[0] + (scale[1] - scale[0]) * tall if stretch else width
+        slant = torch.tan(math.radians(shear) * (2 * slanted - 1))
+        cos, sin = angle.cos(), angle.sin()
+        # Mirrored, scaled, slanted, turned, in this order.
+        a, c = cos * width * sign, sin * width * sign
+        b, d = (cos * slant - sin) * height, (sin * slant + cos) * height
+        middle, reach = (side - 1) / 2, 2 * translation * side
+        x = middle + reach * (right - 0.5) - (a + b) * middle
+        y = middle + reach * (down - 0.5) - (c + d) * middle
+        zero, one = torch.zeros_like(a), torch.ones_like(a)
+        return torch.stack([a, b, x, c, d, y, zero, zero, one], dim=1).view(-1, 3, 3)
+
     def roughen(self, sketch: Tensor) -> Tensor:
-        """Return sketches (N, 1, H, W) with lines that wobble, have gaps and vary in width."""
-        if self.jitter:
-            sketch = wobble(sketch, self.jitter * sketch.shape[-1] / 256)
+        """Return sketches (N, 1, H, W) with lines that have gaps and vary in width."""
         if self.dropout:
             sketch = drop_lines(sketch, self.dropout)
         if self.width:

@@ -9,7 +9,7 @@ from torch.utils.data import DataLoader
 
 from normalgan.batch import Batch
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.items import Item
+from normalgan.data.items import Item, decode
 from normalgan.data.loaders import Loaders
 from normalgan.data.manifest import views_by_split
 from normalgan.data.mean import evenly, mean_of_maps
@@ -133,11 +133,18 @@ class MeshDataModule(DataSettings):
 
     def _loaders(self) -> Loaders:
         replicas, rank = (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)
-        return Loaders(self.batch_size, self.workers, replicas, rank)
+        # A trainer has its batches decoded by `on_after_batch_transfer`; others are given tensors to use.
+        as_stored = self.trainer is not None
+        return Loaders(self.batch_size, self.workers, replicas, rank, as_stored)
 
     def on_after_batch_transfer(self, batch: Batch, dataloader_idx: int) -> Batch:
-        """Augment training batches, on the device they are on."""
+        """Decode batches on the device they are on, and augment those of training there.
+
+        Drawings to predict are decoded already.
+        """
         trainer = self.trainer
+        if "normal" in batch:
+            batch = decode(batch)
         if self.augmentation is None or trainer is None or not trainer.training:
             return batch
         step = trainer.fit_loop.total_batch_idx

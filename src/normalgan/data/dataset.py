@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from normalgan.data.items import Item, SampleError, to_item
+from normalgan.data.items import Item, SampleError, decode_item, to_item
 from normalgan.data.layout import ARRAYS
 from normalgan.data.shards import ShardedSamples
 from normalgan.errors import InputError
@@ -43,6 +43,10 @@ class SampleDataset(Dataset[Item]):
         return len(self.store)
 
     def __getitem__(self, index: int) -> Item:
+        return decode_item(self.stored(index))
+
+    def stored(self, index: int) -> Item:
+        """Return a sample as it is stored."""
         index = range(len(self))[index]  # as a list: from the end if negative, IndexError if beyond
         if self._held is not None:
             arrays = {name: held[index] for name, held in self._held.items()}

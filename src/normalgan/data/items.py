@@ -1,10 +1,11 @@
 """Items: one sample as tensors, and how several make a batch."""
 
 from collections.abc import Sequence
-from typing import TypedDict
+from typing import Any, Protocol, TypedDict, runtime_checkable
 
 import torch
 from torch import Tensor
+from torch.utils.data import Dataset
 
 from normalgan.batch import Batch
 from normalgan.errors import InputError
@@ -26,17 +27,17 @@ class Item(TypedDict):
     """One sample; see `Batch` for the axes and ranges."""
 
     sketch: Tensor
-    """(1, H, W)"""
+    """(1, H, W); stored as uint8, ink 255"""
     normal: Tensor
-    """(3, H, W)"""
+    """(3, H, W); stored in half precision, of about unit length"""
     mask: Tensor
-    """(1, H, W)"""
+    """(1, H, W); stored as bool"""
     name: str
     """Mesh and number of the view, such as ``horse-0001/17``."""
 
 
 def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str) -> Item:
-    """Return a sample as the network takes it, its normals of unit length again on the object.
+    """Return a sample as it is stored, in a quarter of the bytes that the network takes; see `decode`.
 
     Args:
         sketch: (H, W) uint8, ink 255.
@@ -44,9 +45,59 @@ def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str) -> Item:
         mask: (H, W) bool.
         name: what the sample is called.
     """
-    on = mask[None].float()
-    unit = unit_vectors(normal.permute(2, 0, 1)[None])[0]
-    return {"sketch": sketch[None].float() / 255, "normal": unit * on, "mask": on, "name": name}
+    return {"sketch": sketch[None], "normal": normal.permute(2, 0, 1), "mask": mask[None], "name": name}
+
+
+def decode(batch: Batch) -> Batch:
+    """Return a batch as the network takes it, on the device that it is on; one that is so already as it is.
+
+    Ink goes from 0 to 1, masks are 0 or 1, and normals of half precision are of unit length again on the
+    object and 0 off it.
+    """
+    sketch, normal, mask = batch["sketch"], batch["normal"], batch["mask"]
+    if not sketch.is_floating_point():
+        sketch = sketch.float() / 255
+    on = mask.float()
+    if normal.dtype == torch.float16 or not mask.is_floating_point():
+        normal = unit_vectors(normal) * on
+    return {**batch, "sketch": sketch, "normal": normal, "mask": on}
+
+
+def decode_item(item: Item) -> Item:
+    """Return a sample as the network takes it."""
+    name, batch = item["name"], decode(collate([item]))
+    sketch, normal, mask = batch["sketch"][0], batch["normal"][0], batch["mask"][0]
+    return {"sketch": sketch, "normal": normal, "mask": mask, "name": name}
+
+
+class AsStored(Dataset[Item]):
+    """The samples of a dataset as they are stored, to be decoded on the device.
+
+    Args:
+        samples: whose ``stored`` gives them.
+    """
+
+    def __init__(self, samples: "StoredSamples") -> None:
+        self.samples = samples
+
+    def __len__(self) -> int:
+        return len(self.samples)
+
+    def __getitem__(self, index: Any) -> Item:
+        return self.samples.stored(index)
+
+
+@runtime_checkable
+class StoredSamples(Protocol):
+    """A dataset that can give its samples as they are stored."""
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        ...
+
+    def stored(self, index: Any) -> Item:
+        """Return one of them."""
+        ...
 
 
 def collate(items: Sequence[Item]) -> Batch:

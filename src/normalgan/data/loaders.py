@@ -8,7 +8,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.items import Item, collate
+from normalgan.data.items import AsStored, Item, StoredSamples, collate
 from normalgan.data.shard_order import ShardOrder
 from normalgan.data.shares import EqualShare
 from normalgan.data.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
@@ -42,12 +42,15 @@ class Loaders:
         workers: processes that load or render; 0 for none besides this one.
         replicas: how many processes train.
         rank: which one this is, from 0.
+        as_stored: whether batches are to be decoded by whoever asks, on the device they are brought to: as
+            they are stored they are a quarter as large.
     """
 
     batch_size: int
     workers: int
     replicas: int = 1
     rank: int = 0
+    as_stored: bool = False
 
     def shuffled(self, dataset: Samples, seed: int) -> DataLoader[Item]:
         """Return a loader of this process's share, its order made of the seed and the epoch alone.
@@ -72,12 +75,15 @@ class Loaders:
         """Return a loader of this process's share, to be measured."""
         if self.replicas == 1:
             return self._loader(dataset)
-        share = EqualShare(dataset, self.replicas, self.rank)
+        share = EqualShare(self._given(dataset), self.replicas, self.rank)
         return self._loader(share, share.in_order())
 
     def chosen(self, dataset: Samples, indices: Sequence[int]) -> DataLoader[Item]:
         """Return a loader of some samples, the same ones for every process."""
         return self._loader(dataset, indices)
+
+    def _given(self, dataset: Dataset[Item]) -> Dataset[Item]:
+        return AsStored(dataset) if self.as_stored and isinstance(dataset, StoredSamples) else dataset
 
     def _loader(
         self,
@@ -87,7 +93,7 @@ class Loaders:
     ) -> DataLoader[Item]:
         renders = isinstance(dataset, StreamDataset)
         return DeferredLoader(
-            dataset,
+            self._given(dataset),
             batch_size=self.batch_size,
             sampler=sampler,
             num_workers=self.workers,

@@ -6,6 +6,7 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.data.items import decode
 from normalgan.metrics import unit_vectors
 
 ENOUGH = 1024
@@ -21,7 +22,7 @@ def mean_of_maps(batches: Iterable[Batch], size: int) -> Tensor:
     """
     total = torch.zeros(3, size, size, dtype=torch.float64)
     for batch in batches:
-        total += batch["normal"].double().sum(dim=0)
+        total += decode(batch)["normal"].double().sum(dim=0)
     return unit_vectors(total[None])[0].float()
 
 

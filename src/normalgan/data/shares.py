@@ -1,9 +1,10 @@
 """Shares: which samples of a split each of several processes measures."""
 
+from typing import Any
+
 import torch
 from torch.utils.data import Dataset, DistributedSampler
 
-from normalgan.data.dataset import SampleDataset
 from normalgan.data.items import Item
 
 
@@ -21,8 +22,8 @@ class EqualShare(Dataset[Item]):
         rank: which one this is, from 0.
     """
 
-    def __init__(self, dataset: SampleDataset, replicas: int, rank: int) -> None:
-        self.dataset = dataset
+    def __init__(self, dataset: Dataset[Item], replicas: int, rank: int) -> None:
+        self.dataset: Any = dataset  # it has a length
         self.replicas = replicas
         self.rank = rank
 
@@ -32,8 +33,9 @@ class EqualShare(Dataset[Item]):
     def __getitem__(self, index: int) -> Item:
         position = range(self.rank, len(self) * self.replicas, self.replicas)[index]
         if position < len(self.dataset):
-            return self.dataset[position]
-        item = self.dataset[len(self.dataset) - 1]
+            found: Item = self.dataset[position]
+            return found
+        item: Item = self.dataset[len(self.dataset) - 1]
         return {**item, "mask": torch.zeros_like(item["mask"])}
 
     def in_order(self) -> DistributedSampler[Item]:

@@ -7,7 +7,7 @@ from itertools import islice
 import torch
 from torch.utils.data import Dataset, DistributedSampler
 
-from normalgan.data.items import Item, SampleError, to_item
+from normalgan.data.items import Item, SampleError, decode_item, to_item
 from normalgan.data.mesh_cache import MeshCache
 from normalgan.data.order import Ticket, order_of_epoch
 from normalgan.errors import InputError, brief
@@ -38,6 +38,14 @@ class StreamDataset(Dataset[Item]):
 
     def __getitem__(self, index: int | Ticket) -> Item:
         """Return the sample of a ticket, or by a number one of the first epoch, in the order of the shards.
+
+        Raises:
+            SampleError: if it cannot be made; the message names the mesh.
+        """
+        return decode_item(self.stored(index))
+
+    def stored(self, index: int | Ticket) -> Item:
+        """Return a sample as it would be stored.
 
         Raises:
             SampleError: if it cannot be made; the message names the mesh.
