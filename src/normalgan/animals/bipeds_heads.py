@@ -5,14 +5,14 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, block, both, fuse, tube
+from normalgan.animals.forms import ball, block, fuse, pair, tube
 from normalgan.animals.frames import pitch, roll, yaw
 from normalgan.animals.plan import Rng
 
 
 def _eyes(x: float, y: float, z: float, radius: float, socket: float = 1.5) -> list[Part]:
     dug = ball([x + 0.6 * radius, y, z], [socket * radius, 0.9 * socket * radius, socket * radius])
-    return [fuse(*both(dug), blend=0.06, carve=True), fuse(*both(ball([x - 0.3 * radius, y, z], radius)))]
+    return [pair(dug, blend=0.06, carve=True), pair(ball([x - 0.3 * radius, y, z], radius))]
 
 
 def _mouth(x: float, y: float, wide: float, curve: float = 0.03) -> Part:
@@ -36,7 +36,7 @@ def human(rng: Rng) -> list[Part]:
     bridge = [[0.40, 0.50, 0], [0.43 + 0.05 * nose, 0.36, 0], [0.40 + 0.10 * nose, 0.29, 0]]
     parts.append(fuse(tube(bridge, [0.035, 0.05, 0.062]), blend=0.05))
     ear = ball([0.0, 0.42, 0.355 * wide], [0.085, 0.13, 0.05], yaw(25) @ roll(-8))
-    parts.append(fuse(*both(ear), blend=0.02))
+    parts.append(pair(ear, blend=0.02))
     return parts + _hair(str(rng.choice(HAIR)), wide, rng)
 
 
@@ -77,11 +77,11 @@ def toon(rng: Rng) -> list[Part]:
     wide = float(rng.uniform(0.95, 1.12))
     parts = [
         fuse(ball([0.0, 0.52, 0], [0.46, 0.47, 0.48 * wide])),
-        fuse(*both(ball([0.20, 0.32, 0.2], [0.22, 0.2, 0.22])), blend=0.12),
-        fuse(*both(ball([0.37, 0.52, 0.155], [0.10, 0.15, 0.105])), blend=0.01),
+        pair(ball([0.20, 0.32, 0.2], [0.22, 0.2, 0.22]), blend=0.12),
+        pair(ball([0.37, 0.52, 0.155], [0.10, 0.15, 0.105]), blend=0.01),
         fuse(ball([0.48, 0.37, 0], float(rng.uniform(0.06, 0.13))), blend=0.02),
         _mouth(0.43, 0.19, 0.16, 0.07),
-        fuse(*both(ball([-0.02, 0.42, 0.48 * wide], [0.10, 0.12, 0.06], yaw(20))), blend=0.02),
+        pair(ball([-0.02, 0.42, 0.48 * wide], [0.10, 0.12, 0.06], yaw(20)), blend=0.02),
     ]
     kind = str(rng.choice(("tuft", "cap", "spikes", "pigtails", "hat")))
     if kind == "tuft":
@@ -102,7 +102,7 @@ def toon(rng: Rng) -> list[Part]:
         parts.append(fuse(ball([-0.09, 0.62, 0], [0.47, 0.46, 0.52 * wide]), blend=0.01))
         if kind == "pigtails":
             tails = tube([[-0.1, 0.72, 0.46], [-0.1, 0.74, 0.74], [-0.12, 0.42, 0.86]], [0.07, 0.15, 0.05])
-            parts.append(fuse(*both(tails), blend=0.02))
+            parts.append(pair(tails, blend=0.02))
     return parts
 
 
@@ -112,16 +112,12 @@ def monkey(rng: Rng) -> list[Part]:
     return [
         fuse(ball([0.0, 0.60, 0], [0.42, 0.42, 0.40])),
         fuse(ball([0.30, 0.30, 0], [0.26, 0.24, 0.29]), blend=0.12),
-        fuse(*both(ball([0.30, 0.62, 0.13], [0.15, 0.16, 0.16])), blend=0.04),
+        pair(ball([0.30, 0.62, 0.13], [0.15, 0.16, 0.16]), blend=0.04),
         *_eyes(0.415, 0.58, 0.13, 0.052),
         fuse(tube([[0.42, 0.50, 0], [0.54, 0.40, 0]], [0.035, 0.055], [0.05, 0.085]), blend=0.04),
         _mouth(0.535, 0.23, 0.19, 0.05),
-        fuse(*both(ball([-0.02, 0.56, 0.47], [0.10, 0.20 * ears, 0.17 * ears], yaw(-30))), blend=0.02),
-        fuse(
-            *both(ball([0.06, 0.56, 0.50], [0.06, 0.11 * ears, 0.09 * ears], yaw(-30))),
-            blend=0.03,
-            carve=True,
-        ),
+        pair(ball([-0.02, 0.56, 0.47], [0.10, 0.20 * ears, 0.17 * ears], yaw(-30)), blend=0.02),
+        pair(ball([0.06, 0.56, 0.50], [0.06, 0.11 * ears, 0.09 * ears], yaw(-30)), blend=0.03, carve=True),
     ]
 
 
@@ -134,9 +130,9 @@ def gorilla(rng: Rng) -> list[Part]:
         fuse(ball([0.28, 0.22, 0], [0.27, 0.27, 0.30]), blend=0.14),
         fuse(tube([[0.30, 0.60, -0.24], [0.385, 0.63, 0], [0.30, 0.60, 0.24]], 0.075), blend=0.06),
         *_eyes(0.37, 0.50, 0.12, 0.045),
-        fuse(*both(ball([0.53, 0.36, 0.055], [0.06, 0.06, 0.075])), blend=0.05),
+        pair(ball([0.53, 0.36, 0.055], [0.06, 0.06, 0.075]), blend=0.05),
         _mouth(0.545, 0.15, 0.20, -0.03),
-        fuse(*both(ball([-0.06, 0.48, 0.37], [0.06, 0.10, 0.05])), blend=0.02),
+        pair(ball([-0.06, 0.48, 0.37], [0.06, 0.10, 0.05]), blend=0.02),
     ]
 
 
@@ -151,8 +147,8 @@ def bear(rng: Rng) -> list[Part]:
         *_eyes(0.415, 0.54, 0.17, 0.045),
         fuse(tube([[0.45, 0.20, 0.2], [tip, 0.20, 0.15], [tip + 0.075, 0.22, 0], [tip, 0.20, -0.15],
                    [0.45, 0.20, -0.2]], 0.02), blend=0.012, carve=True),
-        fuse(*both(ball([-0.04, 0.86, 0.33], [0.085, 0.20, 0.19], yaw(-15))), blend=0.03),
-        fuse(*both(ball([0.05, 0.88, 0.35], [0.06, 0.12, 0.11], yaw(-15))), blend=0.03, carve=True),
+        pair(ball([-0.04, 0.86, 0.33], [0.085, 0.20, 0.19], yaw(-15)), blend=0.03),
+        pair(ball([0.05, 0.88, 0.35], [0.06, 0.12, 0.11], yaw(-15)), blend=0.03, carve=True),
     ]  # fmt: skip
 
 
@@ -164,7 +160,7 @@ def robot(rng: Rng) -> list[Part]:
     parts = [
         fuse(tube([[0, -0.3, 0], [0, 0.2, 0]], 0.16)),
         fuse(block([0, 0.5, 0], [0.36, tall, wide], float(rng.uniform(0.04, 0.2)))),
-        fuse(*both(tube([[0.25, 0.58, 0.45 * wide], [0.42, 0.58, 0.45 * wide]], lamp, flat=True))),
+        pair(tube([[0.25, 0.58, 0.45 * wide], [0.42, 0.58, 0.45 * wide]], lamp, flat=True)),
     ]
     for y in (0.16, 0.24, 0.32):
         groove = block([0.37, low + y, 0], [0.05, 0.014, 0.5 * wide], 0.01)
@@ -174,7 +170,7 @@ def robot(rng: Rng) -> list[Part]:
         parts += [fuse(mast), fuse(ball([0, 0.5 + tall + 0.3, 0], 0.09))]
     else:
         plugs = tube([[0, 0.55, wide - 0.05], [0, 0.55, wide + 0.12]], 0.13, flat=True)
-        parts.append(fuse(*both(plugs, ball([0, 0.55, wide + 0.15], 0.06))))
+        parts.append(pair(plugs, ball([0, 0.55, wide + 0.15], 0.06)))
     return parts
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.field import Part
-from normalgan.animals.forms import both, carried, fuse, tube
+from normalgan.animals.forms import carried, fuse, pair, tube
 from normalgan.animals.frames import Frame, about, pitch, roll, yaw
 from normalgan.animals.plan import Rng
 from normalgan.animals.stations import Profile
@@ -84,7 +84,7 @@ def folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]:
         points[:, 2] = np.maximum(points[:, 2] - 0.55 * behind, 0.035) + 0.006 * number
         points[:, 1] += 0.10 * behind
         outline = np.array([0.42, 0.86, 1.0, 0.92, 0.62, 0.16]) * wing.depth * deep
-        parts.append(fuse(*both(tube(points, list(outline), thick, (0.0, -0.12, 1.0))), blend=0.012))
+        parts.append(pair(tube(points, list(outline), thick, (0.0, -0.12, 1.0)), blend=0.012))
     return parts
 
 
@@ -123,7 +123,7 @@ def opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng
     placed = []
     for part, blend in ((flight, 0.0), (arm, 0.02)):
         right = carried(carried([part], Frame(shoulder, np.eye(3))), whole)[0].sweeps
-        placed.append(fuse(*both(*right), blend=blend))
+        placed.append(pair(*right, blend=blend))
     return placed
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.animals.bird_legs import Legs
 from normalgan.animals.bird_wings import Tail, Wing, folded, opened, tail_fan
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, both, carried, fuse, moved, tube
+from normalgan.animals.forms import Shape, ball, both, carried, fuse, moved, pair, tube
 from normalgan.animals.frames import Frame, bend, pitch, yaw
 from normalgan.animals.plan import Eyeball, PosedPlan, Range, Rng, proportions
 from normalgan.animals.plate import Plate, rounded
@@ -54,16 +54,16 @@ def sickles(rng: Rng, factor: float) -> list[Part]:
 
 def tufts(rng: Rng, _: float) -> list[Part]:
     """Return an owl's veil of feathers round the eyes, and the ears of some."""
-    parts = [fuse(*both(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24)), blend=0.03),
-             fuse(*both(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18)), blend=0.05, carve=True),
-             fuse(*both(tube([(0.30, 0.08, 0.18), (0.31, 0.08, 0.185)], 0.155)))]  # fmt: skip
+    parts = [pair(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24), blend=0.03),
+             pair(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18), blend=0.05, carve=True),
+             pair(tube([(0.30, 0.08, 0.18), (0.31, 0.08, 0.185)], 0.155))]  # fmt: skip
     if rng.uniform() < 0.6:
         ears = tube(
             [(0.16, 0.34, 0.22), (0.10, 0.52, 0.33), (0.02, 0.72, 0.42)],
             [0.12, 0.09, 0.02],
             [0.07, 0.05, 0.02],
         )
-        parts.append(fuse(*both(ears), blend=0.06))
+        parts.append(pair(ears, blend=0.06))
     return parts
 
 
@@ -76,8 +76,8 @@ def plume(_: Rng, factor: float) -> list[Part]:
 def brow(_: Rng, __: float) -> list[Part]:
     """Return the ridge over an eagle's eye."""
     return [
-        fuse(
-            *both(tube([(-0.02, 0.21, 0.34), (0.20, 0.22, 0.31), (0.36, 0.15, 0.21)], [0.05, 0.06, 0.04])),
+        pair(
+            tube([(-0.02, 0.21, 0.34), (0.20, 0.22, 0.31), (0.36, 0.15, 0.21)], [0.05, 0.06, 0.04]),
             blend=0.06,
         )
     ]
@@ -202,7 +202,7 @@ def _head(kind: Bird, build: Mapping[str, float], frame: Frame, rng: Rng, young:
         fuse(kind.skull.sweep(), blend=0.35),
         fuse(_beak(kind.beak, build["beak"]), blend=0.06),
         fuse(_beak(kind.jaw, build["beak"]), blend=0.02),
-        fuse(*both(ball(kind.eye.at, kind.eye.radius * (1.2 if young else 1.0)))),
+        pair(ball(kind.eye.at, kind.eye.radius * (1.2 if young else 1.0))),
     ]
     if kind.face is not None and not young:
         parts += FACES[kind.face](rng, 1.0)

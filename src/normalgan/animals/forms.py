@@ -90,6 +90,11 @@ def both(*shapes: Shape) -> tuple[Shape, ...]:
     return (*shapes, *(mirrored(shape) for shape in shapes))
 
 
+def pair(*shapes: Shape, blend: float = 0.0, carve: bool = False) -> Part:
+    """Return the part made of the shapes and their images."""
+    return fuse(*both(*shapes), blend=blend, carve=carve)
+
+
 def moved(shape: Shape, frame: Frame, size: float = 1.0) -> Shape:
     """Return a shape scaled by ``size`` and carried along with a frame."""
     return _moved_sweep(shape, frame, size) if isinstance(shape, Sweep) else shape.placed(frame, size)

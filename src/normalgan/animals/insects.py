@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, both, by, carried, fuse, mirrored, tube
+from normalgan.animals.forms import Shape, ball, both, by, carried, fuse, mirrored, pair, tube
 from normalgan.animals.frames import Frame, hinge, pitch, roll, yaw
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.plate import Plate
@@ -92,12 +92,12 @@ def feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: flo
     points = [start, *(start + np.array(step, float) for step in bends)]
     radii = np.linspace(1, 0.8, len(points)) * thick
     radii[-1] = club * thick
-    return fuse(*both(tube(points, radii)), blend=0.01)
+    return pair(tube(points, radii), blend=0.01)
 
 
 def eyes(at: ArrayLike, radii: ArrayLike, turn: float = 0.0) -> Part:
     """Return a pair of faceted eyes, seen as smooth."""
-    return fuse(*both(ball(at, radii, yaw(turn))), blend=0.01)
+    return pair(ball(at, radii, yaw(turn)), blend=0.01)
 
 
 def ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: float = 1.0) -> Sweep:
@@ -193,7 +193,7 @@ def beetle(pose: str, rng: Rng) -> list[Part]:
         legs(rows, pose, rng, 0.20, 0.032, 1.22, -0.07),
     ]
     if rng.uniform() < 0.5:
-        parts.append(fuse(*both(*(tube(line, 0.01) for line in lines)), blend=0.01, carve=True))
+        parts.append(pair(*(tube(line, 0.01) for line in lines), blend=0.01, carve=True))
     kind = str(rng.choice(("plain", "stag", "horn")))
     nose = front + 0.20
     if kind == "stag":
@@ -204,9 +204,7 @@ def beetle(pose: str, rng: Rng) -> list[Part]:
             [nose + 0.38, 0.03, 0.03],
         ]
         prong = [[nose + 0.2, 0.0, 0.15], [nose + 0.24, 0.0, 0.06]]
-        parts.append(
-            fuse(*both(tube(jaw, [0.045, 0.038, 0.03, 0.018]), tube(prong, [0.03, 0.015])), blend=0.01)
-        )
+        parts.append(pair(tube(jaw, [0.045, 0.038, 0.03, 0.018]), tube(prong, [0.03, 0.015]), blend=0.01))
     elif kind == "horn":
         tip = float(rng.uniform(0.22, 0.36))
         horn = [[nose - 0.08, 0.0, 0], [nose + 0.05, 0.10, 0], [nose + 0.09, 0.7 * tip, 0], [nose, tip, 0]]
@@ -243,7 +241,7 @@ def ladybird(pose: str, rng: Rng) -> list[Part]:
         across, ahead = np.rad2deg(np.arctan2(up[[2, 0]] / [wide, long], up[1] / high))
         lie = roll(-across) @ pitch(-ahead)
         spots.append(ball(up * radii, np.array([0.085, 0.016, 0.085]) * f["spots"], lie))
-    parts.append(fuse(*both(*spots), blend=0.012))
+    parts.append(pair(*spots, blend=0.012))
     reach = 0.30 * f["legs"]
     rows = (LegRow(0.28, 0.22, 40, reach), LegRow(0.0, 0.27, 92, reach), LegRow(-0.22, 0.22, 140, reach))
     parts.append(legs(rows, pose, rng, 0.24, 0.030, 1.15, -0.1))
@@ -272,12 +270,10 @@ def ant(pose: str, rng: Rng) -> list[Part]:
         fuse(tube([[-0.30, -0.01, 0], [-0.22, 0.05, 0], [-0.12, 0.0, 0]], [0.03, 0.05, 0.04]), blend=0.03),
         fuse(ball([middle, tip, 0], [1.3 * gaster, gaster, gaster], pitch(-12)), blend=0.03),
         fuse(ball([nose, 0.05, 0], [head * 1.12, 0.78 * head, head], pitch(-30)), blend=0.04),
-        fuse(
-            *both(
-                tube(
-                    [[nose + 0.07, -0.02, 0.06], [nose + 0.17, -0.06, 0.07], [nose + 0.20, -0.08, 0.015]],
-                    [0.035, 0.028, 0.016],
-                )
+        pair(
+            tube(
+                [[nose + 0.07, -0.02, 0.06], [nose + 0.17, -0.06, 0.07], [nose + 0.20, -0.08, 0.015]],
+                [0.035, 0.028, 0.016],
             ),
             blend=0.01,
         ),
@@ -411,7 +407,7 @@ def grasshopper(pose: str, rng: Rng) -> list[Part]:
         ),
         eyes([0.355, 0.085, 0.065], [0.04, 0.05, 0.03]),
         feelers([0.345, 0.10, 0.03], [[0.5 * long, 0.35 * long, 0.12], [long, 0.42 * long, 0.22]], 0.016),
-        fuse(*both(hind, shin), blend=0.01),
+        pair(hind, shin, blend=0.01),
     ]
     rows = (LegRow(0.22, 0.06, 40, 0.26), LegRow(0.08, 0.07, 95, 0.26))
     return [*parts, legs(rows, "fly" if pose == "leap" else pose, rng, 0.24, 0.024, 1.3, -0.04)]
@@ -457,7 +453,7 @@ def mantis(pose: str, rng: Rng) -> list[Part]:
         ),
         eyes(by(face, 0.0, 0.045, 0.095), [0.042, 0.052, 0.042]),
         feelers(by(face, 0.03, 0.05, 0.02), [[0.1, 0.16, 0.06], [0.14, 0.3, 0.14]], 0.015),
-        fuse(*both(*arm), blend=0.012),
+        pair(*arm, blend=0.012),
         legs(rows, pose, rng, 0.34, 0.022, 1.28),
     ]
 
@@ -476,17 +472,12 @@ def spider(pose: str, rng: Rng) -> list[Part]:
             ripple=coat,
         ),
         fuse(ball([0.27, 0.03, 0], [0.10, 0.09, 0.11]), blend=0.05),
-        fuse(*both(ball([0.35, 0.07, 0.04], 0.03), ball([0.33, 0.10, 0.085], 0.022)), blend=0.004),
-        fuse(
-            *both(
-                tube([[0.32, -0.02, 0.05], [0.40, -0.07, 0.05], [0.40, -0.15, 0.04]], [0.05, 0.042, 0.015])
-            ),
+        pair(ball([0.35, 0.07, 0.04], 0.03), ball([0.33, 0.10, 0.085], 0.022), blend=0.004),
+        pair(
+            tube([[0.32, -0.02, 0.05], [0.40, -0.07, 0.05], [0.40, -0.15, 0.04]], [0.05, 0.042, 0.015]),
             blend=0.01,
         ),
-        fuse(
-            *both(tube([[0.27, -0.02, 0.09], [0.41, 0.03, 0.15], [0.50, -0.07, 0.14]], 0.8 * thick)),
-            blend=0.01,
-        ),
+        pair(tube([[0.27, -0.02, 0.09], [0.41, 0.03, 0.15], [0.50, -0.07, 0.14]], 0.8 * thick), blend=0.01),
     ]
     azimuths = (28 * f["front"], 68, 108, 150)
     rows = tuple(
@@ -527,10 +518,10 @@ def scorpion(pose: str, rng: Rng) -> list[Part]:
         ),
         fuse(ringed(tail, np.linspace(0.062, 0.05, len(tail)), 6, 0.3), blend=0.02),
         fuse(ball(tail[-1], 0.068), tube([tail[-1], tip], [0.05, 0.014]), blend=0.01),
-        fuse(
-            *both(
-                tube(arm, [0.04, 0.036, 0.034, 0.04]), ball(hand, [1.2 * claw, 0.7 * claw, 0.8 * claw]), *grip
-            ),
+        pair(
+            tube(arm, [0.04, 0.036, 0.034, 0.04]),
+            ball(hand, [1.2 * claw, 0.7 * claw, 0.8 * claw]),
+            *grip,
             blend=0.01,
         ),
         eyes([0.24, 0.10, 0.03], 0.022),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, block, both, by, fuse, ring, tube
+from normalgan.animals.forms import Shape, ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.frames import pitch, roll, yaw
 from normalgan.animals.plan import Rng, factors
 
@@ -65,7 +65,7 @@ def vase(pose: str, rng: Rng) -> list[Part]:
             [0, high + 0.03, 0.8 * out],
             [0, high, radii[4] - 0.01],
         ]
-        parts.append(fuse(*both(tube(loop, 0.032)), blend=0.015))
+        parts.append(pair(tube(loop, 0.032), blend=0.015))
     if rng.uniform() < 0.4:
         at = heights[3]
         parts.append(fuse(ring([0, at, 0], radii[3] * 1.0, 0.025), blend=0.01))
@@ -223,7 +223,7 @@ def car(pose: str, rng: Rng) -> list[Part]:
     if panes:
         pane = floor + low + 0.85 * high
         parts.append(
-            fuse(*both(block([cabin, pane, wide], [panes, 0.45 * high, 0.06], 0.02)), carve=True, blend=0.01)
+            pair(block([cabin, pane, wide], [panes, 0.45 * high, 0.06], 0.02), carve=True, blend=0.01)
         )
     axles = (0.62 * long, -0.62 * long)
     arches = both(*(ball([x, wheel, wide], [1.25 * wheel, 1.25 * wheel, 0.09]) for x in axles))
@@ -276,14 +276,7 @@ def boat(pose: str, rng: Rng) -> list[Part]:
     ]
     holes = [ball([x * long, 0.16, 0.6 * wide], [0.04, 0.04, 0.03]) for x in (-0.35, -0.1, 0.15)]
     keel = fuse(tube([[-0.3 * long, -0.75 * deep, 0], [-0.1 * long, 0.0, 0]], 0.05), blend=0.02)
-    return [
-        *parts,
-        keel,
-        fuse(house, blend=0.01),
-        fuse(bridge),
-        fuse(*stacks),
-        fuse(*both(*holes), carve=True),
-    ]
+    return [*parts, keel, fuse(house, blend=0.01), fuse(bridge), fuse(*stacks), pair(*holes, carve=True)]
 
 
 def plane(pose: str, rng: Rng) -> list[Part]:
@@ -314,7 +307,7 @@ def plane(pose: str, rng: Rng) -> list[Part]:
         tube([[0.10 - 0.5 * back * k, -0.075, k * span], [-0.08 - 0.5 * back * k, -0.075, k * span]], 0.055)
         for k in (0.4, 0.68)[: int(rng.integers(1, 3))]
     ]
-    return [*parts, fuse(*both(*pods), blend=0.02)]
+    return [*parts, pair(*pods, blend=0.02)]
 
 
 def rocket(pose: str, rng: Rng) -> list[Part]:
@@ -365,7 +358,7 @@ def snowman(pose: str, rng: Rng) -> list[Part]:
     ]
     twig = [arm[1], [0.05, belly + 0.24 + 0.3 * up, sizes[-2] + 0.24]]
     eyes = both(ball([0.84 * head, middle + 0.35 * head, 0.36 * head], 0.028))
-    parts += [fuse(nose, blend=0.01), fuse(*buttons, *eyes), fuse(*both(tube(arm, 0.022), tube(twig, 0.018)))]
+    parts += [fuse(nose, blend=0.01), fuse(*buttons, *eyes), pair(tube(arm, 0.022), tube(twig, 0.018))]
     if rng.uniform() < 0.7:
         brim = middle + 0.75 * head
         parts.append(fuse(ball([0, brim, 0], [1.25 * head, 0.03, 1.25 * head])))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.field import Part
-from normalgan.animals.forms import Shape, ball, block, both, by, carried, fuse, mirrored, tube
+from normalgan.animals.forms import Shape, ball, block, both, by, carried, fuse, mirrored, pair, tube
 from normalgan.animals.frames import Frame, pitch, roll, yaw
 from normalgan.animals.insects import wing
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
@@ -50,7 +50,7 @@ def sewn(toy: Toy, features: list[Part], pose: str, rng: Rng) -> list[Part]:
     sits = pose == "sit" or (pose != "stand" and rng.uniform() < 0.6)
     thick = 0.10 * toy.limbs * f["limbs"]
     parts = [fuse(ball([0, half, 0], [depth, half, width]))]
-    parts.append(fuse(*both(*_leg(depth, half, width, thick, sits, rng)), blend=0.025))
+    parts.append(pair(*_leg(depth, half, width, thick, sits, rng), blend=0.025))
     arms = [_arm(toy, (depth, half, width), 0.85 * thick, f["arms"], pose, rng) for _ in range(2)]
     parts.append(fuse(*arms[0], *(mirrored(shape) for shape in arms[1]), blend=0.025))
     size = toy.head * f["head"]
@@ -80,13 +80,13 @@ def skull(cheeks: float = 0.0) -> list[Part]:
     """Return the bare head, with cheeks of some size."""
     parts = [fuse(ball([0, 0, 0], SKULL), blend=0.05)]
     if cheeks:
-        parts.append(fuse(*both(ball([0.35, -0.35, 0.55], cheeks)), blend=0.3))
+        parts.append(pair(ball([0.35, -0.35, 0.55], cheeks), blend=0.3))
     return parts
 
 
 def buttons(aside: float, up: float, radius: float, out: float = 1.0) -> Part:
     """Return a pair of round eyes sewn on."""
-    return fuse(*both(ball(on_skull(aside, up, out), radius)), blend=0.02)
+    return pair(ball(on_skull(aside, up, out), radius), blend=0.02)
 
 
 def smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:
@@ -144,8 +144,8 @@ def teddy(pose: str, rng: Rng) -> list[Part]:
         fuse(ball([0.84 + 0.40 * muzzle, -0.12, 0], [0.09, 0.10, 0.15]), blend=0.02),
         fuse(tube([[1.24 * muzzle, -0.22, 0], [1.18 * muzzle, -0.42, 0]], 0.03), blend=0.02, carve=True),
         buttons(26, 16, 0.10),
-        fuse(*both(ball(at, [0.17, ear, ear])), blend=0.08),
-        fuse(*both(ball([0.15, 0.84, 0.76], [0.14, 0.6 * ear, 0.6 * ear])), blend=0.06, carve=True),
+        pair(ball(at, [0.17, ear, ear]), blend=0.08),
+        pair(ball([0.15, 0.84, 0.76], [0.14, 0.6 * ear, 0.6 * ear]), blend=0.06, carve=True),
     ]
     return [*sewn(Toy(hands=True), face, pose, rng), *_button(rng)]
 
@@ -183,11 +183,11 @@ def cat(pose: str, rng: Rng) -> list[Part]:
     prick = tube([[-0.02, 0.55, 0.52], [-0.05, 0.55 + 0.72 * ear, 0.80]], [0.16, 0.05], [0.42, 0.05])
     face = [
         *skull(0.3),
-        fuse(*both(ball([0.95, -0.28, 0.13], [0.16, 0.15, 0.19])), blend=0.05),
+        pair(ball([0.95, -0.28, 0.13], [0.16, 0.15, 0.19]), blend=0.05),
         fuse(ball([1.08, -0.14, 0], [0.06, 0.06, 0.09]), blend=0.02),
         buttons(30, 14, 0.115),
-        fuse(*both(prick), blend=0.06),
-        fuse(*both(ball([0.16, 0.86, 0.66], [0.13, 0.26, 0.17], roll(-20))), blend=0.05, carve=True),
+        pair(prick, blend=0.06),
+        pair(ball([0.16, 0.86, 0.66], [0.13, 0.26, 0.17], roll(-20)), blend=0.05, carve=True),
     ]
     up, aside = float(rng.uniform(0.1, 0.5)), float(rng.choice((-1, 1)))
     tail = [
@@ -213,10 +213,10 @@ def pig(pose: str, rng: Rng) -> list[Part]:
             blend=0.06,
         ),
         fuse(disc, carve=True),  # flat in front; the arms of one that hugs are below
-        fuse(*both(ball([1.24, -0.12, 0.42 * wide], [0.12, 0.3 * wide, 0.2 * wide])), blend=0.03, carve=True),
+        pair(ball([1.24, -0.12, 0.42 * wide], [0.12, 0.3 * wide, 0.2 * wide]), blend=0.03, carve=True),
         smile(22, -38, 9, 1.0),
         buttons(34, 22, 0.09),
-        fuse(*both(ear), blend=0.05),
+        pair(ear, blend=0.05),
     ]
     turn = np.linspace(0, 3.2 * np.pi, 14)
     curl = np.column_stack([-0.22 - 0.011 * turn, 0.27 + 0.05 * np.sin(turn), 0.05 * np.cos(turn) - 0.05])
@@ -229,8 +229,8 @@ def frog(pose: str, rng: Rng) -> list[Part]:
     size = float(rng.uniform(0.30, 0.40))
     face = [
         fuse(ball([0, 0, 0], [0.98, 0.78, 1.15]), blend=0.05),
-        fuse(*both(ball([0.30, 0.66, 0.55], size)), blend=0.08),
-        fuse(*both(ball([0.30 + 0.8 * size, 0.72, 0.62], 0.42 * size)), blend=0.02),
+        pair(ball([0.30, 0.66, 0.55], size), blend=0.08),
+        pair(ball([0.30 + 0.8 * size, 0.72, 0.62], 0.42 * size), blend=0.02),
         smile(62, -10, 12, 0.955),
     ]
     return sewn(Toy(belly=(0.26, 0.25, 0.28), head=0.29, limbs=0.85, arms=1.15, hands=True), face, pose, rng)
@@ -251,16 +251,16 @@ def elephant(pose: str, rng: Rng) -> list[Part]:
         *skull(),
         fuse(tube(trunk, [0.36, 0.28, 0.21, 0.17, 0.16]), blend=0.12),
         buttons(36, 16, 0.09),
-        fuse(*both(flap), blend=0.10),
-        fuse(
-            *both(ball([0.10, 0.08, 1.02 + 0.6 * ear], np.array([0.13, 0.5, 0.45]) * ear, yaw(-22))),
+        pair(flap, blend=0.10),
+        pair(
+            ball([0.10, 0.08, 1.02 + 0.6 * ear], np.array([0.13, 0.5, 0.45]) * ear, yaw(-22)),
             blend=0.1,
             carve=True,
         ),
     ]
     if rng.uniform() < 0.5:
         tusk = tube([[0.75, -0.42, 0.34], [1.1, -0.6, 0.40], [1.3, -0.5, 0.38]], [0.12, 0.09, 0.04])
-        face.append(fuse(*both(tusk), blend=0.03))
+        face.append(pair(tusk, blend=0.03))
     tail = tube([[-0.2, 0.22, 0], [-0.36, 0.2, 0.02], [-0.44, 0.06, 0.03]], [0.035, 0.028, 0.04])
     body = sewn(Toy(belly=(0.29, 0.31, 0.29), limbs=1.25), face, pose, rng)
     return [*body, fuse(tail, blend=0.02)]
@@ -290,9 +290,9 @@ def penguin(pose: str, rng: Rng) -> list[Part]:
         fuse(ball([0, tall, 0], [0.92 * fat, tall, fat])),
         fuse(ball([0.03, middle, 0], [head, 0.95 * head, 1.02 * head]), blend=0.09),
         fuse(ball([0.12 * fat, 0.92 * tall, 0], [0.88 * fat, 0.8 * tall, 0.80 * fat]), blend=0.008),
-        fuse(*both(flipper), blend=0.03),
+        pair(flipper, blend=0.03),
         fuse(beak, blend=0.015),
-        fuse(*both(ball(eye, 0.032)), blend=0.006),
+        pair(ball(eye, 0.032), blend=0.006),
         fuse(*feet, blend=0.015),
         fuse(
             tube([[-0.8 * fat, 0.25 * tall, 0], [-1.12 * fat, 0.08 * tall, 0]], [0.08, 0.03], [0.11, 0.06]),
@@ -335,8 +335,8 @@ def octopus(pose: str, rng: Rng) -> list[Part]:
         fuse(ball([-0.02, 0.28 + tall, 0], [wide, tall, 1.02 * wide])),
         fuse(ball([0, 0.24, 0], [0.30, 0.20, 0.30]), blend=0.15),
         fuse(*arms, blend=0.06),
-        fuse(*both(ball(eye, 0.085)), blend=0.02),
-        fuse(*both(ball(by(eye, 0.07, 0.01, 0.01), 0.04)), blend=0.006),
+        pair(ball(eye, 0.085), blend=0.02),
+        pair(ball(by(eye, 0.07, 0.01, 0.01), 0.04), blend=0.006),
         fuse(tube(mouth, 0.014), blend=0.012, carve=True),
     ]
 
@@ -350,13 +350,12 @@ def dragon(pose: str, rng: Rng) -> list[Part]:
     face = [
         *skull(0.2),
         fuse(tube([[0.5, -0.25, 0], [0.6 + 0.62 * snout, -0.28, 0]], [0.46, 0.36], [0.52, 0.46]), blend=0.12),
-        fuse(*both(ball([0.78 + 0.72 * snout, -0.02, 0.2], 0.12)), blend=0.06),
-        fuse(*both(ball([0.93 + 0.72 * snout, 0.02, 0.21], 0.06)), blend=0.03, carve=True),
+        pair(ball([0.78 + 0.72 * snout, -0.02, 0.2], 0.12), blend=0.06),
+        pair(ball([0.93 + 0.72 * snout, 0.02, 0.21], 0.06), blend=0.03, carve=True),
         buttons(34, 24, 0.15),
-        fuse(*both(prongs), blend=0.06),
-        fuse(
-            *both(tube([[-0.1, 0.25, 0.95], [-0.3, 0.4, 1.45]], [0.08, 0.03], [0.26, 0.03], [0, 1, 0])),
-            blend=0.05,
+        pair(prongs, blend=0.06),
+        pair(
+            tube([[-0.1, 0.25, 0.95], [-0.3, 0.4, 1.45]], [0.08, 0.03], [0.26, 0.03], [0, 1, 0]), blend=0.05
         ),
         *(
             fuse(

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, both, by, carried, fuse, moved, tube
+from normalgan.animals.forms import ball, by, carried, fuse, moved, pair, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
 from normalgan.animals.plate import Plate, rounded
@@ -141,8 +141,8 @@ class Turtle(PosedPlan):
         face = [
             fuse(TURTLE_HEAD.sweep(), blend=0.03),
             fuse(beak, blend=0.02),
-            fuse(*both(ball((0.085, 0.045, 0.074), 0.021))),
-            fuse(*both(mouth), carve=True, blend=0.004),
+            pair(ball((0.085, 0.045, 0.074), 0.021)),
+            pair(mouth, carve=True, blend=0.004),
         ]
         parts += carried(face, head, 1.15 * build["head"])
         return parts + (_flippers if self.flippers else _turtle_legs)(radii, rim, build["legs"], pose, rng)
@@ -181,8 +181,8 @@ class Snake(PosedPlan):
         )
         pits = tube([(0.95, 0.02, 0.14), (0.85, 0.05, 0.18)], 0.045)
         face = [
-            fuse(SNAKE_HEAD.sweep(), blend=0.4), fuse(*both(eyes)),
-            fuse(*both(mouth, pits), carve=True, blend=0.02),
+            fuse(SNAKE_HEAD.sweep(), blend=0.4), pair(eyes),
+            pair(mouth, pits, carve=True, blend=0.02),
         ]  # fmt: skip
         return parts + carried(face, head, 1.75 * fat * float(rng.uniform(0.9, 1.2)))
 
@@ -210,8 +210,8 @@ def _crawler_head(kind: Crawler, gape: float) -> list[Part]:
     return [
         fuse(skull.sweep(), blend=0.18),
         fuse(moved(jaw.sweep(), about(hinge, pitch(-gape))), blend=0.02),
-        fuse(*both(ball(kind.eye.at, kind.eye.radius)), blend=0.03),
-        fuse(*both(nostril), blend=0.01, carve=True),
+        pair(ball(kind.eye.at, kind.eye.radius), blend=0.03),
+        pair(nostril, blend=0.01, carve=True),
     ]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from normalgan.animals.bird_legs import Legs
 from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, both, carried, fuse, moved, tube
+from normalgan.animals.forms import ball, carried, fuse, moved, pair, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.plate import Plate, rounded
@@ -125,9 +125,9 @@ def _head(kind: Theropod, gape: float) -> list[Part]:
     return [
         fuse(skull.sweep(), blend=0.20),
         fuse(moved(jaw.sweep(), about(hinge, pitch(-gape))), blend=0.03),
-        fuse(*both(brow), blend=0.05),
-        fuse(*both(ball((x, y, z), radius))),
-        fuse(*both(nostril), blend=0.01, carve=True),
+        pair(brow, blend=0.05),
+        pair(ball((x, y, z), radius)),
+        pair(nostril, blend=0.01, carve=True),
     ]
 
 
