@@ -4,7 +4,7 @@ import inspect
 import math
 import tomllib
 from collections.abc import Mapping
-from functools import cache, lru_cache
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import NoneType
@@ -62,7 +62,7 @@ def read_species(path: str | Path) -> BodyPlan:
     return plan
 
 
-@lru_cache(maxsize=1)
+@cache
 def _shared() -> dict[str, Any]:
     return _toml(SHARED)
 
