@@ -50,7 +50,7 @@ def find_drawings(
                 f"no sketch found at {entry!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
             )
         if not Path(entry).is_file():
-            found = _without_companions(found, companions)
+            found = without_companions(found, companions)
         paths += sorted(path for path in found if path not in paths)  # patterns may overlap
     by_name: dict[str, Path] = {}
     for path in paths:
@@ -60,22 +60,27 @@ def find_drawings(
     return paths
 
 
-def find_companion(drawing: Path, source: Path, endings: Sequence[str]) -> Path | None:
+def find_companion(
+    drawing: Path, source: Path, endings: Sequence[str], below: Path | None = None
+) -> Path | None:
     """Return what lies beside a drawing, such as its hints or its mask.
 
     Args:
         drawing: the drawing's file.
         source: the companion itself, or a folder of such files.
         endings: what one is named after the drawing's stem, in the order in which they are looked for.
+        below: the folder below ``source`` to look in first.
     """
     if source.is_file():
         return source
-    candidates = [source / f"{drawing.stem}{ending}" for ending in endings]
+    folders = dict.fromkeys([source / (below or ""), source])
+    candidates = [folder / f"{drawing.stem}{ending}" for folder in folders for ending in endings]
     # It may lie beside its drawing; the drawing itself is not its own companion.
     return next((c for c in candidates if c.is_file() and c.resolve() != drawing.resolve()), None)
 
 
-def _without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list[Path]:
+def without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list[Path]:
+    """Return paths without those that are named as another one's stem with one of ``companions``."""
     stems = {path.with_suffix("") for path in paths}
     return [
         path

@@ -1,26 +1,42 @@
 """normalgan generate: from drawings to normal maps by a model as ONNX, without torch."""
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import fields
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
+from dataclasses import fields, replace
+from io import StringIO
 from pathlib import Path
-from typing import Literal
+from tempfile import TemporaryDirectory
 
 from jsonargparse import Namespace
 
 from normalgan import decoding
-from normalgan.commands.light_parser import LightParser
+from normalgan.commands.generate_parser import as_shell_means, build_parser
 from normalgan.drawings import MOST_BYTES
-from normalgan.errors import InputError, named, one_line, unwritable
+from normalgan.errors import InputError, RunError, named, one_line, unwritable
 from normalgan.painting.inputs import check_size
-from normalgan.painting.jobs import STDIN, Job, find_files, plan
+from normalgan.painting.jobs import (
+    STDIN,
+    STDOUT,
+    Job,
+    check_writable,
+    find_many,
+    format_of,
+    is_file_name,
+    plan,
+    plan_file,
+)
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.outputs import Outputs
 from normalgan.painting.packing import Packing
-from normalgan.painting.paint_job import JobPainter
+from normalgan.painting.paint_job import JobPainter, target_of
 from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
+from normalgan.painting.watching import Watcher
+
+LOOK = 0.5
+"""Seconds between two looks at what is watched."""
 
 
 def run(arguments: list[str]) -> int:
@@ -29,62 +45,9 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if something that was given cannot be used.
     """
-    return generate(build_parser().parse_args(arguments))
-
-
-def build_parser() -> LightParser:
-    """Return the parser of the command line."""
-    parser = LightParser(
-        prog="normalgan generate",
-        usage="%(prog)s SKETCH... [-o FOLDER] [--SETTING VALUE]...",
-        description="Paint normal maps for drawings.",
-    )
-    parser.add_argument(
-        "sketches", nargs="+", help="files, folders or globs of drawings; - reads one from standard input"
-    )
-    parser.add_argument("-o", "--output", default="normals", help="folder where the maps go")
-    parser.add_argument("--dry-run", action="store_true", help="only say what would be read and written")
-    drawing = parser.add_argument_group("How a drawing is painted")
-    drawing.add_argument(
-        "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
-    )
-    drawing.add_argument(
-        "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
-    )
-    drawing.add_argument(
-        "--mask",
-        type=str | None,
-        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill the drawing's own, "
-        "or model to leave it to the model; null is its opacity if that tells, else outline",
-    )
-    drawing.add_argument(
-        "--size",
-        type=int | None,
-        help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
-    )
-    sheets = parser.add_argument_group("Several drawings in one file")
-    sheets.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")
-    sheets.add_argument(
-        "--split",
-        type=Literal["auto"] | None,
-        help="auto finds a sheet's drawings: islands of opacity or of connected lines",
-    )
-    sheets.add_argument(
-        "--atlas", type=str | None, help="a sheet's JSON by TexturePacker or Aseprite, or a folder of them"
-    )
-    sheets.add_argument(
-        "--frame",
-        type=Literal["own", "shared"] | None,
-        help="what the model is shown: each drawing as large as can be, or the same square of all, so that "
-        "what stands still stays so; null is shared for an animation, own else",
-    )
-    flags = {"alpha", "show_input"}
-    parser.add_class_arguments(Outputs, skip=flags)
-    parser.add_argument("--alpha", action="store_true", help="write the object's mask as alpha channel")
-    parser.add_argument(
-        "--show-input", action="store_true", help="write what the model saw, <sketch>_input.png"
-    )
-    return parser
+    parser = build_parser()
+    options = [option for action in parser._actions for option in action.option_strings]
+    return generate(parser.parse_args(as_shell_means(arguments, options)))
 
 
 def generate(settings: Namespace) -> int:
@@ -99,41 +62,173 @@ def generate(settings: Namespace) -> int:
     if packing.given and settings.size is not None:
         raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
     outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
+    if is_file_name(Path(settings.output)):
+        outputs = replace(outputs, format=format_of(Path(settings.output), outputs.format))
+    if settings.output == STDOUT:
+        return _to_standard_output(settings, outputs)
     content = (
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
     )
-    files = find_files(settings.sketches, outputs.ending, settings.hints, settings.mask, content)
-    jobs = plan(files, Path(settings.output), outputs.ending, list(outputs.others()))
+
+    def find() -> tuple[list[Job], list[InputError]]:
+        return _jobs(settings, outputs, content)
+
+    jobs, wrong = find()
+    if wrong and not jobs:
+        raise wrong[0]
     path = find_model(settings.model)
+    check_writable(jobs)
+    batch = _Batch(settings, outputs, packing, wrong)
+    if settings.skip_existing:
+        jobs = batch.without_existing(jobs)
     if settings.dry_run:
-        for job in jobs:
-            extras = [f" with {each}" for each in (job.files.hints, job.files.mask) if isinstance(each, Path)]
-            print(f"{job.files.drawing}{''.join(extras)} -> {job.target}")
-        return 0
+        return batch.tell(jobs)
     _one_thread_each()
     painter = Painter(OnnxBackend(path, threads=1))
-    work = JobPainter(painter, outputs, settings.size, packing, settings.frame)
-    together = settings.frame == "shared" and len(jobs) > 1 and not packing.given
-    written = work.together(jobs) if together else stream(jobs, work)
-    failed = 0
-    with _progress(len(jobs)) as advance:
-        for job, outcome in written:
-            if isinstance(outcome, Exception):
-                sentence = _sentence(job, outcome)
-                if len(jobs) == 1:
-                    raise sentence from outcome
-                failed += 1
-                print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
-            elif outcome.warning:
-                print(
-                    one_line(f"normalgan: warning: {job.files.drawing}: {outcome.warning}."), file=sys.stderr
-                )
-            advance()
-            if not isinstance(outcome, Exception):
-                print(outcome.target)
-    if failed:
-        print(f"normalgan: {failed} of {len(jobs)} sketches could not be used.", file=sys.stderr)
-    return 1 if failed else 0
+    batch.paint(painter, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
+    if settings.watch:
+        batch.watch(painter, jobs, lambda: find()[0])
+    return batch.code(len(jobs) + len(wrong))
+
+
+class _Batch:
+    """What is done with the drawings that a command names."""
+
+    def __init__(
+        self, settings: Namespace, outputs: Outputs, packing: Packing, wrong: Sequence[InputError]
+    ) -> None:
+        self._settings, self._outputs, self._packing = settings, outputs, packing
+        self._failed = len(wrong)
+        for error in wrong:
+            print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
+
+    def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
+        """Return the jobs that have no map yet; say how many have."""
+        left = [job for job in jobs if not self._is_there(job)]
+        if len(left) < len(jobs):
+            print(
+                f"normalgan: {len(jobs) - len(left)} of {len(jobs)} sketches have a map already.",
+                file=sys.stderr,
+            )
+        return left
+
+    def tell(self, jobs: Sequence[Job]) -> int:
+        """Say what would be read and written, and return the exit code."""
+        for job in jobs:
+            extras = [f" with {each}" for each in (job.files.hints, job.files.mask) if isinstance(each, Path)]
+            try:
+                print(f"{job.files.drawing}{''.join(extras)} -> {self._target(job)}")
+            except InputError as error:
+                self._failed += 1
+                print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
+        return 1 if self._failed else 0
+
+    def paint(self, painter: Painter, jobs: Sequence[Job], alone: bool = False) -> None:
+        """Paint drawings, and say what came of each.
+
+        Args:
+            painter: the network.
+            jobs: the drawings.
+            alone: whether to raise what is wrong with one, as there is no other.
+        """
+        settings = self._settings
+        work = JobPainter(painter, self._outputs, settings.size, self._packing, settings.frame)
+        together = settings.frame == "shared" and len(jobs) > 1 and not self._packing.given
+        written = work.together(jobs) if together else stream(jobs, work)
+        with _progress(len(jobs)) as advance:
+            for job, outcome in written:
+                advance()
+                if isinstance(outcome, Exception):
+                    sentence = _sentence(job, outcome)
+                    if alone:
+                        raise sentence from outcome
+                    self._failed += 1
+                    print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
+                    continue
+                if outcome.warning:
+                    told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
+                    print(one_line(told), file=sys.stderr)
+                print(outcome.target, flush=self._settings.watch)
+
+    def watch(
+        self,
+        painter: Painter,
+        painted: Iterable[Job],
+        find: Callable[[], list[Job]],
+    ) -> None:
+        """Paint what is saved, as it is saved, until Ctrl-C.
+
+        Raises:
+            RunError: if a folder or a file that was named is gone.
+        """
+        named_places = [Path(word) for word in self._settings.sketches if Path(word).exists()]
+        watcher = Watcher(job.files.drawing for job in painted)
+        print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)
+        while True:
+            time.sleep(LOOK)
+            for place in named_places:
+                if not place.exists() and not place.suffix:
+                    raise RunError(f"the folder {place} that is watched is gone.")
+            jobs = {job.files.drawing: job for job in find()}
+            saved = watcher.saved(jobs)
+            if saved:
+                self.paint(painter, [jobs[each] for each in saved])
+
+    def code(self, total: int) -> int:
+        """Say how many failed, and return the exit code."""
+        if self._failed:
+            print(f"normalgan: {self._failed} of {total} sketches could not be used.", file=sys.stderr)
+        return 1 if self._failed else 0
+
+    def _target(self, job: Job) -> Path:
+        return target_of(job, self._outputs, self._packing)
+
+    def _is_there(self, job: Job) -> bool:
+        try:
+            return self._target(job).exists()
+        except InputError:
+            return False  # it is told when it is painted
+
+
+def _jobs(settings: Namespace, outputs: Outputs, content: bytes | None) -> tuple[list[Job], list[InputError]]:
+    """Return what is to be painted, and what is wrong with the words that name nothing."""
+    folder = Path(settings.output)
+    files, wrong = find_many(
+        settings.sketches,
+        outputs.ending,
+        settings.hints,
+        settings.mask,
+        content,
+        settings.recursive,
+        folder,
+    )
+    if is_file_name(folder):
+        return [plan_file(files, folder, list(outputs.others()))] if files else [], wrong
+    return plan(files, folder, outputs.ending, list(outputs.others())), wrong
+
+
+def _to_standard_output(settings: Namespace, outputs: Outputs) -> int:
+    """Paint one drawing and write its map to standard output; return the exit code.
+
+    Raises:
+        InputError: if there are several, or more is to be written than a map.
+    """
+    if list(outputs.others()):
+        raise InputError("standard output holds the map alone; give -o a folder for the rest.")
+    if settings.watch or settings.dry_run:
+        raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
+    with TemporaryDirectory() as folder:
+        settings.output, settings.skip_existing = folder, False
+        with redirect_stdout(StringIO()):  # where the map lies for now is of no use to anybody
+            code = generate(settings)
+        written = sorted(Path(folder).rglob("*.*"))
+        if len(written) != 1:
+            raise InputError(
+                f"standard output holds one map, but there are {len(written)}; give -o a folder."
+            )
+        sys.stdout.buffer.write(written[0].read_bytes())
+        sys.stdout.flush()
+    return code
 
 
 def _one_thread_each() -> None:
@@ -159,8 +254,15 @@ def _progress(total: int) -> Iterator[Callable[[], None]]:
         yield lambda: None
         return
     from rich.console import Console
-    from rich.progress import Progress
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    with Progress(console=Console(stderr=True)) as progress:
+    columns = (
+        TextColumn("painting"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task("painting", total=total)
         yield lambda: progress.advance(task)

@@ -48,6 +48,17 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | None:
         return None  # who reads the drawing tells why
 
 
+def kind_of(path: Path) -> Kind:
+    """Return the kind of an animation by its file's name."""
+    match path.suffix.lower():
+        case ".gif":
+            return "gif"
+        case ".webp":
+            return "webp"
+        case _:
+            return "png"
+
+
 def _is_apng(file: BinaryIO) -> bool:
     """Return whether a PNG has several frames: it says so before its pixels."""
     file.seek(8)

@@ -1,15 +1,23 @@
 """Jobs: which files are read for each drawing, and which are written."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Literal
 
 from normalgan.drawings import find_companion, find_drawings
-from normalgan.errors import InputError
+from normalgan.errors import InputError, unwritable
+from normalgan.painting.folders import search
 from normalgan.painting.hint_files import ENDINGS as HINT_ENDINGS
 from normalgan.painting.masks import ENDINGS as MASK_ENDINGS
 
-STDIN = "-"
+STDIN = STDOUT = "-"
+FILES: dict[str, Literal["png", "exr", "tiff"]] = {
+    **{".png": "png", ".apng": "png", ".gif": "png", ".webp": "png"},
+    **{".exr": "exr", ".tif": "tiff", ".tiff": "tiff"},
+}
+"""What a map's file may end in, and the format of a map in it; GIF and WebP hold animations."""
 OUTLINE, MODEL = "outline", "model"
 """What a mask may be in place of a file."""
 COMPANIONS = ("_hints", "_mask", "_input", "_preview", "_height", "_relief")
@@ -25,12 +33,14 @@ class DrawingFiles:
         content: what was read from standard input.
         hints: the file of its hints.
         mask: the file of its mask, or one of `OUTLINE` and `MODEL`.
+        below: the folder below the output that its map goes to.
     """
 
     drawing: Path
     content: bytes | None = None
     hints: Path | None = None
     mask: Path | str | None = None
+    below: Path = Path()
 
 
 @dataclass(frozen=True)
@@ -41,11 +51,13 @@ class Job:
         files: what is read.
         target: the normal map.
         stem: what the names of everything else begin with.
+        exact: whether the user named the file of the map, so that its kind is settled.
     """
 
     files: DrawingFiles
     target: Path
     stem: str
+    exact: bool = False
 
     def beside(self, ending: str) -> Path:
         """Return the name of something else that is written for the drawing, such as ``_input.png``."""
@@ -84,12 +96,49 @@ def find_files(
     read = [DrawingFiles(drawing) for drawing in drawings]
     if STDIN in every:
         read.append(DrawingFiles(Path("stdin"), content))
+    return _with_companions(read, hints, mask)
+
+
+def find_many(
+    sketches: Sequence[str],
+    ending: str,
+    hints: str | None,
+    mask: str | None,
+    content: bytes | None,
+    recursive: bool,
+    folder: Path,
+) -> tuple[list[DrawingFiles], list[InputError]]:
+    """Return the drawings that are named, and what is wrong with the words that name none.
+
+    Args:
+        sketches: files, folders and globs; ``-`` is ``content``.
+        ending: as `find_files` has it.
+        hints: as `find_files` has them.
+        mask: as `find_files` has it.
+        content: what standard input holds.
+        recursive: search folders to the bottom.
+        folder: where the maps go; it is not searched.
+
+    Raises:
+        InputError: if a file of hints or of the mask is missing.
+    """
+    suffix = Path(ending).stem
+    companions = (*COMPANIONS, *([suffix] if suffix else []))
+    named = [each for each in sketches if each != STDIN]
+    found, wrong = search(named, companions, recursive, folder)
+    read = [DrawingFiles(drawing, below=below) for drawing, below in found.items()]
+    if STDIN in sketches:
+        read.append(DrawingFiles(Path("stdin"), content))
+    return (_with_companions(read, hints, mask) if read else []), wrong
+
+
+def _with_companions(read: Sequence[DrawingFiles], hints: str | None, mask: str | None) -> list[DrawingFiles]:
     of_hints = _companions(read, hints, "hints", HINT_ENDINGS)
     of_masks: list[Path | str | None] = (
         [mask] * len(read) if mask in {OUTLINE, MODEL} else [*_companions(read, mask, "mask", MASK_ENDINGS)]
     )
     found = zip(read, of_hints, of_masks, strict=True)
-    return [DrawingFiles(each.drawing, each.content, own, where) for each, own, where in found]
+    return [replace(each, hints=own, mask=where) for each, own, where in found]
 
 
 def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Sequence[str] = ()) -> list[Job]:
@@ -104,9 +153,61 @@ def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Seque
     Raises:
         InputError: if something that is read would be written over, or two files would have one name.
     """
-    jobs = [Job(each, folder / f"{each.drawing.stem}{ending}", each.drawing.stem) for each in files]
+    jobs = [
+        Job(each, folder / each.below / f"{each.drawing.stem}{ending}", each.drawing.stem) for each in files
+    ]
     _check_names(jobs, others)
     return jobs
+
+
+def is_file_name(output: Path) -> bool:
+    """Return whether an output is the name of a map's file, and no folder."""
+    return output.suffix.lower() in FILES and not output.is_dir()
+
+
+def format_of(target: Path, asked: str) -> Literal["png", "exr", "tiff"]:
+    """Return the format of a map whose file has a name.
+
+    Args:
+        target: the file.
+        asked: the format that was asked for; png is what nobody needs to ask for.
+
+    Raises:
+        InputError: if they disagree.
+    """
+    found = FILES[target.suffix.lower()]
+    if asked not in {"png", found}:
+        raise InputError(f"{target} is no {asked}; name a file of that kind, or leave --format out.")
+    return found
+
+
+def plan_file(files: Sequence[DrawingFiles], target: Path, others: Sequence[str] = ()) -> Job:
+    """Return the job of the one drawing whose map goes to a file of a given name.
+
+    Raises:
+        InputError: if there are several, or something that is read would be written over.
+    """
+    if len(files) != 1:
+        raise InputError(f"{target} is one file, but there are {len(files)} sketches; name a folder (-o).")
+    job = Job(files[0], target, target.stem, exact=True)
+    _check_names([job], others)
+    return job
+
+
+def check_writable(jobs: Sequence[Job]) -> None:
+    """Raise `InputError` if a map cannot be written where it is to go."""
+    for target in (job.target for job in jobs if job.target.is_dir()):
+        raise InputError(f"the normal map cannot be written to {target}: it is a folder.")
+    for folder in {job.target.parent for job in jobs}:
+        there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+        try:
+            # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
+            with TemporaryFile(dir=there) as probe:
+                probe.write(b"0")
+        except OSError as error:
+            raise unwritable(
+                f"the normal map cannot be written to {folder}: {error.strerror}.", error
+            ) from None
 
 
 def _companions(
@@ -120,7 +221,7 @@ def _companions(
         raise InputError(f"there is no file or folder {source} for the {kind}.")
     if source.is_file() and len(read) > 1:
         raise InputError(f"one file of {kind}, {source}, cannot serve {len(read)} sketches; name a folder.")
-    found = [find_companion(each.drawing, source, endings) for each in read]
+    found = [find_companion(each.drawing, source, endings, each.below) for each in read]
     if not any(found):
         wanted = " or ".join(f"<sketch>{ending}" for ending in endings if ending.startswith("_"))
         raise InputError(f"{named} holds no {kind} for any sketch; they are named {wanted}.")

@@ -52,6 +52,7 @@ class OnnxBackend:
     """
 
     def __init__(self, path: Path, threads: int = 0) -> None:
+        onnxruntime.disable_telemetry_events()  # on by default on Windows
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = threads
         options.log_severity_level = 4  # what goes wrong is told in one sentence, by us

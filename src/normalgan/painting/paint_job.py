@@ -13,7 +13,7 @@ from normalgan.drawings import LARGEST, MOST_BYTES, SMALLEST, read_pixels
 from normalgan.errors import InputError
 from normalgan.limits import read_bounded
 from normalgan.normals import write_bytes
-from normalgan.painting.animation import encode_animation, moving_kind
+from normalgan.painting.animation import encode_animation, kind_of, moving_kind
 from normalgan.painting.inputs import as_hints
 from normalgan.painting.jobs import DrawingFiles, Job
 from normalgan.painting.masks import load_mask
@@ -58,7 +58,7 @@ class JobPainter:
     """
 
     painter: Painter
-    outputs: Outputs
+    outputs: Outputs = field(default_factory=Outputs)
     size: int | None = None
     packing: Packing = field(default_factory=Packing)
     frame: Framing | None = None
@@ -74,7 +74,9 @@ class JobPainter:
         if kind is not None and self.packing.given:
             raise InputError(f"{files.drawing} is an animation; a sheet is a still picture.")
         if kind is not None:
-            return self._animation(job, kind)
+            return self._animation(job)
+        if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
+            raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
         preds = self._sheet(files) if self.packing.given else self._drawing(files)
         self.outputs.write(job, preds)
         return Done(job.target, preds.warning)
@@ -112,24 +114,6 @@ class JobPainter:
             except OSError as error:
                 yield job, error
 
-    def target(self, job: Job) -> Path:
-        """Return where the map of a job goes: that of an animation is one.
-
-        Raises:
-            InputError: if it is a broken animation.
-        """
-        kind = None if self.packing.given else moving_kind(job.files.drawing, job.files.content)
-        if kind is None:
-            return job.target
-        if not self._moves:
-            return job.numbered(1, self.outputs.ending).target
-        return job.target.with_suffix(f".{kind}")
-
-    @property
-    def _moves(self) -> bool:
-        """Whether the maps of an animation fit in one: it has 8 bits."""
-        return self.outputs.format == "png" and self.outputs.bits == 8
-
     def _drawing(self, files: DrawingFiles) -> NormalMap:
         picture = read_picture(files.drawing, files.content, self.size)
         return self.painter(picture, files.hints, files.mask, self.size)
@@ -141,7 +125,7 @@ class JobPainter:
         mask = _mask(files, sheet.shape)
         return paint_sheet(self.painter, sheet, cells, hints, mask, self.frame == "shared")
 
-    def _animation(self, job: Job, kind: Literal["gif", "webp", "png"]) -> Done:
+    def _animation(self, job: Job) -> Done:
         path, content = job.files.drawing, job.files.content
         data = read_bounded(path, MOST_BYTES) if content is None else content
         found = decode_frames(str(path), data, (SMALLEST, LARGEST))
@@ -160,21 +144,40 @@ class JobPainter:
                 said += [f"frame {number}: {each.warning}"] if each.warning else []
             own = job.numbered(number, self.outputs.ending)
             self.outputs.write_others(own, preds)
-            if self._moves:
+            if _moves(self.outputs):
                 pixels.append(preds.pixels(self.outputs.y, self.outputs.alpha))
             else:
                 self.outputs.write_map(own, preds)
         if len(failed) == len(members):
             raise failed[0]
-        target = self.target(job)
-        if self._moves:
+        target = target_of(job, self.outputs, self.packing)
+        if _moves(self.outputs):
             durations = [each.duration for each in found.parts]
-            write_bytes(target, encode_animation(kind, pixels, durations, found.loop))
+            write_bytes(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
         return Done(target, said[0] + more if said else "")
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
+
+
+def target_of(job: Job, outputs: Outputs, packing: Packing) -> Path:
+    """Return where the map of a job goes; of an animation that does not fit in one, where the first goes.
+
+    Raises:
+        InputError: if it is a broken animation.
+    """
+    kind = None if packing.given else moving_kind(job.files.drawing, job.files.content)
+    if kind is None:
+        return job.target
+    if not _moves(outputs):
+        return job.numbered(1, outputs.ending).target
+    return job.target if job.exact else job.target.with_suffix(f".{kind}")
+
+
+def _moves(outputs: Outputs) -> bool:
+    """Return whether the maps of an animation go into one: it has 8 bits."""
+    return outputs.format == "png" and outputs.bits == 8
 
 
 def _mask(files: DrawingFiles, shape: tuple[int, int]) -> Mark | str | None:

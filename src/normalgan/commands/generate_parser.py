@@ -1,0 +1,108 @@
+"""The command line of normalgan generate, in sections."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+from normalgan.commands.light_parser import LightParser
+from normalgan.painting.outputs import Outputs
+
+_FLAGS = {
+    "alpha": "write the object's mask as alpha channel",
+    "show_input": "write what the model saw, <sketch>_input.png",
+}
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan generate",
+        usage="%(prog)s SKETCH... [-o FOLDER] [--SETTING VALUE]...",
+        description="Paint normal maps for drawings.",
+    )
+    parser.add_argument(
+        "sketches", nargs="+", help="files, folders or globs of drawings; - reads one from standard input"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="normals",
+        help="folder where the maps go; of one drawing also a file, or - for standard output",
+    )
+    parser.add_argument("--dry-run", action="store_true", help="only say what would be read and written")
+    drawing = parser.add_argument_group("How a drawing is painted")
+    drawing.add_argument(
+        "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
+    )
+    drawing.add_argument(
+        "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
+    )
+    drawing.add_argument(
+        "--mask",
+        type=str | None,
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill the drawing's own, "
+        "or model to leave it to the model; null is its opacity if that tells, else outline",
+    )
+    drawing.add_argument(
+        "--size",
+        type=int | None,
+        help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
+    )
+    _add_folders(parser.add_argument_group("Folders"))
+    _add_sheets(parser.add_argument_group("Several drawings in one file"))
+    parser.add_class_arguments(Outputs, skip=set(_FLAGS))
+    for name, words in _FLAGS.items():
+        parser.add_argument(f"--{name.replace('_', '-')}", action="store_true", help=words)
+    return parser
+
+
+def _add_folders(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--recursive", action="store_true", help="search folders to the bottom, and mirror them in the output"
+    )
+    group.add_argument("--skip-existing", action="store_true", help="leave drawings out that have a map")
+    group.add_argument(
+        "--watch", action="store_true", help="go on, and paint what is saved as it is saved; Ctrl-C ends it"
+    )
+
+
+def _add_sheets(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")  # type: ignore[arg-type]
+    group.add_argument(
+        "--split",
+        type=Literal["auto"] | None,  # type: ignore[arg-type]
+        help="auto finds a sheet's drawings: islands of opacity or of connected lines",
+    )
+    group.add_argument(
+        "--atlas",
+        type=str | None,  # type: ignore[arg-type]
+        help="a sheet's JSON by TexturePacker or Aseprite, or a folder of them",
+    )
+    group.add_argument(
+        "--frame",
+        type=Literal["own", "shared"] | None,  # type: ignore[arg-type]
+        help="what the model is shown: each drawing as large as can be, or the same square of all, so that "
+        "what stands still stays so; null is shared for an animation, own else",
+    )
+
+
+def as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
+    """Return arguments in which a file whose name begins with a dash is no option.
+
+    After ``--`` nothing is an option. Before, what is called as a file that is there, and as no option, is
+    that file.
+
+    Args:
+        arguments: what the shell gave.
+        options: what the parser knows.
+    """
+    out: list[str] = []
+    for i, each in enumerate(arguments):
+        if each == "--":
+            return out + [
+                f"./{one}" if one.startswith("-") and one != "-" else one for one in arguments[i + 1 :]
+            ]
+        file = each.startswith("-") and each != "-" and each not in options and Path(each).is_file()
+        out.append(f"./{each}" if file else each)
+    return out

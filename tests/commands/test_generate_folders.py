@@ -1,0 +1,213 @@
+"""Folders, files and what a shell user expects of normalgan generate."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from shutil import rmtree
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from normalgan.__main__ import main
+from onnx_models import write_model
+from pens import blob, outline
+
+GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write_model(tmp_path / "model.onnx")
+    return tmp_path
+
+
+def draw(*names: str) -> None:
+    for name in names:
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(GREY).save(name)
+
+
+def generate(*arguments: str) -> int:
+    return main(["generate", "--model", "model.onnx", *arguments])
+
+
+def written(folder: str) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in Path(folder).rglob("*") if path.is_file()}
+
+
+def test_a_tree_is_searched_and_mirrored(here: Path) -> None:
+    draw("in/fox.png", "in/deep/fox.png", "in/deep/er/owl.png", "in/.hidden/no.png")
+    assert generate("in", "-o", "flat") == 0
+    assert written("flat") == {"fox_normal.png"}
+    for _ in range(2):  # the second time the maps are not taken for drawings
+        assert generate("in", "--recursive", "-o", "in/maps") == 0
+        names = {"fox_normal.png", "deep/fox_normal.png", "deep/er/owl_normal.png"}
+        assert written("in/maps") == names
+    assert generate("in", "--recursive", "-o", "in") == 0
+    assert "deep/fox_normal_normal.png" not in written("in")
+
+
+def test_masks_mirror_the_tree(here: Path) -> None:
+    draw("in/a/fox.png", "in/b/fox.png")
+    for folder, box in (("a", np.s_[60:90, 150:180]), ("b", np.s_[80:130, 140:200])):
+        mask = np.zeros((200, 300), np.uint8)
+        mask[box] = 255
+        Path(f"masks/{folder}").mkdir(parents=True)
+        Image.fromarray(mask).save(f"masks/{folder}/fox_mask.png")
+    assert generate("in", "--recursive", "--mask", "masks", "--alpha", "-o", "out") == 0
+    areas = [int((np.asarray(Image.open(f"out/{one}/fox_normal.png"))[..., 3] > 127).sum()) for one in "ab"]
+    assert areas[0] < 1200
+    assert areas[1] > 2000
+
+
+def test_one_name_in_different_folders_is_no_error(here: Path) -> None:
+    draw("a/fox.png", "b/fox.png", "b/owl.png")
+    assert generate("a/fox.png", "b/fox.png", "b/owl.png") == 0
+    assert written("normals") == {"a/fox_normal.png", "b/fox_normal.png", "owl_normal.png"}
+
+
+def test_one_bad_path_stops_no_other(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw("fox.png", "owl.png")
+    assert generate("fox.png", "missing.png", "owl.png", "none/*.png") == 1
+    assert written("normals") == {"fox_normal.png", "owl_normal.png"}
+    said = capsys.readouterr().err
+    assert "no sketch found at 'missing.png'" in said
+    assert "no sketch found at 'none/*.png'" in said
+    assert "2 of 4 sketches could not be used" in said
+    assert generate("missing.png", "gone.png") == 2
+
+
+def test_what_is_there_can_be_skipped(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw("fox.png", "owl.png")
+    assert generate("fox.png") == 0
+    before = Path("normals/fox_normal.png").stat().st_mtime_ns
+    capsys.readouterr()
+    assert generate("fox.png", "owl.png", "--skip-existing") == 0
+    said = capsys.readouterr()
+    assert said.out.split() == [str(Path("normals/owl_normal.png"))]
+    assert "1 of 2 sketches have a map already" in said.err
+    assert Path("normals/fox_normal.png").stat().st_mtime_ns == before
+    assert generate("fox.png", "--skip-existing") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [(["-fox.png"], "-fox"), (["--", "-fox.png"], "-fox"), (["--bits", "8", "--", "fox.png"], "fox")],
+)
+def test_names_that_begin_with_a_dash_are_names(here: Path, arguments: list[str], name: str) -> None:
+    draw("fox.png")
+    Path("fox.png").write_bytes(Path("fox.png").read_bytes())
+    Image.fromarray(GREY).save(here / "-fox.png")
+    assert generate("-o", "out", *arguments) == 0
+    assert written("out") == {f"{name}_normal.png"}
+
+
+def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw("fox.png", "owl.png")
+    assert generate("fox.png", "-o", "x.png", "--height", "png") == 0
+    assert generate("fox.png", "-o", "deep/y.exr") == 0
+    assert generate("fox.png") == 0
+    assert {"x.png", "x_height.png", "deep/y.exr"} <= written(".")
+    assert Path("x.png").read_bytes() == Path("normals/fox_normal.png").read_bytes()
+    assert Path("deep/y.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
+    for arguments, sentence in (
+        (["fox.png", "owl.png", "-o", "z.png"], "z.png is one file, but there are 2 sketches"),
+        (["fox.png", "-o", "z.png", "--format", "exr"], "z.png is no exr"),
+        (["fox.png", "-o", "z.gif"], "z.gif would be an animation, but fox.png does not move."),
+        (["fox.png", "-o", "fox.png"], "fox.png is read and would be written over"),
+    ):
+        capsys.readouterr()
+        assert generate(*arguments) == 2
+        assert sentence in capsys.readouterr().err
+    Path("folder.png").mkdir()
+    assert generate("fox.png", "-o", "folder.png") == 0
+    assert written("folder.png") == {"fox_normal.png"}
+
+
+def test_a_map_goes_to_standard_output(here: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
+    draw("fox.png", "owl.png")
+    assert generate("fox.png") == 0
+    capfdbinary.readouterr()
+    assert generate("fox.png", "-o", "-") == 0
+    assert capfdbinary.readouterr().out == Path("normals/fox_normal.png").read_bytes()
+    for arguments, sentence in (
+        (["fox.png", "owl.png"], b"standard output holds one map, but there are 2"),
+        (["fox.png", "--height", "png"], b"standard output holds the map alone"),
+        (["fox.png", "--watch"], b"standard output holds one map; --watch"),
+    ):
+        assert generate(*arguments, "-o", "-") == 2
+        said = capfdbinary.readouterr()
+        assert sentence in said.err
+        assert not said.out
+
+
+def test_what_cannot_be_written_is_noticed_before_anything_is_painted(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("fox.png")
+    Path("dir/fox_normal.png").mkdir(parents=True)
+    for extra in ([], ["--dry-run"]):
+        for output in ("fox.png/out", "dir", *(["/proc/normals"] if sys.platform == "linux" else [])):
+            assert generate("fox.png", "-o", output, *extra) == 2, output
+            said = capsys.readouterr()
+            assert "the normal map cannot be written to" in said.err
+            assert not said.out
+
+
+def test_what_is_saved_is_painted_until_the_folder_vanishes(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/fox.png")
+    looks = 0
+
+    def wait(_: float) -> None:
+        nonlocal looks
+        looks += 1
+        if looks == 2:
+            draw("in/owl.png")
+            Path("in/half.png").write_bytes(b"\x89PNG")
+        if looks == 5:
+            os.utime("in/fox.png", ns=(1, 1))
+        if looks == 8:
+            rmtree("in")
+
+    monkeypatch.setattr("time.sleep", wait)
+    assert generate("in", "--watch") == 1
+    said = capsys.readouterr()
+    names = [Path(line).name for line in said.out.split()]
+    assert names == ["fox_normal.png", "owl_normal.png", "fox_normal.png"]
+    assert "half.png is not an image that can be read" in said.err
+    assert "the folder in that is watched is gone." in said.err
+
+
+def test_a_long_batch_takes_the_memory_of_a_short_one(here: Path) -> None:
+    small = Image.fromarray(GREY).resize((120, 80))
+    Path("in").mkdir()
+    for i in range(50):
+        small.save(f"in/{i:03d}.png")
+    script = (
+        "import resource, sys; from normalgan.__main__ import main; "
+        "assert main(sys.argv[1:]) == 0; "
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, file=sys.stderr)"
+    )
+    peaks = []
+    for pattern in ("in/00[0-4].png", "in/*.png"):
+        arguments = ["generate", pattern, "--model", "model.onnx", "--bits", "16"]
+        ran = subprocess.run(
+            [sys.executable, "-c", script, *arguments], check=True, capture_output=True, text=True
+        )
+        peaks.append(int(ran.stderr.split()[-1]))
+    assert peaks[1] < 1.1 * peaks[0]
+
+
+def test_nothing_is_told_to_anybody(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import onnxruntime
+
+    told = []
+    monkeypatch.setattr(onnxruntime, "disable_telemetry_events", lambda: told.append("off"))
+    draw("fox.png")
+    assert generate("fox.png") == 0
+    assert told == ["off"]
