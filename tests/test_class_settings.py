@@ -46,6 +46,12 @@ def pairs() -> Iterator[Any]:
                 )
 
 
+def required(cls: type[Any]) -> dict[str, str]:
+    """Return something for each setting that has no default."""
+    parameters = inspect.signature(cls).parameters.values()
+    return {p.name: "x" for p in parameters if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD}
+
+
 @pytest.mark.parametrize("way", ["options", "file", "file over file", "object"])
 @pytest.mark.parametrize(("base", "former", "named"), list(pairs()))
 def test_every_class_has_its_own_defaults(
@@ -59,18 +65,23 @@ def test_every_class_has_its_own_defaults(
     parser.add_argument("--part", type=base)
     parser.set_defaults({"part": {"class_path": f"{former.__module__}.{former.__qualname__}"}})
     files = [tmp_path / "former.yaml", tmp_path / "named.yaml"]
-    files[0].write_text(yaml.safe_dump({"part": {"class_path": former.__name__, "init_args": given}}))
-    files[1].write_text(yaml.safe_dump({"part": {"class_path": named.__name__}}))
+    before = {"class_path": former.__name__, "init_args": given | required(former)}
+    after = {"class_path": named.__name__, "init_args": required(named)}
+    files[0].write_text(yaml.safe_dump({"part": before}))
+    files[1].write_text(yaml.safe_dump({"part": after}))
     match way:
         case "options":
             options = [f"--part.{name}={value}" for name, value in given.items()]
-            parsed = parser.parse_args([f"--part={former.__name__}", *options, f"--part={named.__name__}"])
+            more = [f"--part.{name}={value}" for name, value in required(named).items()]
+            parsed = parser.parse_args(
+                [f"--part={former.__name__}", *options, f"--part={named.__name__}", *more]
+            )
         case "file":
             parsed = parser.parse_args(["--config", str(files[1])])
         case "file over file":
             parsed = parser.parse_args([text for file in files for text in ("--config", str(file))])
         case _:
-            parsed = parser.parse_object({"part": {"class_path": named.__name__}})
+            parsed = parser.parse_object({"part": after})
     wanted = defaults(named)
     found = parsed.part.init_args.as_dict()
     plain = {n: v for n, v in wanted.items() if isinstance(v, bool | int | float | str | tuple | None)}

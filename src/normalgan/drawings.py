@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from normalgan.decoding import Decoded, Pixels, decode
 from normalgan.errors import InputError
 from normalgan.limits import read_bounded
-from normalgan.normals import normalize
+from normalgan.normals import Green, flip_green, normalize, read_exr, vectors
 
 Floats = NDArray[np.float32]
 
@@ -98,6 +98,7 @@ def read_pixels(
     svg_side: int = SVG_SIDE,
     longest: int | None = None,
     grey: bool = False,
+    exact: bool = False,
 ) -> Decoded:
     """Read a picture of any format upright; an SVG is drawn, transparent where it has nothing.
 
@@ -109,6 +110,7 @@ def read_pixels(
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger picture is reduced to.
         grey: whether only how bright it is on white paper is wanted.
+        exact: whether the levels are wanted as they are stored, 16 bits a channel or floats.
 
     Raises:
         InputError: if it is missing, no image, or of no possible size, or takes too much to be decoded.
@@ -121,7 +123,7 @@ def read_pixels(
         raise InputError(f"{path} cannot be read as an image: {error.strerror}.") from None
     if len(data) > MOST_BYTES:
         raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
-    return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey)
+    return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey, exact)
 
 
 def to_unit(pixels: Pixels) -> Floats:
@@ -157,7 +159,7 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
         InputError: if the picture is missing, opaque or of another size, or a colour is no normal.
     """
     path = Path(path)
-    pixels = read_pixels(path).pixels
+    pixels = read_pixels(path, exact=True).pixels
     if pixels.shape[:2] != shape:
         raise InputError(
             f"the hints {path} are {pixels.shape[1]} × {pixels.shape[0]} pixels, "
@@ -165,18 +167,42 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
         )
     if pixels.ndim == 2 or pixels.shape[2] < 4:
         raise InputError(f"the hints {path} have no transparency; paint them on a transparent PNG.")
-    where = pixels[..., 3] > 127
+    where = to_unit(pixels[..., 3]) > 0.5
     rows, columns = np.nonzero(where)
     colours = pixels[rows, columns, :3]
-    vectors = colours.astype(np.float32) / 127.5 - 1
-    length = np.linalg.norm(vectors, axis=-1)
-    wrong = np.flatnonzero(np.abs(length - 1) > 0.25)
+    given = vectors(colours)
+    length = np.linalg.norm(given, axis=-1)
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is no number is wrong
     if len(wrong):
-        first = wrong[0]
+        first, half = wrong[0], {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
         raise InputError(
             f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is no "
-            f"normal: (colour / 127.5 - 1) must have length 1, not {length[first]:.2f}."
+            f"normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
         )
     normals = np.zeros((*shape, 3), np.float32)
-    normals[rows, columns] = normalize(vectors)
+    normals[rows, columns] = normalize(given)
     return normals, where
+
+
+def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats | None]:
+    """Read a normal map: PNG or TIFF of 8 or 16 bits a channel, TIFF or EXR of floats.
+
+    Args:
+        path: of the file.
+        green: which way of y it holds: up as in OpenGL, down as in DirectX.
+
+    Returns:
+        The vectors (H, W, 3), y up, as long as in the file; its opacity (H, W) in [0, 1], None without.
+
+    Raises:
+        InputError: if it is missing, cannot be read, or has no colours.
+    """
+    path = Path(path)
+    pixels = (
+        read_exr(path, LARGEST) if path.suffix.lower() == ".exr" else read_pixels(path, exact=True).pixels
+    )
+    if pixels.ndim == 2:
+        raise InputError(f"{path} is grey; a normal map has three colours, the axes of its vectors.")
+    found = vectors(pixels[..., :3])
+    alpha = to_unit(pixels[..., 3]) if pixels.shape[2] == 4 else None
+    return flip_green(found) if green == "down" else found, alpha

@@ -12,9 +12,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, brief
 
 Bits = Literal[8, 16]
+Green = Literal["up", "down"]
+"""Which way of y a file holds as green: up as in OpenGL, down as in DirectX."""
 Floats = NDArray[np.float32]
 
 
@@ -63,8 +65,24 @@ def decode(colours: NDArray[np.uint8] | NDArray[np.uint16]) -> Floats:
     >>> decode(np.array([255, 128, 128], dtype=np.uint8)).round(2).tolist()
     [1.0, 0.0, 0.0]
     """
-    top = np.iinfo(colours.dtype).max
-    return normalize(colours.astype(np.float32) / top * 2 - 1)
+    return normalize(vectors(colours))
+
+
+def vectors(levels: NDArray[Any]) -> Floats:
+    """Return what the levels of a normal map, (..., 3), stand for, as long as they are.
+
+    Floats below 0 are the vectors themselves, as in the normal pass of a renderer; others are colours.
+
+    >>> vectors(np.array([255, 0, 51], dtype=np.uint8)).round(2).tolist()
+    [1.0, -1.0, -0.6]
+    >>> vectors(np.array([[0.5, 0.5, 1.0]], dtype=np.float32)).tolist()
+    [[0.0, 0.0, 1.0]]
+    """
+    if np.issubdtype(levels.dtype, np.floating):
+        found = np.asarray(levels, np.float32)
+        return found if levels.size and float(levels.min()) < -0.01 else found * 2 - 1
+    top = np.float32(np.iinfo(levels.dtype).max)
+    return np.asarray(levels.astype(np.float32) / top * 2 - 1, np.float32)
 
 
 def flip_green(normals: Floats) -> Floats:
@@ -190,3 +208,49 @@ def read_png(path: str | Path) -> tuple[Floats, Floats]:
     top = np.float32(np.iinfo(pixels.dtype).max)
     alpha = pixels[..., 3] / top if pixels.shape[2] == 4 else np.ones(pixels.shape[:2])
     return decode(pixels[..., 2::-1]), alpha.astype(np.float32)
+
+
+def read_exr(path: str | Path, most: int = 8192) -> Floats:
+    """Read the levels (H, W, 3), or (H, W, 4) with opacity, of an EXR.
+
+    Its channels are R, G, B and A, or X, Y and Z, of the only layer or of one whose name ends in "normal".
+
+    Args:
+        path: of the file.
+        most: pixels that a side has at most.
+
+    Raises:
+        InputError: if there is no such file, or it is none of that kind.
+    """
+    import OpenEXR
+
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"there is no file {path}.")
+    try:
+        with OpenEXR.File(str(path), header_only=True) as file:
+            low, high = file.header()["dataWindow"]
+            width, height = int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1
+            if not 0 < max(height, width) <= most:
+                raise InputError(
+                    f"{path} is {width} × {height} pixels; a normal map has at most {most} a side."
+                )
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {name: channel.pixels for name, channel in file.channels().items()}
+    except InputError:
+        raise
+    except Exception as error:  # the library raises bare RuntimeErrors, or what its bindings make of them
+        raise InputError(f"{path} is not an EXR that can be read: {brief(error)}.") from None
+    layers: dict[str, dict[str, Any]] = {}
+    for name, pixels in channels.items():
+        layer, _, letter = name.rpartition(".")
+        layers.setdefault(layer, {})[letter.upper()] = pixels
+    for names in ("RGBA", "RGB", "XYZ"):
+        found = [layer for layer, of_layer in layers.items() if set(names) <= set(of_layer)]
+        named = [layer for layer in found if layer.lower().endswith("normal")]
+        if len(named or found) == 1:
+            of_layer = layers[(named or found)[0]]
+            return np.stack([np.asarray(of_layer[name], np.float32) for name in names], axis=-1)
+    raise InputError(
+        f"{path} has the channels {', '.join(sorted(channels))[:80]}; a normal map has R, G, B or X, Y, Z."
+    )

@@ -7,6 +7,7 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from normalgan.data.cluster_address import CLUSTERS
+from normalgan.data.sources import DATA_SOURCES
 from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.models import DISCRIMINATORS, GENERATORS
@@ -23,10 +24,13 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "discriminator": DISCRIMINATORS,
     "objective": ADVERSARIAL_OBJECTIVES,
     "reconstruction": RECONSTRUCTIONS,
+    "source": DATA_SOURCES,
 }
 """The registry behind each setting that names a plug-in."""
 
-SETTINGS = {kind: f"{'data' if kind in {'renderer', 'lines'} else 'model'}.{kind}" for kind in REGISTRIES}
+SETTINGS = {
+    kind: f"{'data' if kind in {'source', 'renderer', 'lines'} else 'model'}.{kind}" for kind in REGISTRIES
+}
 """The setting that names a plug-in of each kind."""
 
 

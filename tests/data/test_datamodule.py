@@ -42,7 +42,8 @@ def sample_names(module: MeshDataModule) -> list[list[str]]:
 
 def loaded(module: MeshDataModule, name: str) -> Mesh:
     (source,) = (s for sources in module.sources.values() for s in sources if s.name == name)
-    return source.load()
+    mesh: Mesh = source.load()
+    return mesh
 
 
 def test_splits_are_by_mesh_and_never_by_view(meshes: Path, cache: Path) -> None:

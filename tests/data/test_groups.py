@@ -1,16 +1,18 @@
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.groups import MeshGroup
+from normalgan.data.recipe import Loadable
+from normalgan.data.sources import MeshGroup
 from normalgan.errors import InputError
-from normalgan.rendering import MeshFile, MeshSource
+from normalgan.rendering import MeshFile
 from normalgan.rendering.variation import Varied
 from small import data
 
 
-def names(sources: list[MeshSource]) -> list[str]:
+def names(sources: Sequence[Loadable]) -> list[str]:
     return [source.name for source in sources]
 
 

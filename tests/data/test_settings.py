@@ -1,6 +1,7 @@
 import contextlib
 import io
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -9,18 +10,20 @@ import yaml
 from normalgan.__main__ import main
 from normalgan.animals import GROUPS, Animal
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.recipe import Loadable
 from normalgan.errors import InputError
-from normalgan.rendering import MeshFile, MeshSource
+from normalgan.rendering import MeshFile
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.media import Medium
 from normalgan.rendering.rigs import RiggedFile
+from normalgan.rendering.samples import Recipe
 from normalgan.rendering.variation import Variation, Varied
 from small import data
 
 CONF = Path(__file__).parents[1] / "conf"
 
 
-def names(sources: list[MeshSource]) -> list[str]:
+def names(sources: Sequence[Loadable]) -> list[str]:
     return [source.name for source in sources]
 
 
@@ -94,9 +97,12 @@ def test_numbers_are_checked(meshes: Path, cache: Path, name: str) -> None:
 
 def test_hand_and_medium_enter_the_recipe(meshes: Path, cache: Path) -> None:
     recipe = data(meshes, cache, hand=Hand(wobble=0.01), medium=Medium()).recipe
+    assert isinstance(recipe, Recipe)
     assert recipe.hand == Hand(wobble=0.01)
     assert recipe.medium == Medium()
-    assert data(meshes, cache).recipe.hand is None
+    plain = data(meshes, cache).recipe
+    assert isinstance(plain, Recipe)
+    assert plain.hand is None
 
 
 def test_the_command_line_reads_them(meshes: Path, tmp_path: Path) -> None:

@@ -13,9 +13,9 @@ from torch import Tensor
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
-from normalgan.normals import Bits
+from normalgan.normals import Bits, Green
 from normalgan.painting.jobs import Job, plan
-from normalgan.painting.normal_map import Format, Green
+from normalgan.painting.normal_map import Format
 from normalgan.painting.outputs import Outputs
 from normalgan.painting.pipeline import finish
 from normalgan.painting.torch_backend import channels_last

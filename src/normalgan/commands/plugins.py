@@ -10,7 +10,7 @@ from normalgan.commands.light_parser import LightParser
 from normalgan.registry import LeftOut, Registry, summary
 
 Kind = Literal[
-    "renderer", "lines", "hint_sampler", "generator", "discriminator", "objective", "reconstruction"
+    "renderer", "lines", "hint_sampler", "generator", "discriminator", "objective", "reconstruction", "source"
 ]
 """The kinds of plug-ins, by the last part of the setting that names one."""
 

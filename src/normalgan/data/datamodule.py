@@ -1,37 +1,238 @@
-"""MeshDataModule: from meshes (or the embedded animals) to batches, and from drawings to be predicted."""
+"""MeshDataModule: from meshes, animals or pairs to batches, and from drawings to be predicted."""
 
 import warnings
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
+from lightning.pytorch import LightningDataModule
 from torch import Tensor
 from torch.utils.data import DataLoader
 
+from normalgan.animals import herd
 from normalgan.batch import Batch
+from normalgan.data.augmentation import Augmentation
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.items import Item, decode
 from normalgan.data.loaders import Loaders
-from normalgan.data.manifest import views_by_split
+from normalgan.data.local_cache import LocalCache
+from normalgan.data.manifest import fingerprints, views_by_split
 from normalgan.data.mean import evenly, mean_of_maps
+from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import open_samples, render_samples
-from normalgan.data.settings import DataSettings
 from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketches
+from normalgan.data.sources import Animals, DataSource, MeshGroup, PairSource, SplitSettings
+from normalgan.data.splits import SPLITS
 from normalgan.data.stream import StreamDataset
 from normalgan.data.training_data import changes, describe_training_data
 from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.painting.jobs import find_files
+from normalgan.rendering import EmbreeRenderer, Renderer, Views
+from normalgan.rendering.hand import Hand
+from normalgan.rendering.lines import LineDrawing, SuggestiveContours
+from normalgan.rendering.media import Medium
+from normalgan.rendering.samples import Recipe
+from normalgan.rendering.variation import Variation
 from normalgan.seeds import derive_seed
 
 
-class MeshDataModule(DataSettings):
-    """Renders sketches, normal maps and masks of meshes, and serves them; serves drawings to predict.
+class MeshDataModule(LightningDataModule):
+    """Makes sketches, normal maps and masks of meshes, or reads pairs; serves them, and drawings to predict.
 
-    What it can be told is in `DataSettings`.
+    Args:
+        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
+            embedded procedural animals, or the source.
+        groups: kinds of meshes that are read, posed and split each in its own way, besides ``meshes`` or in
+            place of them.
+        animals: how many embedded animals there are, if no meshes are given.
+        extra_animals: embedded animals that join the training meshes that are given; those to validate and
+            test stay as they are.
+        species: groups (such as quadrupeds or birds) and species that the embedded animals are of, in turn.
+        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
+        variants: individuals that join each training mesh, varied at random; those to validate and test stay
+            as they are.
+        variation: how far such individuals differ from the mesh.
+        source: where samples come from, such as `Pairs` on disk, in place of meshes and animals.
+        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
+        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
+        split_file: JSON file that lists the train, val and test meshes; None splits by fractions.
+        fractions: shares of train, val and test meshes, if there is no split file.
+        split_seed: which meshes go where, if there is no split file.
+        views: where the objects are looked at from.
+        renderer: what turns a mesh and a camera into maps.
+        lines: the style of the sketches.
+        hand: how a person would draw these lines; None draws the exact ones.
+        medium: pen, paper and scanner; None is clean ink on white paper.
+        size: side of the pictures in pixels.
+        train_views: views of each training mesh; on the fly, of each epoch.
+        val_views: views of each validation mesh.
+        test_views: views of each test mesh.
+        on_the_fly: render training samples while training, in ``workers``, other views every epoch, and
+            keep none; if not, they are rendered once and kept, as those to validate and test always are.
+        cache: folder or URL where rendered samples are kept.
+        local_cache: folder on this machine for shards of a cache behind a URL, so that each is fetched once;
+            None fetches what is wanted each time. A cache on this machine needs none.
+        local_cache_size: bytes that may be used there.
+        render_workers: processes that render what is kept, side by side; 0 renders in this one.
+        batch_size: samples a batch.
+        workers: processes that load samples, or render them on the fly; 0 does it in this one: enough for
+            samples that fit in memory.
+        memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
+            fly, what the meshes may take in all workers together.
+        augmentation: random changes of training samples; None for none.
+        seed: of the animals, the views, the order of training samples and the augmentation.
+        sketches: a folder, a glob or a list of drawings, for predict.
+        hints: hints for the drawings: a file, or a folder of ``<sketch>_hints.png`` or ``.json``.
+        mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
+            fill the drawing's own, or ``model`` to leave it to the model; None is its opacity if that tells,
+            else its outline.
+        map_size: longer side of the maps in pixels; None is the drawing's, 1024 of an SVG.
     """
 
-    _drawings: SketchDataset | None = None
-    _training_data: dict[str, Any] | None = None
+    def __init__(
+        self,
+        meshes: str | list[str] | None = None,
+        groups: list[MeshGroup] = [],  # noqa: B006  # never changed
+        animals: int = 24,
+        extra_animals: int = 0,
+        species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
+        poses: int = 0,
+        variants: int = 0,
+        variation: Variation = Variation(),  # noqa: B008  # frozen
+        source: DataSource | None = None,
+        orientation: str | None = None,
+        crease_angle: float | None = None,
+        split_file: str | None = None,
+        fractions: tuple[float, float, float] = (0.7, 0.1, 0.2),
+        split_seed: int = 0,
+        views: Views = Views(),  # noqa: B008
+        renderer: Renderer = EmbreeRenderer(),  # noqa: B008
+        lines: LineDrawing = SuggestiveContours(),  # noqa: B008
+        hand: Hand | None = None,
+        medium: Medium | None = None,
+        size: int = 256,
+        train_views: int = 100,
+        val_views: int = 20,
+        test_views: int = 20,
+        on_the_fly: bool = False,
+        cache: str = "cache",
+        local_cache: str | None = None,
+        local_cache_size: int = 20 * 10**9,
+        render_workers: int = 2,
+        batch_size: int = 8,
+        workers: int = 0,
+        memory: int = 2 * 1024**3,
+        augmentation: Augmentation | None = None,
+        seed: int = 0,
+        sketches: str | list[str] | None = None,
+        hints: str | None = None,
+        mask: str | None = None,
+        map_size: int | None = None,
+    ) -> None:
+        super().__init__()
+        self._drawings: SketchDataset | None = None
+        self._training_data: dict[str, Any] | None = None
+        for name, number in {"animals": animals, "batch_size": batch_size}.items():
+            if number < 1:
+                raise InputError(f"data.{name} must be 1 or more, not {number}.")
+        if extra_animals and meshes is None and not groups:
+            raise InputError(
+                "data.extra_animals join meshes of yours, and data.meshes names none; data.animals says how "
+                "many animals there are without."
+            )
+        counts = {"extra_animals": extra_animals, "poses": poses, "variants": variants, "memory": memory}
+        for name, number in (counts | {"render_workers": render_workers, "workers": workers}).items():
+            if number < 0:
+                raise InputError(f"data.{name} must be 0 or more, not {number}.")
+        given = [
+            name
+            for name, value in {"meshes": meshes, "groups": groups, "extra_animals": extra_animals}.items()
+            if value
+        ]
+        if source is not None and given:
+            raise InputError(
+                f"data.{given[0]} says that the data are meshes, and data.source names "
+                f"{type(source).__name__}; leave one of them out."
+            )
+        if on_the_fly and isinstance(source, PairSource):
+            raise InputError(
+                f"data.on_the_fly renders meshes while training, but {type(source).__name__} has "
+                "pairs, which are read once and kept; leave it out."
+            )
+        self.meshes = meshes
+        self.groups = groups
+        self.animals = animals
+        self.extra_animals = extra_animals
+        self.species = species
+        self.poses = poses
+        self.variants = variants
+        self.variation = variation
+        self.orientation = orientation
+        self.crease_angle = crease_angle
+        self.split_file = split_file
+        self.fractions = fractions
+        self.split_seed = split_seed
+        self.source = source
+        self.recipe: SampleRecipe = Recipe(views, renderer, lines, size, seed, hand, medium)
+        self.views_per_mesh = {"train": train_views, "val": val_views, "test": test_views}
+        if source is not None:
+            self.recipe, self.views_per_mesh = (
+                source.recipe(self.recipe),
+                dict(source.views(self.views_per_mesh)),
+            )
+        self.on_the_fly = on_the_fly
+        self.cache = cache
+        self.nearby = LocalCache(local_cache, local_cache_size) if local_cache else None
+        self.render_workers = render_workers
+        self.batch_size = batch_size
+        self.workers = workers
+        self.memory = memory
+        self.augmentation = augmentation
+        self.seed = seed
+        self.sketches = sketches
+        self.hints = hints
+        self.mask = mask
+        self.map_size = map_size
+
+    # --- what there is --------------------------------------------------------------------------------
+
+    @cached_property
+    def sources(self) -> dict[str, Sequence[Loadable]]:
+        """What each split holds: meshes, or the pairs of a source.
+
+        Raises:
+            InputError: if a mesh, a pair, the split or the orientation cannot be used.
+        """
+        settings = SplitSettings(self.fractions, self.split_seed, self.split_file, self.seed, self.variation)
+        if self.source is None:
+            return self._meshes(settings)
+        found = self.source.split(settings)
+        if unknown := set(found) - set(SPLITS):
+            raise InputError(
+                f"{type(self.source).__name__} has a split {min(unknown)!r}; the splits are "
+                f"{', '.join(SPLITS)}."
+            )
+        return {split: list(found.get(split, [])) for split in SPLITS}
+
+    def _meshes(self, settings: SplitSettings) -> dict[str, Sequence[Loadable]]:
+        """Return what there is if no source is named: meshes, groups of them, or the embedded animals."""
+        kinds = [group.split(settings) for group in self.groups]
+        if self.meshes is not None:
+            how = (self.orientation, self.crease_angle, self.poses, self.variants, self.split_file)
+            kinds = [MeshGroup(self.meshes, *how).split(settings), *kinds]
+        elif not self.groups:
+            kinds = [Animals(self.animals, tuple(self.species), self.variants).split(settings)]
+        extra = herd(self.extra_animals, self.seed, self.species) if self.extra_animals else []
+        joined = {split: [mesh for kind in kinds for mesh in kind[split]] for split in SPLITS}
+        return {**joined, "train": [*joined["train"], *extra]}
+
+    @property
+    def kept(self) -> dict[str, Sequence[Loadable]]:
+        """What of each split is kept as samples: all, or all but what to train on if that is on the fly."""
+        return {
+            name: part for name, part in self.sources.items() if not (self.on_the_fly and name == "train")
+        }
 
     # --- from meshes to samples -----------------------------------------------------------------------
 
@@ -57,7 +258,7 @@ class MeshDataModule(DataSettings):
         if self.on_the_fly:
             reasons = find_unusable(self.cache, self.sources["train"], self.render_workers)
             for name, reason in reasons.items():
-                warnings.warn(f"the mesh {name} is left out: {reason}", stacklevel=2)
+                warnings.warn(f"the {self.recipe.noun} {name} is left out: {reason}", stacklevel=2)
             leave_out(self.sources["train"], reasons, "train")
 
     def setup(self, stage: str) -> None:
@@ -67,12 +268,26 @@ class MeshDataModule(DataSettings):
             InputError: if there are no drawings to predict, or one cannot be used.
         """
         if stage == "fit":
-            self._training_data = describe_training_data(self, self.trainer.world_size if self.trainer else 1)
+            self._training_data = self._describe_training_data()
         if stage == "predict":
             if self.sketches is None:
                 raise InputError("predict needs drawings: --data.sketches names a folder, a glob or a list.")
             files = find_files(self.sketches, hints=self.hints, mask=self.mask)
             self._drawings = SketchDataset(files, self.recipe.size, self.map_size)
+
+    def _describe_training_data(self) -> dict[str, Any]:
+        """Return all that decides which training samples come when, by setting, as plain values for JSON."""
+        return describe_training_data(
+            fingerprints({"train": self.sources["train"]})["train"],
+            self.recipe.describe(),
+            self.augmentation.settings if self.augmentation else None,
+            {
+                "data.train_views": self.views_per_mesh["train"],
+                "data.on_the_fly": self.on_the_fly,
+                "data.batch_size": self.batch_size,
+            },
+            self.trainer.world_size if self.trainer else 1,
+        )
 
     def state_dict(self) -> dict[str, Any]:
         """Return for a checkpoint what the training samples depend on."""

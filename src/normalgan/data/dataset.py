@@ -9,7 +9,7 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from normalgan.data.items import Item, SampleError, decode_item, to_item
-from normalgan.data.layout import ARRAYS
+from normalgan.data.layout import ARRAYS, array_names
 from normalgan.data.shards import ShardedSamples
 from normalgan.errors import InputError
 
@@ -31,7 +31,7 @@ class SampleDataset(Dataset[Item]):
     def __init__(self, store: ShardedSamples, memory: int = 2 * 1024**3) -> None:
         self.store = store
         self._held: dict[str, Tensor] | None = None
-        if len(store) * bytes_per_sample(store.layout.size) <= memory:
+        if len(store) * bytes_per_sample(store.layout.size, store.layout.hints) <= memory:
             self._held = _read_all(store)
 
     @property
@@ -55,24 +55,30 @@ class SampleDataset(Dataset[Item]):
                 sample = self.store.read(index)
             except InputError as error:
                 raise SampleError(str(error)) from error
-            arrays = {name: torch.from_numpy(np.array(getattr(sample, name))) for name in ARRAYS}
-        return to_item(arrays["sketch"], arrays["normal"], arrays["mask"], self.store.name(index))
+            arrays = {
+                name: torch.from_numpy(np.array(getattr(sample, name)))
+                for name in array_names(self.store.layout.hints)
+            }
+        name = self.store.name(index)
+        return to_item(arrays["sketch"], arrays["normal"], arrays["mask"], name, arrays.get("hints"))
 
 
-def bytes_per_sample(size: int) -> int:
+def bytes_per_sample(size: int, hints: bool = False) -> int:
     """Return the memory that one sample of ``size`` pixels a side takes.
 
     >>> bytes_per_sample(256)
     524288
     """
-    return size * size * sum(np.dtype(kind).itemsize * int(np.prod(tail)) for kind, tail in ARRAYS.values())
+    arrays = [ARRAYS[name] for name in array_names(hints)]
+    return size * size * sum(np.dtype(kind).itemsize * int(np.prod(tail)) for kind, tail in arrays)
 
 
 def _read_all(store: ShardedSamples) -> dict[str, Tensor]:
     """Return the arrays of a split as tensors, which processes share when they are handed over."""
     size, count = store.layout.size, len(store)
     held: dict[str, NDArray[Any]] = {
-        name: np.empty((count, size, size, *tail), kind) for name, (kind, tail) in ARRAYS.items()
+        name: np.empty((count, size, size, *ARRAYS[name][1]), ARRAYS[name][0])
+        for name in array_names(store.layout.hints)
     }
     for shard in range(store.layout.shards):
         indices = store.indices(shard)

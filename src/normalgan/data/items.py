@@ -1,7 +1,7 @@
 """Items: one sample as tensors, and how several make a batch."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol, TypedDict, runtime_checkable
+from typing import Any, NotRequired, Protocol, TypedDict, runtime_checkable
 
 import torch
 from torch import Tensor
@@ -32,11 +32,13 @@ class Item(TypedDict):
     """(3, H, W); stored in half precision, of about unit length"""
     mask: Tensor
     """(1, H, W); stored as bool"""
+    hints: NotRequired[Tensor]
+    """(4, H, W), if samples bring hints; stored in half precision"""
     name: str
     """Mesh and number of the view, such as ``horse-0001/17``."""
 
 
-def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str) -> Item:
+def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str, hints: Tensor | None = None) -> Item:
     """Return a sample as it is stored, in a quarter of the bytes that the network takes; see `decode`.
 
     Args:
@@ -44,8 +46,17 @@ def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str) -> Item:
         normal: (H, W, 3) of any float type.
         mask: (H, W) bool.
         name: what the sample is called.
+        hints: (H, W, 4) normals at the hints and where they are; None if samples bring none.
     """
-    return {"sketch": sketch[None], "normal": normal.permute(2, 0, 1), "mask": mask[None], "name": name}
+    item: Item = {
+        "sketch": sketch[None],
+        "normal": normal.permute(2, 0, 1),
+        "mask": mask[None],
+        "name": name,
+    }
+    if hints is not None:
+        item["hints"] = hints.permute(2, 0, 1)
+    return item
 
 
 def decode(batch: Batch) -> Batch:
@@ -60,14 +71,21 @@ def decode(batch: Batch) -> Batch:
     on = mask.float()
     if normal.dtype == torch.float16 or not mask.is_floating_point():
         normal = unit_vectors(normal) * on
-    return {**batch, "sketch": sketch, "normal": normal, "mask": on}
+    decoded: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": on}
+    if "hints" in batch and batch["hints"].dtype == torch.float16:
+        where = batch["hints"][:, 3:].float()
+        decoded["hints"] = torch.cat([unit_vectors(batch["hints"][:, :3]) * where, where], dim=1)
+    return decoded
 
 
 def decode_item(item: Item) -> Item:
     """Return a sample as the network takes it."""
     name, batch = item["name"], decode(collate([item]))
     sketch, normal, mask = batch["sketch"][0], batch["normal"][0], batch["mask"][0]
-    return {"sketch": sketch, "normal": normal, "mask": mask, "name": name}
+    decoded: Item = {"sketch": sketch, "normal": normal, "mask": mask, "name": name}
+    if "hints" in batch:
+        decoded["hints"] = batch["hints"][0]
+    return decoded
 
 
 class AsStored(Dataset[Item]):
@@ -102,9 +120,12 @@ class StoredSamples(Protocol):
 
 def collate(items: Sequence[Item]) -> Batch:
     """Return the samples stacked to a batch."""
-    return {
+    batch: Batch = {
         "sketch": torch.stack([item["sketch"] for item in items]),
         "normal": torch.stack([item["normal"] for item in items]),
         "mask": torch.stack([item["mask"] for item in items]),
         "name": [item["name"] for item in items],
     }
+    if "hints" in items[0]:
+        batch["hints"] = torch.stack([item["hints"] for item in items])
+    return batch

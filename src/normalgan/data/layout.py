@@ -15,8 +15,18 @@ ARRAYS: dict[str, tuple[str, tuple[int, ...]]] = {
     "sketch": ("uint8", ()),
     "normal": ("float16", (3,)),
     "mask": ("bool", ()),
+    "hints": ("float16", (4,)),
 }
 """The arrays of a split by name: type of number, and what follows (N, H, W) in the shape."""
+
+
+def array_names(hints: bool) -> list[str]:
+    """Return the arrays of a split whose samples bring hints, or bring none.
+
+    >>> array_names(False)
+    ['sketch', 'normal', 'mask']
+    """
+    return [name for name in ARRAYS if hints or name != "hints"]
 
 
 @dataclass(frozen=True)
@@ -29,6 +39,7 @@ class Shard:
         size: side of the pictures in pixels.
         room: samples that a shard has room for; the last one holds fewer.
         runs: what its samples show: a mesh, its first view here and the one after its last, and so on.
+        hints: whether its samples bring hints.
     """
 
     split: str
@@ -36,6 +47,7 @@ class Shard:
     size: int
     room: int
     runs: tuple[tuple[str, int, int], ...]
+    hints: bool = False
 
     def __len__(self) -> int:
         return sum(stop - start for _, start, stop in self.runs)
@@ -65,12 +77,14 @@ class Layout:
         views: samples a mesh.
         size: side of the pictures in pixels.
         per_shard: samples to a shard, the unit that is rendered, written and repaired.
+        hints: whether samples bring hints.
     """
 
     meshes: tuple[str, ...]
     views: int
     size: int
     per_shard: int = 32
+    hints: bool = False
 
     def __len__(self) -> int:
         return len(self.meshes) * self.views
@@ -96,7 +110,7 @@ class Layout:
             before = mesh * self.views
             first, last = max(places.start - before, 0), min(places.stop - before, self.views)
             runs.append((self.meshes[mesh], first, last))
-        return Shard(split, number, self.size, self.per_shard, tuple(runs))
+        return Shard(split, number, self.size, self.per_shard, tuple(runs), self.hints)
 
 
 def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
@@ -106,7 +120,7 @@ def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
         ValueError: if the samples are not as many or not as large as the shard says.
     """
     # An object depends on nothing outside its shard: arrays of this shard alone give the same bytes.
-    memory, arrays = _arrays_in_memory(shard.split, len(shard), shard.size, shard.room)
+    memory, arrays = _arrays_in_memory(shard.split, len(shard), shard.size, shard.room, shard.hints)
     for name, array in arrays.items():
         stack = np.stack([getattr(sample, name) for sample in samples])
         if stack.shape != array.shape or stack.dtype != array.dtype:
@@ -114,28 +128,30 @@ def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
         array[:] = stack
     return {
         chunk_path(shard.split, name, shard.number): memory[chunk_path(shard.split, name, 0)].to_bytes()
-        for name in ARRAYS
+        for name in arrays
     }
 
 
-def blank(size: int) -> Sample:
+def blank(size: int, hints: bool = False) -> Sample:
     """Return what lies in the place of a sample that could not be rendered."""
-    return Sample(**{name: np.zeros((size, size, *tail), kind) for name, (kind, tail) in ARRAYS.items()})
+    arrays = {name: ARRAYS[name] for name in array_names(hints)}
+    return Sample(**{name: np.zeros((size, size, *tail), kind) for name, (kind, tail) in arrays.items()})
 
 
 def metadata(split: str, layout: Layout) -> dict[str, bytes]:
     """Return the JSON documents that describe the arrays, by path."""
-    memory, _ = _arrays_in_memory(split, len(layout), layout.size, layout.per_shard)
+    memory, _ = _arrays_in_memory(split, len(layout), layout.size, layout.per_shard, layout.hints)
     return {path: buffer.to_bytes() for path, buffer in memory.items()}
 
 
 def _arrays_in_memory(
-    split: str, count: int, size: int, per_shard: int
+    split: str, count: int, size: int, per_shard: int, hints: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     memory: dict[str, Any] = {}
     group = zarr.create_group(MemoryStore(memory)).create_group(split)
     arrays = {}
-    for name, (dtype, tail) in ARRAYS.items():
+    for name in array_names(hints):
+        dtype, tail = ARRAYS[name]
         inner = (size, size, *tail)
         arrays[name] = group.create_array(
             name,

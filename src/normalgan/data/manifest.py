@@ -8,12 +8,12 @@ from typing import Any
 
 from normalgan.data.layout import Layout
 from normalgan.data.local_cache import LocalCache
+from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.shards import ShardedSamples
+from normalgan.data.splits import plural
 from normalgan.data.storage import Storage
 from normalgan.data.tasks import fingerprint
 from normalgan.errors import InputError
-from normalgan.rendering.mesh import MeshSource
-from normalgan.rendering.samples import Recipe
 
 FORMAT_VERSION = 1
 """Raise it when samples are stored in another way: those stored before are then made anew."""
@@ -102,13 +102,13 @@ def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def fingerprints(sources: Mapping[str, Sequence[MeshSource]]) -> dict[str, list[tuple[str, str]]]:
+def fingerprints(sources: Mapping[str, Sequence[Loadable]]) -> dict[str, list[tuple[str, str]]]:
     """Return name and fingerprint of every mesh by split; one that cannot be read has a fingerprint too."""
     return {split: [(source.name, fingerprint(source)) for source in part] for split, part in sources.items()}
 
 
 def dataset_key(
-    meshes: Mapping[str, Sequence[tuple[str, str]]], views: Mapping[str, int], recipe: Recipe
+    meshes: Mapping[str, Sequence[tuple[str, str]]], views: Mapping[str, int], recipe: SampleRecipe
 ) -> str:
     """Return the name of the folder for such a data set: 24 hexadecimal digits.
 
@@ -120,7 +120,7 @@ def dataset_key(
 
 
 def views_by_split(
-    views_per_mesh: int | Mapping[str, int], sources: Mapping[str, Sequence[MeshSource]]
+    views_per_mesh: int | Mapping[str, int], sources: Mapping[str, Sequence[Loadable]], noun: str = "mesh"
 ) -> dict[str, int]:
     """Return the number of views a mesh for every split that has meshes.
 
@@ -131,15 +131,15 @@ def views_by_split(
     twins = sorted({name for name in names if names.count(name) > 1})
     if twins:
         raise InputError(
-            f"two meshes are named {twins[0]}; every mesh needs a name of its own, in one split."
+            f"two {plural(noun)} are named {twins[0]}; every {noun} needs a name of its own, in one split."
         )
     if not names:
-        raise InputError("there are no meshes to render; give at least one.")
+        raise InputError(f"there are no {plural(noun)} to make samples of; give at least one.")
     views = {}
     for split, part in sources.items():
         if part:
             number = views_per_mesh if isinstance(views_per_mesh, int) else views_per_mesh.get(split, 0)
             if number < 1:
-                raise InputError(f"{number} views a mesh are asked for {split}; it must be at least 1.")
+                raise InputError(f"{number} views a {noun} are asked for {split}; it must be at least 1.")
             views[split] = number
     return views

@@ -4,7 +4,8 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from typing import Any
 
-from normalgan.rendering.mesh import Mesh, MeshSource
+from normalgan.data.recipe import Loadable
+from normalgan.rendering.mesh import Mesh
 
 
 class MeshCache:
@@ -15,7 +16,7 @@ class MeshCache:
         limit: bytes that their arrays may take together; the one used last stays, however large it is.
     """
 
-    def __init__(self, sources: Sequence[MeshSource], limit: int) -> None:
+    def __init__(self, sources: Sequence[Loadable], limit: int) -> None:
         self.sources = sources
         self.limit = limit
         self.bytes = 0
@@ -39,7 +40,8 @@ class MeshCache:
         """
         mesh = self._meshes.pop(number, None)
         if mesh is None:
-            mesh = self.sources[number].load()
+            loaded: Mesh = self.sources[number].load()
+            mesh = loaded
             self.bytes += _bytes(mesh)
         self._meshes[number] = mesh
         while self.bytes > self.limit and len(self) > 1:

@@ -10,6 +10,7 @@ from normalgan.data.cluster import Cluster
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.manifest import Manifest
 from normalgan.data.pool import Pool
+from normalgan.data.recipe import SampleRecipe
 from normalgan.data.request import Sources, lay_out, locate
 from normalgan.data.retry import render_shards
 from normalgan.data.shards import ShardedSamples
@@ -17,7 +18,6 @@ from normalgan.data.survey import outstanding
 from normalgan.data.tasks import ShardTask
 from normalgan.data.workers import Workers
 from normalgan.errors import InputError
-from normalgan.rendering.samples import Recipe
 
 __all__ = ["Sources", "open_samples", "render_samples"]
 
@@ -26,7 +26,7 @@ def render_samples(
     cache: str,
     sources: Sources,
     views_per_mesh: int | Mapping[str, int],
-    recipe: Recipe,
+    recipe: SampleRecipe,
     workers: int = 0,
     progress: bool = True,
     cluster: str | None = None,
@@ -74,7 +74,7 @@ def render_samples(
             manifest.write(folder)
         elif folder.local or thorough:
             manifest.describe(folder)  # mends what describes the arrays
-        _warn(manifest.left_out)
+        _warn(manifest.left_out, recipe.noun)
         tasks = [
             ShardTask(folder.address, shard, recipe, {name: meshes[name] for name in shard.meshes})
             for store in manifest.stores(folder).values()
@@ -82,7 +82,7 @@ def render_samples(
         ]
         _render_all(pool, tasks, progress)
     stores, reasons = manifest.finished(folder)
-    _warn(reasons)
+    _warn(reasons, recipe.noun)
     return stores
 
 
@@ -90,7 +90,7 @@ def open_samples(
     cache: str,
     sources: Sources,
     views_per_mesh: int | Mapping[str, int],
-    recipe: Recipe,
+    recipe: SampleRecipe,
     local_cache: LocalCache | None = None,
 ) -> dict[str, ShardedSamples]:
     """Return the samples that `render_samples` has made of the same request; writes nothing there.
@@ -113,9 +113,9 @@ def open_samples(
     return manifest.finished(folder, local_cache)[0]
 
 
-def _warn(left_out: Mapping[str, str]) -> None:
+def _warn(left_out: Mapping[str, str], noun: str) -> None:
     for name, reason in left_out.items():
-        warnings.warn(f"the mesh {name} is left out: {reason}", stacklevel=3)
+        warnings.warn(f"the {noun} {name} is left out: {reason}", stacklevel=3)
 
 
 def _render_all(pool: Pool, tasks: list[ShardTask], progress: bool) -> None:

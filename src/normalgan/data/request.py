@@ -5,25 +5,25 @@ from collections.abc import Mapping, Sequence
 from normalgan.data.layout import Layout
 from normalgan.data.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.pool import Killed, Pool
+from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.retry import find_troubles
+from normalgan.data.splits import plural
 from normalgan.data.storage import Storage
-from normalgan.data.tasks import MeshTask, check_renderer
+from normalgan.data.tasks import MeshTask, check_recipe
 from normalgan.errors import InputError, RunError
-from normalgan.rendering.mesh import MeshSource
-from normalgan.rendering.samples import Recipe
 
-Sources = Mapping[str, Sequence[MeshSource]]
+Sources = Mapping[str, Sequence[Loadable]]
 
 
 def locate(
-    cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: Recipe
+    cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: SampleRecipe
 ) -> tuple[Storage, dict[str, int], dict[str, MeshTask]]:
     """Return the folder of the data set, the views by split, and the meshes by name.
 
     Raises:
         InputError: if the request makes no sense.
     """
-    views = views_by_split(views_per_mesh, sources)
+    views = views_by_split(views_per_mesh, sources, recipe.noun)
     prints = fingerprints({split: sources[split] for split in views})
     folder = Storage(cache) / dataset_key(prints, views, recipe)
     known = dict(pair for part in prints.values() for pair in part)
@@ -34,7 +34,7 @@ def lay_out(
     pool: Pool,
     sources: Sources,
     views: Mapping[str, int],
-    recipe: Recipe,
+    recipe: SampleRecipe,
     meshes: Mapping[str, MeshTask],
     per_shard: int,
 ) -> Manifest:
@@ -43,9 +43,9 @@ def lay_out(
     Raises:
         InputError: if the renderer does not run, or no mesh of a split can be used.
     """
-    for _, outcome in pool.run(check_renderer, [recipe.renderer]):
+    for _, outcome in pool.run(check_recipe, [recipe]):
         if isinstance(outcome, Killed):
-            raise RunError(f"{type(recipe.renderer).__name__} kills the process that asks whether it runs.")
+            raise RunError(f"{type(recipe).__name__} kills the process that asks whether it runs.")
     reasons = find_troubles(pool, list(meshes.values()))
     left_out = {name: reasons[name] for name in meshes if name in reasons}
     splits = {}
@@ -54,7 +54,8 @@ def lay_out(
         if not usable:
             first = left_out[sources[split][0].name]
             raise InputError(
-                f"none of the {len(sources[split])} meshes for {split} can be used; the first: {first}"
+                f"none of the {len(sources[split])} {plural(recipe.noun)} for {split} can be used; "
+                f"the first: {first}"
             )
-        splits[split] = Layout(usable, number, recipe.size, per_shard)
+        splits[split] = Layout(usable, number, recipe.size, per_shard, recipe.hints)
     return Manifest(recipe.describe(), splits, left_out)

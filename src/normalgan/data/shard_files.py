@@ -5,7 +5,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 
-from normalgan.data.layout import ARRAYS, Shard, blank, chunk_path, encode
+from normalgan.data.layout import Shard, array_names, blank, chunk_path, encode
 from normalgan.data.storage import Storage
 from normalgan.rendering.samples import Sample
 
@@ -35,7 +35,7 @@ def write_shard(
     if len(samples) != len(shard):
         raise ValueError(f"shard {shard.number} takes {len(shard)} samples, not {len(samples)}")
     named = zip(shard.samples, samples, strict=True)
-    kept = [blank(shard.size) if mesh in failed else sample for (mesh, _), sample in named]
+    kept = [blank(shard.size, shard.hints) if mesh in failed else sample for (mesh, _), sample in named]
     objects = encode(shard, kept)
     storage.delete(shard.marker)
     for path, content in objects.items():
@@ -76,12 +76,12 @@ def read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int,
         sums = {path: (int(size), str(digest)) for path, (size, digest) in found.items()}
     except (ValueError, TypeError, AttributeError):
         return None
-    return sums if set(sums) == paths(split, number) else None
+    return sums if set(sums) in [paths(split, number, hints) for hints in (False, True)] else None
 
 
-def paths(split: str, number: int) -> set[str]:
+def paths(split: str, number: int, hints: bool) -> set[str]:
     """Return where a shard's objects lie in the folder of the arrays."""
-    return {chunk_path(split, name, number) for name in ARRAYS}
+    return {chunk_path(split, name, number) for name in array_names(hints)}
 
 
 def same_sizes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:

@@ -11,7 +11,7 @@ import zarr
 from numpy.typing import NDArray
 
 from normalgan.data import shard_files
-from normalgan.data.layout import ARRAYS, Layout, metadata
+from normalgan.data.layout import Layout, array_names, metadata
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.objects import ObjectStore
 from normalgan.data.shard_files import ZARR, paths, read_failures, read_sums, same_sizes, write_shard
@@ -24,10 +24,11 @@ class ShardedSamples:
     """The stored samples of one split, to be written a shard at a time and read one by one.
 
     In the folder, ``samples.zarr/<split>/`` holds the Zarr 3 arrays ``sketch`` (N, H, W), ``normal``
-    (N, H, W, 3) and ``mask`` (N, H, W) in the sharding codec, one sample to an inner chunk, each with its
-    CRC-32C; any Zarr reader opens them. ``done/<split>/<shard>.json`` holds the length and SHA-256 of a
-    shard's objects and is written last: what has none is not there yet. ``failed/<split>/<shard>.json`` says
-    which meshes could not be rendered; their places are blank, and they are passed over when reading.
+    (N, H, W, 3), ``mask`` (N, H, W) and, if samples bring any, ``hints`` (N, H, W, 4) in the sharding codec,
+    one sample to an inner chunk, each with its CRC-32C; any Zarr reader opens them.
+    ``done/<split>/<shard>.json`` holds the length and SHA-256 of a shard's objects and is written last: what
+    has none is not there yet. ``failed/<split>/<shard>.json`` says which meshes could not be rendered; their
+    places are blank, and they are passed over when reading.
 
     Args:
         url: the folder of the data set.
@@ -106,7 +107,9 @@ class ShardedSamples:
         """Return the finished shards of which an object is gone; a look at the names alone."""
         names = self._storage.names(f"{ZARR}/{self.split}")
         there = {f"{self.split}/{name}" for name in names}
-        return [shard for shard in self._finished() if not paths(self.split, shard) <= there]
+        return [
+            shard for shard in self._finished() if not paths(self.split, shard, self.layout.hints) <= there
+        ]
 
     def verify(self) -> list[int]:
         """Return the finished shards whose objects are not, byte for byte, what was once written."""
@@ -166,7 +169,9 @@ class ShardedSamples:
             except (ValueError, RuntimeError) as error:  # checksum; decompression
                 if isinstance(error, InputError):
                     raise
-                store.forget(paths(self.split, shard))  # the fault may lie with the copy nearby
+                store.forget(
+                    paths(self.split, shard, self.layout.hints)
+                )  # the fault may lie with the copy nearby
                 return {name: np.asarray(array[selection]) for name, array in arrays.items()}
         except InputError:
             raise
@@ -195,7 +200,7 @@ class ShardedSamples:
             store = ObjectStore(folder, None if folder.local else self._cache)
             group = zarr.open_group(store, path=self.split, mode="r")
             self._trusted = set()  # digests are the store's
-            self._opened = os.getpid(), store, {name: group[name] for name in ARRAYS}
+            self._opened = os.getpid(), store, {name: group[name] for name in array_names(self.layout.hints)}
         return self._opened[1:]
 
 

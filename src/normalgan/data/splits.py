@@ -17,7 +17,9 @@ SPLITS = ("train", "val", "test")
 Split = dict[str, list[str]]
 
 
-def split_by_fractions(names: Sequence[str], fractions: tuple[float, float, float], seed: int = 0) -> Split:
+def split_by_fractions(
+    names: Sequence[str], fractions: tuple[float, float, float], seed: int = 0, noun: str = "mesh"
+) -> Split:
     """Deal the meshes out at random in the given proportions; names keep their order within a split.
 
     The counts are the fractions of the whole by largest remainder, but every fraction above 0 gets at
@@ -27,6 +29,7 @@ def split_by_fractions(names: Sequence[str], fractions: tuple[float, float, floa
         names: the meshes.
         fractions: shares of training, validation and testing, summing to 1.
         seed: another seed deals them out otherwise.
+        noun: what messages call one of them.
 
     Returns:
         the names of each of ``train``, ``val`` and ``test``; an empty list where the fraction is 0.
@@ -39,7 +42,7 @@ def split_by_fractions(names: Sequence[str], fractions: tuple[float, float, floa
         >>> {k: len(v) for k, v in split_by_fractions("abcdefghij", (0.8, 0.1, 0.1)).items()}
         {'train': 8, 'val': 1, 'test': 1}
     """
-    _refuse_twins(names)
+    _refuse_twins(names, noun)
     if len(fractions) != len(SPLITS) or min(fractions) < 0 or not abs(sum(fractions) - 1) <= 1e-6:
         raise InputError(
             f"the fractions are {tuple(fractions)}; they must be three shares (train, val, test), none "
@@ -48,7 +51,8 @@ def split_by_fractions(names: Sequence[str], fractions: tuple[float, float, floa
     wanted = sum(share > 0 for share in fractions)
     if len(names) < wanted:
         raise InputError(
-            f"{len(names)} mesh(es) cannot be split in {wanted} parts; add meshes or set a fraction to 0."
+            f"{len(names)} {noun if len(names) == 1 else plural(noun)} cannot be split in {wanted} parts; "
+            f"add {plural(noun)} or set a fraction to 0."
         )
     counts = _apportion(len(names), fractions)
     dealt = np.random.default_rng(seed).permutation(sorted(names)).tolist()
@@ -59,7 +63,7 @@ def split_by_fractions(names: Sequence[str], fractions: tuple[float, float, floa
     return split
 
 
-def split_by_file(path: Path, names: Sequence[str]) -> Split:
+def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split:
     """Return the split that a JSON file fixes: ``{"train": ["381", …], "val": […], "test": […]}``.
 
     Meshes the file does not name are left out, with a warning.
@@ -67,21 +71,22 @@ def split_by_file(path: Path, names: Sequence[str]) -> Split:
     Args:
         path: the file.
         names: the meshes there are.
+        noun: what messages call one of them.
 
     Raises:
         InputError: if the file cannot be read as such, names a mesh that is not there, or names a mesh twice.
     """
-    _refuse_twins(names)
+    _refuse_twins(names, noun)
     split = _read(path)
     named = [name for part in split.values() for name in part]
     unknown = [name for name in named if name not in set(names)]
     if unknown:
         raise InputError(
-            f"{path} names {_few(unknown)}, but there is no such mesh among the {len(names)} given."
+            f"{path} names {_few(unknown)}, but there is no such {noun} among the {len(names)} given."
         )
     twice = [name for name, times in Counter(named).items() if times > 1]
     if twice:
-        raise InputError(f"{path} names {_few(twice)} more than once; a mesh belongs to one split only.")
+        raise InputError(f"{path} names {_few(twice)} more than once; a {noun} belongs to one split only.")
     left_out = [name for name in names if name not in set(named)]
     if left_out:
         warnings.warn(f"left out, because {path} does not name them: {_few(left_out)}.", stacklevel=2)
@@ -119,10 +124,19 @@ def _apportion(total: int, fractions: Sequence[float]) -> list[int]:
     return counts
 
 
-def _refuse_twins(names: Sequence[str]) -> None:
+def plural(noun: str) -> str:
+    """Return a noun in the plural.
+
+    >>> plural("mesh"), plural("pair")
+    ('meshes', 'pairs')
+    """
+    return f"{noun}{'es' if noun.endswith(('s', 'sh', 'ch', 'x')) else 's'}"
+
+
+def _refuse_twins(names: Sequence[str], noun: str) -> None:
     twins = [name for name, times in Counter(names).items() if times > 1]
     if twins:
-        raise InputError(f"two meshes are named {_few(twins)}; every mesh needs a name of its own.")
+        raise InputError(f"two {plural(noun)} are named {_few(twins)}; every {noun} needs a name of its own.")
 
 
 def _few(names: Sequence[str], limit: int = 5) -> str:

@@ -10,9 +10,8 @@ from torch.utils.data import Dataset, DistributedSampler
 from normalgan.data.items import Item, SampleError, decode_item, to_item
 from normalgan.data.mesh_cache import MeshCache
 from normalgan.data.order import Ticket, order_of_epoch
+from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.errors import InputError, brief
-from normalgan.rendering.mesh import MeshSource
-from normalgan.rendering.samples import Recipe
 
 
 class StreamDataset(Dataset[Item]):
@@ -27,7 +26,7 @@ class StreamDataset(Dataset[Item]):
         memory: bytes that the meshes kept in one process may take.
     """
 
-    def __init__(self, sources: Sequence[MeshSource], views: int, recipe: Recipe, memory: int) -> None:
+    def __init__(self, sources: Sequence[Loadable], views: int, recipe: SampleRecipe, memory: int) -> None:
         self.views = views
         self.recipe = recipe
         self.mesh_cache = MeshCache(sources, memory)

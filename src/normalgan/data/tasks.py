@@ -3,15 +3,15 @@
 import socket
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from normalgan.data.layout import Shard, blank
+from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.shard_files import ZARR, damaged, write_shard
 from normalgan.data.storage import Storage
 from normalgan.errors import InputError, brief
-from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.mesh_bytes import read_once
-from normalgan.rendering.renderers.base import Renderer
-from normalgan.rendering.samples import Recipe, Sample
+from normalgan.rendering.samples import Sample
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class MeshTask:
         fingerprint: what it is where the work is handed out.
     """
 
-    source: MeshSource
+    source: Loadable
     fingerprint: str
 
     @property
@@ -46,7 +46,7 @@ class ShardTask:
 
     url: str
     shard: Shard
-    recipe: Recipe
+    recipe: SampleRecipe
     sources: dict[str, MeshTask]
     failed: dict[str, str] = field(default_factory=dict)
 
@@ -73,7 +73,7 @@ class CheckTask:
 
 # The mesh used last, with its name and fingerprint: the views of one follow one another. It belongs to the
 # process.
-_last: tuple[tuple[str, str], Mesh] | None = None
+_last: tuple[tuple[str, str], Any] | None = None
 
 
 def render_shard(task: ShardTask) -> dict[str, str]:
@@ -97,11 +97,11 @@ def try_mesh(task: ShardTask) -> None:
 
 def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
     _see(task.url, task.shard.split)
-    check_renderer(task.recipe.renderer)
+    check_recipe(task.recipe)
     failed = dict(task.failed)
     samples = []
     for name, view in task.shard.samples:
-        sample = blank(task.shard.size)
+        sample = blank(task.shard.size, task.shard.hints)
         if name not in failed:
             try:
                 sample = task.recipe.render(_load(task.sources[name]), view)
@@ -134,12 +134,12 @@ def find_damage(task: CheckTask) -> list[int]:
     return damaged(Storage(task.url), task.split, task.numbers)
 
 
-def check_renderer(renderer: Renderer) -> None:
-    """Raise `InputError` if the renderer does not run here."""
-    _once(f"renderer {renderer!r}", renderer.check)
+def check_recipe(recipe: SampleRecipe) -> None:
+    """Raise `InputError` if this machine lacks what the recipe needs, such as a renderer that runs."""
+    _once(f"recipe {recipe!r}", recipe.check)
 
 
-def fingerprint(source: MeshSource) -> str:
+def fingerprint(source: Loadable) -> str:
     """Return what a mesh is; one that cannot be read is left for `look_at` to refuse."""
     try:
         return source.fingerprint()
@@ -160,8 +160,8 @@ class ChangedMeshError(InputError):
     """A mesh is not, or no longer, the one that the work was handed out for."""
 
 
-def _load(task: MeshTask) -> Mesh:
-    """Return the mesh that the fingerprint of a task is of, by the very bytes that are loaded.
+def _load(task: MeshTask) -> Any:
+    """Return the mesh or pair that the fingerprint of a task is of, by the very bytes that are loaded.
 
     Else samples of a file that was replaced since would be stored under the key of the former one.
     """
@@ -171,7 +171,7 @@ def _load(task: MeshTask) -> Mesh:
         with read_once():
             if fingerprint(task.source) != task.fingerprint:
                 raise ChangedMeshError(
-                    f"the mesh {task.source.name} on {socket.gethostname()} is not the one that rendering "
+                    f"{task.source.name} on {socket.gethostname()} is not what rendering "
                     "began with, or is not there; leave the files as they are until it ends, and the same on "
                     "every machine."
                 )

@@ -2,36 +2,35 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
-
-from normalgan.data.manifest import fingerprints
-from normalgan.data.settings import DataSettings
 
 _SHORT = 40  # characters of a value that are told
 
 
-def describe_training_data(settings: DataSettings, processes: int) -> dict[str, Any]:
+def describe_training_data(
+    fingerprints: Sequence[tuple[str, str]],
+    recipe: Mapping[str, Any],
+    augmentation: object,
+    settings: Mapping[str, Any],
+    processes: int,
+) -> dict[str, Any]:
     """Return all that decides which training samples come when, by setting, as plain values for JSON.
 
     Args:
-        settings: of the data.
+        fingerprints: name and fingerprint of every mesh or pair.
+        recipe: how samples are made of them, as it describes itself.
+        augmentation: its settings, None for none.
+        settings: other settings that count, by name.
         processes: that train side by side.
-
-    Raises:
-        InputError: if the meshes or the split cannot be used.
     """
-    meshes = json.dumps(fingerprints({"train": settings.sources["train"]}))
-    recipe = settings.recipe.describe()
-    version = recipe.pop("rendering_version")
-    augmentation = settings.augmentation
+    of_recipe = dict(recipe)
+    version = of_recipe.pop("rendering_version")
     described = {
-        "data.meshes": hashlib.sha256(meshes.encode()).hexdigest(),
-        "data.train_views": settings.views_per_mesh["train"],
-        "data.on_the_fly": settings.on_the_fly,
-        "data.batch_size": settings.batch_size,
-        "data.augmentation": augmentation.settings if augmentation else None,
-        **{f"data.{name}": value for name, value in recipe.items()},
+        "data.meshes": hashlib.sha256(json.dumps({"train": fingerprints}).encode()).hexdigest(),
+        **settings,
+        "data.augmentation": augmentation,
+        **{f"data.{name}": value for name, value in of_recipe.items()},
         "the number of processes": processes,
         "the version of the rendering": version,
     }

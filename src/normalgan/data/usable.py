@@ -5,16 +5,16 @@ import json
 from collections.abc import Mapping, Sequence
 
 from normalgan.data.manifest import fingerprints
+from normalgan.data.recipe import Loadable
 from normalgan.data.retry import find_troubles
 from normalgan.data.storage import Storage
 from normalgan.data.tasks import MeshTask
 from normalgan.data.workers import Workers
 from normalgan.errors import InputError
-from normalgan.rendering.mesh import MeshSource
 from normalgan.rendering.samples import RENDERING_VERSION
 
 
-def find_unusable(cache: str, sources: Sequence[MeshSource], workers: int = 0) -> dict[str, str]:
+def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
     """Return why meshes cannot be used, by name; those that can be are not in it.
 
     Only loading can tell, which takes up to a second a mesh. So the answer is kept in the cache, as
@@ -45,7 +45,7 @@ def find_unusable(cache: str, sources: Sequence[MeshSource], workers: int = 0) -
     return left_out
 
 
-def leave_out(sources: Sequence[MeshSource], reasons: Mapping[str, str], split: str) -> list[MeshSource]:
+def leave_out(sources: Sequence[Loadable], reasons: Mapping[str, str], split: str) -> list[Loadable]:
     """Return the meshes that can be used.
 
     Args:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.decoding.worker import (
+<<<<<<< HEAD
     FRAMES,
     MODES,
     MOST_PARTS,
@@ -24,6 +25,12 @@ from normalgan.decoding.worker import (
     PART,
     PARTS,
     PICTURE,
+=======
+    COLOURS,
+    EXACT,
+    GREY,
+    MODES,
+>>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
     PIXEL_BYTES,
     READY,
     REFUSED,
@@ -34,7 +41,8 @@ from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
-"""(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits."""
+"""(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits; as
+stored, if that is asked for, also of 16 bits or floats."""
 
 SECONDS = 10
 """Processor time for one picture."""
@@ -42,8 +50,11 @@ MEMORY = 2**31
 """Bytes that decoding one may take, on top of what the libraries map."""
 PATIENCE = 60.0
 """Seconds by the clock for one picture; a busy machine gives it little processor time."""
-_DTYPES = (np.uint8, np.uint8, np.uint8, np.uint16, np.int32, np.float32)
-_CHANNELS = (1, 3, 4, 1, 1, 1)
+_DTYPES = (
+    *(np.uint8, np.uint8, np.uint8, np.uint16, np.int32, np.float32),
+    *(np.uint16, np.uint16, np.float32, np.float32),
+)
+_CHANNELS = (1, 3, 4, 1, 1, 1, 3, 4, 3, 4)
 _PIPE = 2**20
 _WORDS = 4096
 
@@ -94,6 +105,7 @@ def decode(
     svg_side: int,
     longest: int | None = None,
     grey: bool = False,
+    exact: bool = False,
 ) -> Decoded:
     """Return the pixels of a picture, upright; an SVG is drawn, transparent where it has nothing.
 
@@ -104,11 +116,14 @@ def decode(
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger picture is reduced to.
         grey: whether only how bright it is on white paper is wanted, (H, W).
+        exact: whether the levels are wanted as they are stored: colours of 16 bits a channel and floats too;
+            such a picture is not reduced.
 
     Raises:
         InputError: if it cannot be decoded; it says why.
         RunError: if no process can be started to do it.
     """
+<<<<<<< HEAD
     request = REQUEST.pack(len(content), *sides, svg_side, longest or 0, grey, PICTURE)
     return _pool.run(lambda child: child.decode(name, request, content, sides[1]))
 
@@ -117,6 +132,11 @@ def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
     """Return all frames of an animation, each whole; arguments and errors are those of `decode`."""
     request = REQUEST.pack(len(content), *sides, sides[1], 0, False, FRAMES)
     return _pool.run(lambda child: child.decode_parts(name, request, content, sides[1]))
+=======
+    wanted = EXACT if exact else GREY if grey else COLOURS
+    request = REQUEST.pack(len(content), *sides, svg_side, longest or 0, wanted)
+    return _pool.decode(name, request, content, sides[1])
+>>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
 
 
 def start() -> None:
@@ -135,7 +155,9 @@ class _Child:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 bufsize=0,
-                env={key: os.environ[key] for key in _ENVIRONMENT if key in os.environ} | _KEPT_MEMORY,
+                env={key: os.environ[key] for key in _ENVIRONMENT if key in os.environ}
+                | _KEPT_MEMORY
+                | _ONE_THREAD,
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except OSError as error:
@@ -314,8 +336,8 @@ class _Pool:
 
 
 def _folders() -> list[str]:
-    """Return where Pillow and resvg lie; the child sees no other packages."""
-    found = [find_spec(name) for name in ("PIL", "resvg_py")]
+    """Return where the libraries that decode lie; the child sees no other packages."""
+    found = [find_spec(name) for name in ("PIL", "resvg_py", "cv2", "numpy")]
     origins = [spec.origin for spec in found if spec is not None and spec.origin is not None]
     return list(dict.fromkeys(str(Path(origin).parents[1]) for origin in origins))
 
@@ -350,6 +372,8 @@ def _close() -> None:
 _WORKER = str(Path(__file__).with_name("worker.py"))
 _ENVIRONMENT = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
 """What a child needs of the environment, which may hold secrets: where the libraries are."""
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+"""Threads of NumPy's linear algebra, which a child has no use for, would take memory for each core."""
 _KEPT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}
 """Has glibc keep up to 64 MiB for the next picture: fresh pages take longer to get than pixels to decode."""
 _MOST = max(2, min(os.cpu_count() or 1, 8))

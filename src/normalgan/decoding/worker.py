@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+<<<<<<< HEAD
 REQUEST = struct.Struct("<QIIIIBB")
 """Bytes that follow, least and greatest side, of an SVG, longest to reduce to or 0, whether grey, what."""
 PICTURE, FRAMES = 0, 1
@@ -35,6 +36,25 @@ MOST_PARTS, MOST_PIXELS = 1024, 2**26
 MODES = ("L", "RGB", "RGBA", "I;16", "I", "F")
 """Modes of Pillow in which pixels are sent; their kind is the number here."""
 PIXEL_BYTES = (1, 3, 4, 2, 4, 4)
+=======
+REQUEST = struct.Struct("<QIIIIB")
+"""Bytes that follow, least and greatest side, side of an SVG, longer side to reduce to or 0, what to send."""
+REPLY = struct.Struct("<BIIIIQ")
+"""Kind of what follows, width, height, those before it was reduced, bytes that follow."""
+READY, REFUSED = 254, 255
+"""Kinds that are no pixels: the process is ready; a refusal in words."""
+COLOURS, GREY, EXACT = range(3)
+"""What to send: the colours, 8 bits a channel; how bright it is on white paper; the levels as stored."""
+MODES = ("L", "RGB", "RGBA", "I;16", "I", "F", "RGB;16", "RGBA;16", "RGB;F", "RGBA;F")
+"""Modes of Pillow in which pixels are sent, and some that it does not have; their kind is the number here."""
+PIXEL_BYTES = (1, 3, 4, 2, 4, 4, 6, 8, 12, 16)
+
+_KIND_OF = {
+    **{("uint8", 1): 0, ("uint8", 3): 1, ("uint8", 4): 2, ("uint16", 1): 3, ("float32", 1): 5},
+    **{("uint16", 3): 6, ("uint16", 4): 7, ("float32", 3): 8, ("float32", 4): 9},
+}
+"""The kind of an array by its type and its channels."""
+>>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
 
 MOST_DEPTH = 128
 """Elements within one another in an SVG: the drawing library needs stack for each, and ends without."""
@@ -86,18 +106,29 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
         return
     replies.write(REPLY.pack(READY, 0, 0, 0, 0, 0))
     while len(head := _read(requests, REQUEST.size)) == REQUEST.size:
+<<<<<<< HEAD
         count, least, most, svg_side, longest, grey, what = REQUEST.unpack(head)
+=======
+        count, least, most, svg_side, longest, wanted = REQUEST.unpack(head)
+>>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
         content = _read(requests, count)
         if len(content) < count:
             return
         limit_time(seconds)
         try:
+<<<<<<< HEAD
             if what == PICTURE:
                 image, full = decode(content, least, most, svg_side, longest, bool(grey))
                 send(image, full, replies)
                 del image
             else:
                 send_frames(content, least, most, seconds, replies)
+=======
+            if wanted == EXACT and loses_levels(content):
+                send_levels(exact_levels(content, least, most), replies)
+                continue
+            image, full = decode(content, least, most, svg_side, longest, wanted == GREY)
+>>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
         except RefusedError as refusal:
             _refuse(replies, str(refusal))
         except MemoryError:
@@ -204,6 +235,7 @@ def send(image: "Image", full: tuple[int, int], replies: "BinaryIO | io.FileIO")
         _write(replies, strip.tobytes())
 
 
+<<<<<<< HEAD
 def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
     """Write all frames of an animation, each whole, with how long it is shown.
 
@@ -239,6 +271,48 @@ def _check_parts(count: int, pixels: int, name: str) -> None:
         raise RefusedError(
             f"has {count} {name} of {pixels} pixels together; {MOST_PARTS} of {MOST_PIXELS} can be painted"
         )
+=======
+def loses_levels(content: bytes) -> bool:
+    r"""Return whether Pillow may round the levels of a picture: a colour PNG of 16 bits a channel, or a TIFF.
+
+    >>> loses_levels(b"II*\0 and so on"), loses_levels(b"\xff\xd8\xff a JPEG")
+    (True, False)
+    """
+    if content.startswith(b"\x89PNG"):
+        return content[24:25] == b"\x10" and content[25:26] in {b"\x02", b"\x06"}
+    return _PLUGINS.get(content[:4]) == "Tiff"
+
+
+def exact_levels(content: bytes, least: int, most: int) -> Any:
+    """Return the pixels of such a picture as an array (h, w) or (h, w, 3 or 4): red, green, blue, opacity.
+
+    Raises:
+        RefusedError: if it cannot be decoded.
+    """
+    import cv2  # late: few pictures need it
+    import numpy as np
+
+    try:
+        levels = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
+    if levels is None:
+        raise RefusedError("cannot be read as an image: it is damaged, or of a kind that is not known")
+    _check_sides(levels.shape[1], levels.shape[0], least, most)
+    if levels.ndim == 3:
+        levels = levels[..., [2, 1, 0, 3][: levels.shape[2]]]
+    if (levels.dtype.name, levels.size // levels.shape[0] // levels.shape[1]) not in _KIND_OF:
+        raise RefusedError(f"holds {levels.dtype.name}; levels are of 8 or 16 bits, or floats of 32")
+    return np.ascontiguousarray(levels)
+
+
+def send_levels(levels: Any, replies: "BinaryIO | io.FileIO") -> None:
+    """Write an array of pixels."""
+    height, width, *channels = levels.shape
+    kind = _KIND_OF[levels.dtype.name, *(channels or [1])]
+    _write(replies, REPLY.pack(kind, width, height, width, height, levels.nbytes))
+    _write(replies, levels.tobytes())
+>>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
 
 
 def decode(
@@ -263,7 +337,7 @@ def decode(
         content = draw_svg(content, svg_side, most)
     try:
         with _opened(content) as image:
-            _check_sides(image, least, most)
+            _check_sides(image.width, image.height, least, most)
             image.load()
             upright = ImageOps.exif_transpose(image)
         del image, content
@@ -291,11 +365,9 @@ def _opened(content: bytes) -> "Image":
     return Image.open(io.BytesIO(content), formats=(plugin.upper(),))
 
 
-def _check_sides(image: "Image", least: int, most: int) -> None:
-    if not least <= min(image.size) <= max(image.size) <= most:
-        raise RefusedError(
-            f"is {image.width} × {image.height} pixels; a drawing has {least} to {most} a side"
-        )
+def _check_sides(width: int, height: int, least: int, most: int) -> None:
+    if not (least <= width <= most and least <= height <= most):
+        raise RefusedError(f"is {width} × {height} pixels; a drawing has {least} to {most} a side")
 
 
 def _plain(image: "Image") -> "Image":

@@ -12,7 +12,11 @@ from normalgan.errors import InputError
 from normalgan.normals import (
     Bits,
     Floats,
+<<<<<<< HEAD
     encode,
+=======
+    Green,
+>>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
     encode_exr,
     encode_png,
     encode_tiff,
@@ -22,7 +26,6 @@ from normalgan.normals import (
 )
 
 Format = Literal["png", "exr", "tiff"]
-Green = Literal["up", "down"]
 _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
 
 

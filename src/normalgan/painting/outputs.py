@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.normals import Bits, Floats, encode_grey, write_bytes
+from normalgan.normals import Bits, Floats, Green, encode_grey, write_bytes
 from normalgan.painting.jobs import Job
-from normalgan.painting.normal_map import Format, Green, NormalMap
+from normalgan.painting.normal_map import Format, NormalMap
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import dataclasses
 import hashlib
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +32,14 @@ class Sample:
         normal: (H, W, 3) unit normals in camera space (x right, y up, z to the viewer), 0 off the object;
             half precision turns them by less than 0.05°.
         mask: (H, W) True on the object.
+        hints: (H, W, 4) normals at the hints that came with it, then 1 where they are; None where samples
+            bring none.
     """
 
     sketch: NDArray[np.uint8]
     normal: NDArray[np.float16]
     mask: NDArray[np.bool_]
+    hints: NDArray[np.float16] | None = None
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,9 @@ class Recipe:
         InputError: if the size is not positive.
     """
 
+    noun: ClassVar[str] = "mesh"
+    hints: ClassVar[bool] = False
+
     views: Views
     renderer: Renderer
     lines: LineDrawing
@@ -68,6 +74,10 @@ class Recipe:
         """Refuse a picture without pixels."""
         if self.size < 1:
             raise InputError(f"size is {self.size}; it is the side of the pictures in pixels, at least 1.")
+
+    def check(self) -> None:
+        """Raise `InputError` if this machine lacks what the renderer needs."""
+        self.renderer.check()
 
     def render(self, mesh: Mesh, index: int) -> Sample:
         """Return view number ``index`` of ``mesh``; it depends on no other view.

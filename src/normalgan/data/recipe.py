@@ -1,0 +1,59 @@
+"""What any data set is made of: things that can be loaded, and a recipe that makes samples of them."""
+
+from typing import Any, Protocol
+
+from normalgan.rendering.samples import Sample
+
+
+class Loadable(Protocol):
+    """A mesh, a pair, or anything else that samples are made of; cheap to hold and to hand to a worker."""
+
+    @property
+    def name(self) -> str:
+        """What the user calls it; no other one of the data set has this name."""
+
+    def fingerprint(self) -> str:
+        """Return a hash of everything that `load` depends on: bytes of files, settings, a version.
+
+        Raises:
+            InputError: if that cannot be told.
+        """
+
+    def load(self) -> Any:
+        """Return what the recipe makes samples of, such as a `Mesh` or a `Pair`.
+
+        Raises:
+            InputError: if it cannot be used; the message says why.
+        """
+
+
+class SampleRecipe(Protocol):
+    """How samples are made of what was loaded: the same recipe makes the same samples, in any order."""
+
+    @property
+    def noun(self) -> str:
+        """What messages call a thing that is loaded: ``mesh`` or ``pair``."""
+
+    @property
+    def size(self) -> int:
+        """Side of the pictures in pixels."""
+
+    @property
+    def hints(self) -> bool:
+        """Whether its samples bring hints."""
+
+    def check(self) -> None:
+        """Raise `InputError` if this machine lacks what the recipe needs."""
+
+    def render(self, loaded: Any, index: int, /) -> Sample:
+        """Return sample number ``index`` of something; it depends on no other.
+
+        Raises:
+            InputError: if none can be made.
+        """
+
+    def describe(self) -> dict[str, Any]:
+        """Return all that the samples depend on besides what is loaded, as plain values for JSON.
+
+        ``rendering_version`` among them is the version of the code that makes them.
+        """

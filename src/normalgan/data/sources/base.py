@@ -1,0 +1,105 @@
+"""The base of the data sources, and how what they have is split."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from normalgan.data.recipe import Loadable, SampleRecipe
+from normalgan.data.sources.pair import PairRecipe
+from normalgan.data.splits import split_by_file, split_by_fractions
+from normalgan.registry import Registry
+from normalgan.rendering.samples import Recipe
+from normalgan.rendering.variation import Variation
+
+
+@dataclass(frozen=True)
+class SplitSettings:
+    """How data are split, and what else of the settings of the data a source may go by.
+
+    Args:
+        fractions: shares of train, val and test, if there is no file.
+        seed: which names go where, if there is no file.
+        file: JSON file with the names of each split.
+        data_seed: of all that is drawn at random, such as animals.
+        variation: how far individuals that join the training meshes differ from them.
+    """
+
+    fractions: tuple[float, float, float] = (0.7, 0.1, 0.2)
+    seed: int = 0
+    file: str | None = None
+    data_seed: int = 0
+    variation: Variation = field(default_factory=Variation)
+
+    def deal(self, names: Sequence[str], noun: str = "mesh") -> dict[str, list[str]]:
+        """Return the names of each split, by the file or else by fractions.
+
+        Args:
+            names: of what is not to be on two sides of the split: a mesh, a pair, or a group of pairs.
+            noun: what messages call one.
+
+        Raises:
+            InputError: if the file or the fractions cannot be used.
+        """
+        if self.file is None:
+            return split_by_fractions(names, self.fractions, self.seed, noun)
+        return split_by_file(Path(self.file), names, noun)
+
+
+class DataSource(ABC):
+    """Base of the data sources: what there is to train, validate and test on.
+
+    A source is a frozen dataclass of plain settings. What it returns is loaded once to see whether it can be
+    used, in worker processes too, and becomes samples that are kept in the cache. What it returns are meshes,
+    which are rendered as the settings of the data say, unless it derives from `PairSource`.
+    """
+
+    @abstractmethod
+    def split(self, settings: SplitSettings) -> Mapping[str, Sequence[Loadable]]:
+        """Return what there is for ``train``, ``val`` and ``test``; each has a name of its own.
+
+        Args:
+            settings: how to split; ``settings.deal(names)`` does it.
+
+        Raises:
+            InputError: if something cannot be used.
+        """
+
+    def recipe(self, rendering: Recipe) -> SampleRecipe:
+        """Return how samples are made: meshes are rendered as the settings of the data say.
+
+        Args:
+            rendering: what they say.
+        """
+        return rendering
+
+    def views(self, wanted: Mapping[str, int]) -> Mapping[str, int]:
+        """Return how many samples are made of each mesh, by split.
+
+        Args:
+            wanted: what the settings of the data say.
+        """
+        return wanted
+
+
+class PairSource(DataSource, ABC):
+    """Base of the data sources that have sketches and normal maps already: what is loaded is a `Pair`.
+
+    Each becomes one sample; settings of the data that say how meshes are seen and drawn are of no concern.
+
+    Attributes:
+        hints: whether the pairs' own hints are used, in training and testing; if not, the sampler is asked.
+    """
+
+    hints: bool = False
+
+    def recipe(self, rendering: Recipe) -> SampleRecipe:
+        """Return how samples are made of pairs."""
+        return PairRecipe(rendering.size, self.hints)
+
+    def views(self, wanted: Mapping[str, int]) -> Mapping[str, int]:
+        """Return 1 for each split."""
+        return dict.fromkeys(wanted, 1)
+
+
+DATA_SOURCES: Registry[DataSource] = Registry(DataSource, "normalgan.data_sources")  # type: ignore[type-abstract]

@@ -1,0 +1,136 @@
+"""Sources of meshes: files of yours, groups of them, and the embedded animals."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from normalgan.animals import herd
+from normalgan.data.sources.base import DATA_SOURCES, DataSource, SplitSettings
+from normalgan.data.splits import SPLITS
+from normalgan.errors import InputError
+from normalgan.rendering import MeshFile, MeshSource, find_meshes
+from normalgan.rendering.rigs import find_poses
+from normalgan.rendering.variation import Variation, Varied
+
+
+@dataclass(frozen=True)
+class MeshGroup:
+    """Meshes of one kind: where they are, how they are read, and how many samples are made of them.
+
+    A group is split by itself, so that every kind has its share in each split. As all training meshes get
+    equally many views, poses and variants decide how much of a kind there is.
+
+    Args:
+        meshes: a folder, a glob or a list of mesh files.
+        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
+        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
+        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
+        variants: individuals that join each training mesh, varied at random.
+        split_file: JSON file that lists the group's train, val and test meshes; None splits by fractions.
+
+    Raises:
+        InputError: if a number is negative.
+    """
+
+    meshes: str | list[str]
+    orientation: str | None = None
+    crease_angle: float | None = None
+    poses: int = 0
+    variants: int = 0
+    split_file: str | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("poses", "variants"):
+            if getattr(self, name) < 0:
+                raise InputError(f"{name} of a group of meshes is {getattr(self, name)}; give 0 or more.")
+
+    def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
+        """Return the group's meshes by split.
+
+        Raises:
+            InputError: if a mesh, the split or the orientation cannot be used.
+        """
+        found = find_meshes(self.meshes, self.orientation, self.crease_angle)
+        split = split_meshes(found, replace(settings, file=self.split_file))
+        # After the split: poses and variants of one mesh are too much alike to be on both sides of it.
+        posed = {name: pose(part, self.poses) for name, part in split.items()}
+        return posed | {"train": join_variants(posed["train"], settings.variation, self.variants)}
+
+
+@DATA_SOURCES.register
+@dataclass(frozen=True)
+class Meshes(MeshGroup, DataSource):
+    """Mesh files of yours, rendered and drawn as the settings of the data say; `data.meshes` is short for it.
+
+    Args:
+        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf).
+        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
+        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
+        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
+        variants: individuals that join each training mesh, varied at random.
+        split_file: JSON file that lists the train, val and test meshes; None takes `data.split_file`.
+    """
+
+    def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
+        """Return the meshes by split, as `MeshGroup.split` does."""
+        group = self if self.split_file is not None else replace(self, split_file=settings.file)
+        return MeshGroup.split(group, settings)
+
+
+@DATA_SOURCES.register
+@dataclass(frozen=True)
+class Animals(DataSource):
+    """The embedded procedural animals, the default; `data.animals` is short for it.
+
+    Args:
+        count: how many there are.
+        species: groups (such as quadrupeds or birds) and species that they are of, in turn.
+        variants: individuals that join each training animal, varied at random.
+    """
+
+    count: int = 24
+    species: tuple[str, ...] = ("quadrupeds",)
+    variants: int = 0
+
+    def __post_init__(self) -> None:
+        if self.count < 1 or self.variants < 0:
+            raise InputError(
+                f"Animals was given count={self.count} and variants={self.variants}; use 1 or more animals, "
+                "and 0 or more variants of each."
+            )
+
+    def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
+        """Return the animals by split.
+
+        Raises:
+            InputError: if there is no such species, or the split cannot be used.
+        """
+        split = split_meshes([*herd(self.count, settings.data_seed, list(self.species))], settings)
+        return split | {"train": join_variants(split["train"], settings.variation, self.variants)}
+
+
+def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict[str, list[MeshSource]]:
+    """Return the meshes of each split.
+
+    Raises:
+        InputError: if the split cannot be used.
+    """
+    by_name = {source.name: source for source in sources}
+    names = settings.deal([source.name for source in sources])
+    return {split: [by_name[name] for name in names[split]] for split in SPLITS}
+
+
+def pose(sources: Sequence[MeshSource], poses: int) -> list[MeshSource]:
+    """Return the meshes with ``poses`` poses in place of each rigged file; 0 leaves all as they are."""
+    posed: list[MeshSource] = []
+    for source in sources:
+        posed += find_poses([source], poses) if isinstance(source, MeshFile) else [source]
+    return posed
+
+
+def join_variants(sources: Sequence[MeshSource], variation: Variation, variants: int) -> list[MeshSource]:
+    """Return each mesh followed by ``variants`` individuals of it that ``variation`` makes."""
+    return [
+        one
+        for source in sources
+        for one in (source, *(Varied(source, variation, number) for number in range(variants)))
+    ]

@@ -1,0 +1,221 @@
+"""Pair: a sketch and its normal map as somebody has them, and how they become a training sample."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError
+from normalgan.normals import Floats, normalize
+from normalgan.painting.hint_files import Hints
+from normalgan.painting.inputs import AnyHints, AnyMask, AnyPicture, as_hints, as_mask, as_picture
+from normalgan.painting.picture import resize
+from normalgan.painting.preparation import prepare
+from normalgan.rendering.samples import Sample
+
+PAIRS_VERSION = 1
+"""Raise it when a change to the code changes the samples that are made of pairs: they are then made anew."""
+
+_RIGHT = "axes of the camera, x right, y up, z to the viewer, stored as (n + 1) / 2"
+
+
+class Pair:
+    """A sketch and the normal map of what it shows, pixel on pixel, of any size.
+
+    Args:
+        sketch: a path, an image of Pillow or an array, as `normalgan.Painter` takes it.
+        normal: (H, W, 3) floats, unit vectors in camera space: x right, y up, z to the viewer.
+        mask: (H, W), the object, in any form that `normalgan.Painter` takes; None is where the vectors are
+            not zero.
+        hints: normals that a designer gave, in any form that `normalgan.Painter` takes; None for none.
+
+    Raises:
+        InputError: if one of them cannot be used, or they are of different sizes.
+    """
+
+    def __init__(
+        self, sketch: AnyPicture, normal: NDArray[Any], mask: AnyMask = None, hints: AnyHints = None
+    ) -> None:
+        self.sketch = as_picture(sketch)
+        height, width = self.sketch.shape
+        normal = _checked_array(normal)
+        if normal.shape[:2] != (height, width):
+            raise InputError(
+                f"the sketch has {width} × {height} pixels and its normal map {normal.shape[1]} × "
+                f"{normal.shape[0]}; both must show the same, pixel on pixel."
+            )
+        given = as_mask(mask, (height, width))
+        if given is None:
+            given = np.asarray(np.linalg.norm(normal, axis=-1) > 0.5)
+        elif given.shape != (height, width):  # a large picture is read smaller
+            given = resize(given.astype(np.float32), (height, width)) > 0.5
+        if not given.any():
+            raise InputError("the normal map holds no object: all its vectors are zero.")
+        self.mask: NDArray[np.bool_] = given
+        _check_normals(normal[self.mask])
+        self.normal: Floats = np.where(self.mask[..., None], normalize(normal), np.float32(0))
+        _check_green(self.normal, self.mask)
+        self.hints = as_hints(hints, (height, width))
+        if self.hints is not None:
+            _check_hints(self.hints, self.mask)
+
+
+@dataclass(frozen=True)
+class PairRecipe:
+    """How a sample is made of a pair: the sketch is cleaned and framed as a drawing is when predicting.
+
+    What a model learns from is then what it is shown later; the normals are cut out in the same frame.
+
+    Args:
+        size: side of the pictures in pixels.
+        hints: whether the samples hold the hints of the pairs.
+
+    Raises:
+        InputError: if the size is not positive.
+    """
+
+    noun: ClassVar[str] = "pair"
+
+    size: int = 256
+    hints: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a picture without pixels."""
+        if self.size < 1:
+            raise InputError(f"size is {self.size}; it is the side of the pictures in pixels, at least 1.")
+
+    def check(self) -> None:
+        """Ask nothing of the machine."""
+
+    def render(self, pair: Pair, index: int) -> Sample:
+        """Return the sample of a pair; there is one, whatever its number.
+
+        Raises:
+            InputError: if there is no line in the sketch.
+        """
+        del index
+        prepared = prepare(pair.sketch, self.size, pair.mask, pair.hints if self.hints else None)
+        frame, worked = prepared.frame, (prepared.ink.shape[0], prepared.ink.shape[1])
+        normal, mask = pair.normal, pair.mask.astype(np.float32)
+        if worked != mask.shape:
+            normal, mask = resize(normal, worked), resize(mask, worked)
+        cut = np.stack([frame.shrink(np.ascontiguousarray(normal[..., i])) for i in range(3)], axis=-1)
+        inside = frame.shrink(mask) > 0.5
+        hints = None
+        if self.hints:
+            given = prepared.hints
+            empty = np.zeros((4, self.size, self.size), np.float32)
+            hints = (empty if given is None else given).transpose(1, 2, 0).astype(np.float16)
+        return Sample(
+            sketch=np.rint(255 * prepared.seen).astype(np.uint8),
+            normal=(normalize(cut) * inside[..., None]).astype(np.float16),
+            mask=inside,
+            hints=hints,
+        )
+
+    def describe(self) -> dict[str, Any]:
+        """Return all that the samples depend on besides the pairs, as plain values for JSON."""
+        return {
+            "class": "PairRecipe",
+            "size": self.size,
+            "hints": self.hints,
+            "rendering_version": PAIRS_VERSION,
+        }
+
+
+def background(levels: NDArray[Any], tolerance: float = 0.02) -> NDArray[np.bool_]:
+    """Return what lies around the object of a normal map without a mask, (H, W).
+
+    That is what is of the corners' colour and reaches the picture's edge; nothing where the four corners
+    differ: the object then fills the picture.
+
+    Args:
+        levels: (H, W, 3) colours or vectors, of a range of 2.
+        tolerance: by which one may differ in each channel, for what was compressed.
+
+    Example:
+        >>> levels = np.zeros((5, 5, 3), np.float32)
+        >>> levels[2, 2] = 1
+        >>> int(background(levels).sum())
+        24
+    """
+    corners = levels[[0, 0, -1, -1], [0, -1, 0, -1]]
+    colour = np.median(corners, axis=0)
+    if not (np.abs(corners - colour) <= tolerance).all():
+        return np.zeros(levels.shape[:2], np.bool_)
+    alike = (np.abs(levels - colour) <= tolerance).all(-1).astype(np.uint8)
+    _, labels = cv2.connectedComponents(alike, connectivity=4)
+    edge = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
+    return np.isin(labels, np.setdiff1d(edge, [0]))
+
+
+def _checked_array(normal: NDArray[Any]) -> NDArray[Any]:
+    wanted = "it is an array of floats with the shape (H, W, 3), unit vectors"
+    if not isinstance(normal, np.ndarray):
+        raise InputError(f"the normal map is of the type {type(normal).__name__}; {wanted}.")
+    if normal.ndim != 3 or normal.shape[2] != 3 or not np.issubdtype(normal.dtype, np.floating):
+        colours = " (colours become vectors by normalgan.normals.vectors)" if normal.ndim == 3 else ""
+        raise InputError(
+            f"the normal map is an array of {normal.dtype} with the shape {normal.shape}; {wanted}{colours}."
+        )
+    return normal
+
+
+def _check_normals(on: NDArray[np.floating]) -> None:
+    """Raise `InputError` if vectors on the object, (K, 3), are no normals in camera space."""
+    if not np.isfinite(on).all():
+        raise InputError("the normal map holds numbers that are not finite.")
+    length = np.linalg.norm(on, axis=-1)
+    if (wrong := float((np.abs(length - 1) > 0.25).mean())) > 0.1:
+        raise InputError(
+            f"the normal map holds no normals: its vectors are {float(np.median(length)):.2f} long at the "
+            f"median, and {wrong:.0%} of them on the object are more than 0.25 off the length 1; it must be "
+            f"{_RIGHT}."
+        )
+    if (away := float((on[:, 2] < -0.25).mean())) > 0.1:
+        raise InputError(
+            f"the normal map holds vectors that point away from the viewer ({away:.0%} on the object have "
+            f"z below 0), as those in the axes of the world do; it must be in the {_RIGHT}."
+        )
+
+
+def _check_hints(hints: Hints, mask: NDArray[np.bool_]) -> None:
+    """Raise `InputError` if a hint lies off the object, where there is no normal to learn from."""
+    columns, rows = np.floor(hints.points).astype(int).T
+    off = np.flatnonzero(~mask[rows, columns])
+    if len(off):
+        raise InputError(
+            f"the hint at x {columns[off[0]]}, y {rows[off[0]]} lies off the object; hints lie on it."
+        )
+
+
+def _check_green(normal: Floats, mask: NDArray[np.bool_]) -> None:
+    """Raise `InputError` if the vectors along the outline say that y is upside down."""
+    x, y = outwardness(normal, mask)
+    if x > 0.4 and y < -0.4:
+        raise InputError(
+            "the normal map looks as if its green had the other direction: along the outline x points "
+            "outward and y inward; set green to down if it is that of DirectX, and to up if of OpenGL."
+        )
+
+
+def outwardness(normal: Floats, mask: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return how far vectors along the outline of an object point outward, in x and in y: 1 all, -1 none.
+
+    Where a surface turns out of sight it points outward, whatever it is; a picture that the object fills, or
+    that cuts it off, has no outline there, and gives 0.
+
+    Args:
+        normal: (H, W, 3), y up.
+        mask: (H, W), the object.
+    """
+    soft = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 2.0, borderType=cv2.BORDER_REPLICATE)
+    right, down = np.gradient(soft, axis=1), np.gradient(soft, axis=0)
+    rim = mask & (cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1) == 0)
+    weight = np.hypot(right, down)[rim]
+    out = np.stack([-right[rim], down[rim]]) / np.maximum(weight, 1e-6)  # y up
+    held = normal[rim][:, :2].T
+    total = (out**2).sum(1)
+    return tuple(float(a) for a in (out * held).sum(1) / np.maximum(total, 1.0))  # type: ignore[return-value]

@@ -1,0 +1,336 @@
+"""Pairs on disk: how they are found, read, split and refused."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.sources import Pairs, SplitSettings
+from normalgan.data.sources.pair import PairRecipe
+from normalgan.errors import InputError
+from normalgan.hints import CurvatureHints
+from normalgan.metrics import angular_error
+from normalgan.normals import Bits, Green, encode_png, write_bytes
+from pairs_on_disk import SIZE, ellipsoid, hints_picture, write_pair, write_pairs
+
+SPLITS = ("train", "val", "test")
+
+
+def data(files: object, cache: Path, **settings: object) -> MeshDataModule:
+    keys = ("green", "hints", "group_by")
+    of_source = {key: settings.pop(key) for key in keys if key in settings}
+    defaults = {"size": 32, "cache": str(cache), "render_workers": 0, "batch_size": 2, **settings}
+    source = Pairs([*map(str, files)] if isinstance(files, list) else str(files), **of_source)  # type: ignore[arg-type]
+    return MeshDataModule(source=source, **defaults)  # type: ignore[arg-type]
+
+
+def names(module: MeshDataModule) -> dict[str, list[str]]:
+    return {split: [source.name for source in module.sources[split]] for split in SPLITS}
+
+
+def degrees_off(number: int, folder: Path, **settings: object) -> float:
+    """Return the mean angle between a pair's sample at half its size and the truth at that size."""
+    pair = Pairs(str(folder), **settings).found()[number].load()  # type: ignore[arg-type]
+    sample = PairRecipe(SIZE // 2).render(pair, 0)
+    normal = torch.from_numpy(sample.normal.astype(np.float32)).permute(2, 0, 1)[None]
+    # The same frame as that of the sketch: its ink and the object end at the same pixels.
+    truth = torch.from_numpy(PairRecipe(SIZE // 2).render(exact(number), 0).normal.astype(np.float32))
+    error = angular_error(normal, truth.permute(2, 0, 1)[None])[0, 0]
+    return float(error[torch.from_numpy(sample.mask)].mean())
+
+
+def exact(number: int):  # type: ignore[no-untyped-def]
+    from normalgan.data.sources import Pair
+
+    ink, normal = ellipsoid(number)
+    return Pair(1 - ink, normal)
+
+
+@pytest.mark.parametrize(("bits", "most"), [(8, 0.4), (16, 0.01)])
+@pytest.mark.parametrize("green", ["up", "down"])
+def test_both_depths_and_both_greens_give_the_same_normals(
+    tmp_path: Path, bits: Bits, most: float, green: Green
+) -> None:
+    write_pairs(tmp_path, 2, green, bits)
+    off = degrees_off(1, tmp_path, green=green)
+    assert off < most
+    if bits == 8:
+        assert off > 0.05  # what 8 bits lose, and 16 do not
+
+
+def test_exr_in_folders_of_its_own(tmp_path: Path) -> None:
+    for number in range(3):
+        write_pair(
+            tmp_path / "sketch" / f"{number}.png", tmp_path / "normal" / f"{number}.exr", number, "down"
+        )
+    assert [pair.name for pair in Pairs(str(tmp_path)).found()] == ["0", "1", "2"]
+    assert degrees_off(2, tmp_path, green="down") < 0.01
+
+
+def test_samples_are_made_as_drawings_are_shown_when_predicting(tmp_path: Path) -> None:
+    from normalgan.painting.inputs import prepare_any
+
+    write_pairs(tmp_path, 3)
+    module = data(tmp_path, tmp_path / "cache")
+    module.prepare_data()
+    sample = module.train_dataset[0]
+    name = sample["name"].removesuffix("/0")
+    seen = prepare_any(tmp_path / f"{name}.png", 32).seen
+    np.testing.assert_array_equal(sample["sketch"][0].numpy(), np.rint(255 * seen).astype(np.float32) / 255)
+    length = sample["normal"].norm(dim=0)
+    torch.testing.assert_close(length, sample["mask"][0])
+    assert 0.3 < sample["mask"].mean() < 0.8
+    assert [len(d) for d in (module.train_dataset, module.val_dataset, module.test_dataset)] == [1, 1, 1]
+
+
+def test_the_papers_sampler_finds_points_on_pairs(tmp_path: Path) -> None:
+    write_pairs(tmp_path, 3)
+    module = data(tmp_path, tmp_path / "cache", size=64)
+    module.prepare_data()
+    batch = next(iter(module.test_dataloader()))
+    where = CurvatureHints(dropout=0.0).sample(batch["normal"], batch["mask"], torch.Generator())
+    assert where.sum() > 5
+    assert (where <= batch["mask"]).all()
+
+
+@pytest.mark.parametrize("layout", ["beside", "folders"])
+def test_mask_and_hints_come_along(tmp_path: Path, layout: str) -> None:
+    if layout == "beside":
+        write_pairs(tmp_path, 3)
+        mask_at, hints_at = tmp_path / "a1_mask.png", tmp_path / "a1_hints.png"
+    else:
+        for number in range(3):
+            write_pair(
+                tmp_path / "sketches" / f"a{number}.png", tmp_path / "normals" / f"a{number}.png", number
+            )
+        mask_at, hints_at = tmp_path / "masks" / "a1.png", tmp_path / "hints" / "a1_hints.png"
+        mask_at.parent.mkdir()
+        hints_at.parent.mkdir()
+    mask = np.zeros((SIZE, SIZE), np.uint8)
+    mask[:, : SIZE // 2] = np.where(np.abs(ellipsoid(1)[1][:, : SIZE // 2]).sum(-1) > 0, 255, 0)
+    Image.fromarray(mask).save(mask_at)
+    hints_picture(1).save(hints_at)
+    module = data(tmp_path, tmp_path / "cache", hints=True, fractions=(1.0, 0.0, 0.0))
+    module.prepare_data()
+    by_name = {module.train_dataset[i]["name"]: module.train_dataset[i] for i in range(3)}
+    assert by_name["a1/0"]["mask"].sum() < 0.7 * by_name["a0/0"]["mask"].sum()
+    hints = by_name["a1/0"]["hints"]
+    assert by_name["a0/0"]["hints"].abs().sum() == 0
+    assert hints[3].sum() == 1
+    row, column = np.argwhere(hints[3].numpy() > 0)[0]
+    given, there = hints[:3, row, column], by_name["a1/0"]["normal"][:, row, column]
+    assert given.norm() == pytest.approx(1, abs=1e-3)
+    assert float(given @ there) > 0.98
+    batch = next(iter(module.train_dataloader()))
+    assert batch["hints"].shape == (2, 4, 32, 32)
+    plain = data(tmp_path, tmp_path / "cache", fractions=(1.0, 0.0, 0.0))
+    plain.prepare_data()
+    assert "hints" not in next(iter(plain.train_dataloader()))
+    assert len(list((tmp_path / "cache").glob("*/dataset.json"))) == 2
+
+
+def test_a_glob_of_folders_is_split_by_folder(tmp_path: Path) -> None:
+    for group in "bcdef":
+        write_pairs(tmp_path / group, 3)
+    module = data(tmp_path / "**" / "*.png", tmp_path / "cache", group_by="folder", fractions=(0.6, 0.2, 0.2))
+    found = names(module)
+    assert {split: len(part) for split, part in found.items()} == {"train": 9, "val": 3, "test": 3}
+    folders = {split: {name.split("/")[0] for name in part} for split, part in found.items()}
+    assert folders["val"].isdisjoint(folders["train"] | folders["test"])
+    (tmp_path / "split.json").write_text('{"train": ["b", "c"], "val": ["d"], "test": ["e", "f"]}')
+    fixed = data(
+        tmp_path / "**" / "*.png",
+        tmp_path / "cache",
+        group_by="folder",
+        split_file=str(tmp_path / "split.json"),
+    )
+    assert {name.split("/")[0] for name in names(fixed)["test"]} == {"e", "f"}
+    by_file = names(data(tmp_path / "*" / "*.png", tmp_path / "cache"))
+    assert sum(map(len, by_file.values())) == 15
+
+
+def test_a_csv_lists_pairs_their_groups_and_their_splits(tmp_path: Path) -> None:
+    write_pairs(tmp_path / "in", 4)
+    rows = ["sketch, normal, group", *(f"in/a{i}.png, in/a{i}_normal.png, {'xyzx'[i]}" for i in range(4))]
+    (tmp_path / "pairs.csv").write_text("\n".join(rows))
+    found = names(data(tmp_path / "pairs.csv", tmp_path / "cache", fractions=(0.4, 0.3, 0.3)))
+    assert sorted(name for part in found.values() for name in part) == [f"in/a{i}" for i in range(4)]
+    (side,) = (split for split, part in found.items() if "in/a0" in part)
+    assert "in/a3" in found[side]
+    rows = ["name,sketch,normal,split", *(f"p{i},in/a{i}.png,in/a{i}_normal.png,train" for i in range(3))]
+    (tmp_path / "told.csv").write_text("\n".join([*rows, "p3,in/a3.png,in/a3_normal.png,test"]))
+    assert names(data(tmp_path / "told.csv", tmp_path / "cache")) == {
+        "train": ["p0", "p1", "p2"],
+        "val": [],
+        "test": ["p3"],
+    }
+
+
+def remove_normal(folder: Path) -> None:
+    (folder / "a1_normal.png").unlink()
+
+
+def remove_sketch(folder: Path) -> None:
+    (folder / "a1.png").unlink()
+
+
+def remove_all(folder: Path) -> None:
+    for path in folder.iterdir():
+        path.unlink()
+
+
+def add_twin(folder: Path) -> None:
+    Image.open(folder / "a1.png").save(folder / "a1.bmp")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (remove_normal, r"a1\.png has no normal map; a pair is a\.png with a_normal\.png beside it"),
+        (remove_sketch, r"a1_normal\.png has no sketch; a pair is"),
+        (remove_all, r"an empty folder is at .*; a pair is"),
+        (add_twin, r"two pairs are named a1: .*a1\.bmp and .*a1\.png; rename one"),
+    ],
+)
+def test_a_folder_that_cannot_be_used(tmp_path: Path, spoil: Callable[[Path], None], sentence: str) -> None:
+    write_pairs(tmp_path, 3)
+    spoil(tmp_path)
+    with pytest.raises(InputError, match=sentence):
+        Pairs(str(tmp_path)).found()
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("sketch,normals\na0.png,a0_normal.png", "has a column 'normals'.* Did you mean normal?"),
+        (
+            "sketch,mask\na0.png,a0.png",
+            "has no column 'normal'; its first line names columns, sketch, normal",
+        ),
+        ("sketch,normal\na0.png,gone.png", r"line 2 of .*names gone\.png as normal, and there is no file"),
+        ("sketch,normal\na0.png,", "line 2 of .* names no normal; a pair has both"),
+        ("sketch,normal\na0.png", "line 2 of .* does not have as many values as there are columns, 2"),
+        ("sketch,normal\n", "lists no pair; each line after the first is one"),
+        ("sketch,normal,split\na0.png,a0_normal.png,dev", "has the split 'dev'; it is train, val, test"),
+        (
+            "sketch,normal,split\na0.png,a0_normal.png,val\na1.png,a1_normal.png,",
+            r"a1\.png is in no split, but others are",
+        ),
+        (
+            "sketch,normal,split,group\na0.png,a0_normal.png,val,g\na1.png,a1_normal.png,test,g",
+            "the group g is in val and in test; a group belongs to one split",
+        ),
+    ],
+)
+def test_a_csv_that_cannot_be_used(tmp_path: Path, text: str, sentence: str) -> None:
+    write_pairs(tmp_path, 2)
+    (tmp_path / "pairs.csv").write_text(text)
+    with pytest.raises(InputError, match=sentence):
+        Pairs(str(tmp_path / "pairs.csv")).found()
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"green": "left"}, "green='left'; it is up"),
+        ({"group_by": "name"}, "group_by='name'; give file or folder"),
+    ],
+)
+def test_settings_are_checked(given: dict[str, str], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        Pairs("pairs", **given)  # type: ignore[arg-type]
+
+
+def test_settings_of_meshes_do_not_go_with_a_source(tmp_path: Path) -> None:
+    with pytest.raises(
+        InputError, match=r"data\.meshes says that the data are meshes, and data\.source names"
+    ):
+        MeshDataModule("meshes", source=Pairs("pairs"))
+    with pytest.raises(InputError, match=r"data\.on_the_fly renders meshes .*, but Pairs has pairs"):
+        MeshDataModule(source=Pairs("pairs"), on_the_fly=True)
+    write_pairs(tmp_path, 2)
+    with pytest.raises(InputError, match="2 pairs cannot be split in 3 parts; add pairs or set a fraction"):
+        Pairs(str(tmp_path)).split(SplitSettings())
+
+
+def make_smaller(folder: Path) -> None:
+    write_pair(folder / "x.png", folder / "a1_normal.png", 1, size=32)
+    (folder / "x.png").unlink()
+
+
+def make_photo(folder: Path) -> None:
+    grey = np.random.default_rng(0).integers(90, 190, (SIZE, SIZE, 3), dtype=np.uint8)
+    Image.fromarray(grey).save(folder / "a1_normal.png")
+
+
+def make_grey(folder: Path) -> None:
+    Image.fromarray(np.full((SIZE, SIZE), 128, np.uint8)).save(folder / "a1_normal.png")
+
+
+def flip_green_of(folder: Path) -> None:
+    write_pair(folder / "a1.png", folder / "a1_normal.png", 1, green="down")
+
+
+def turn_to_the_world(folder: Path) -> None:
+    _, normal = ellipsoid(1)
+    write_bytes(folder / "a1_normal.png", encode_png(normal[..., [2, 1, 0]]))
+
+
+def give_a_hint_off_the_object(folder: Path) -> None:
+    dots = np.zeros((SIZE, SIZE, 4), np.uint8)
+    dots[1, 2] = (128, 128, 255, 255)
+    Image.fromarray(dots).save(folder / "a1_hints.png")
+
+
+def make_flat(folder: Path) -> None:
+    Image.new("RGB", (SIZE, SIZE), (128, 128, 255)).save(folder / "a1_normal.png")
+
+
+def break_file(folder: Path) -> None:
+    (folder / "a1_normal.png").write_bytes(b"\x89PNG nothing")
+
+
+def erase_sketch(folder: Path) -> None:
+    Image.new("L", (SIZE, SIZE), 255).save(folder / "a1.png")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (make_smaller, "the sketch has 64 × 64 pixels and its normal map 32 × 32; both must show the same"),
+        (
+            make_photo,
+            r"the normal map holds no normals: its vectors are 0\.\d\d long at the median, and \d+% of them",
+        ),
+        (make_grey, "is grey; a normal map has three colours"),
+        (flip_green_of, "looks as if its green had the other direction: .* set green to down"),
+        (turn_to_the_world, r"point away from the viewer \(\d+% on the object have z below 0\)"),
+        (make_flat, "shows nothing but its background"),
+        (break_file, "cannot be read as an image"),
+        (give_a_hint_off_the_object, "the hint at x 2, y 1 lies off the object"),
+        (erase_sketch, "no line is seen in it"),
+    ],
+)
+def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
+    tmp_path: Path, spoil: Callable[[Path], None], sentence: str
+) -> None:
+    write_pairs(tmp_path, 4)
+    spoil(tmp_path)
+    splits = '{"train": ["a0", "a1"], "val": ["a2"], "test": ["a3"]}'
+    (tmp_path / "split.json").write_text(splits)
+    module = data(tmp_path, tmp_path / "cache", split_file=str(tmp_path / "split.json"), hints=True)
+    with pytest.warns(UserWarning, match=f"the pair a1 is left out: .*{sentence}"):
+        module.prepare_data()
+    assert [module.train_dataset[i]["name"] for i in range(len(module.train_dataset))] == ["a0/0"]
+    (tmp_path / "split.json").write_text(splits.replace('["a0", "a1"]', '["a1"]').replace('"a2"', '"a0"'))
+    alone = data(tmp_path, tmp_path / "other", split_file=str(tmp_path / "split.json"), hints=True)
+    with (
+        pytest.warns(UserWarning, match=re.escape("does not name")),
+        pytest.raises(InputError, match=f"(?s)none of the 1 .*for train .*: .*{sentence}"),
+    ):
+        alone.prepare_data()
