@@ -184,9 +184,7 @@ def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(
     tmp_path: Path, pair: DaskCluster
 ) -> None:
     sources = {"train": [Local("a")]}
-    with pytest.raises(
-        InputError, match=r"^a on \S+ is not what .* machine \(worker tcp://\S+\)\.$"
-    ):
+    with pytest.raises(InputError, match=r"^a on \S+ is not what .* machine \(worker tcp://\S+\)\.$"):
         render_samples(str(tmp_path), sources, 2, recipe(), progress=False, cluster=pair.address)
     assert finished(tmp_path) == 0
 

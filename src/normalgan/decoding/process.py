@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.decoding.worker import (
-<<<<<<< HEAD
+    EXACT,
     FRAMES,
     MODES,
     MOST_PARTS,
@@ -25,12 +25,6 @@ from normalgan.decoding.worker import (
     PART,
     PARTS,
     PICTURE,
-=======
-    COLOURS,
-    EXACT,
-    GREY,
-    MODES,
->>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
     PIXEL_BYTES,
     READY,
     REFUSED,
@@ -123,8 +117,7 @@ def decode(
         InputError: if it cannot be decoded; it says why.
         RunError: if no process can be started to do it.
     """
-<<<<<<< HEAD
-    request = REQUEST.pack(len(content), *sides, svg_side, longest or 0, grey, PICTURE)
+    request = REQUEST.pack(len(content), *sides, svg_side, longest or 0, grey, EXACT if exact else PICTURE)
     return _pool.run(lambda child: child.decode(name, request, content, sides[1]))
 
 
@@ -132,11 +125,6 @@ def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
     """Return all frames of an animation, each whole; arguments and errors are those of `decode`."""
     request = REQUEST.pack(len(content), *sides, sides[1], 0, False, FRAMES)
     return _pool.run(lambda child: child.decode_parts(name, request, content, sides[1]))
-=======
-    wanted = EXACT if exact else GREY if grey else COLOURS
-    request = REQUEST.pack(len(content), *sides, svg_side, longest or 0, wanted)
-    return _pool.decode(name, request, content, sides[1])
->>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
 
 
 def start() -> None:

@@ -20,11 +20,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-<<<<<<< HEAD
 REQUEST = struct.Struct("<QIIIIBB")
 """Bytes that follow, least and greatest side, of an SVG, longest to reduce to or 0, whether grey, what."""
-PICTURE, FRAMES = 0, 1
-"""What is asked for: the picture; all frames of an animation."""
+PICTURE, FRAMES, EXACT = 0, 1, 2
+"""What is asked for: the picture; all frames of an animation; the picture's levels as they are stored."""
 REPLY = struct.Struct("<BIIIIQ")
 """Kind of what follows, width, height, those before it was reduced, bytes that follow."""
 PARTS, READY, REFUSED = 253, 254, 255
@@ -33,18 +32,6 @@ PART = struct.Struct("<iiIH")
 """What follows the pixels of a part: its left and top, milliseconds, bytes of its name, and these."""
 MOST_PARTS, MOST_PIXELS = 1024, 2**26
 """Frames of an animation, and pixels of all of them together: as many as the largest drawing has."""
-MODES = ("L", "RGB", "RGBA", "I;16", "I", "F")
-"""Modes of Pillow in which pixels are sent; their kind is the number here."""
-PIXEL_BYTES = (1, 3, 4, 2, 4, 4)
-=======
-REQUEST = struct.Struct("<QIIIIB")
-"""Bytes that follow, least and greatest side, side of an SVG, longer side to reduce to or 0, what to send."""
-REPLY = struct.Struct("<BIIIIQ")
-"""Kind of what follows, width, height, those before it was reduced, bytes that follow."""
-READY, REFUSED = 254, 255
-"""Kinds that are no pixels: the process is ready; a refusal in words."""
-COLOURS, GREY, EXACT = range(3)
-"""What to send: the colours, 8 bits a channel; how bright it is on white paper; the levels as stored."""
 MODES = ("L", "RGB", "RGBA", "I;16", "I", "F", "RGB;16", "RGBA;16", "RGB;F", "RGBA;F")
 """Modes of Pillow in which pixels are sent, and some that it does not have; their kind is the number here."""
 PIXEL_BYTES = (1, 3, 4, 2, 4, 4, 6, 8, 12, 16)
@@ -54,7 +41,6 @@ _KIND_OF = {
     **{("uint16", 3): 6, ("uint16", 4): 7, ("float32", 3): 8, ("float32", 4): 9},
 }
 """The kind of an array by its type and its channels."""
->>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
 
 MOST_DEPTH = 128
 """Elements within one another in an SVG: the drawing library needs stack for each, and ends without."""
@@ -106,29 +92,20 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
         return
     replies.write(REPLY.pack(READY, 0, 0, 0, 0, 0))
     while len(head := _read(requests, REQUEST.size)) == REQUEST.size:
-<<<<<<< HEAD
         count, least, most, svg_side, longest, grey, what = REQUEST.unpack(head)
-=======
-        count, least, most, svg_side, longest, wanted = REQUEST.unpack(head)
->>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
         content = _read(requests, count)
         if len(content) < count:
             return
         limit_time(seconds)
         try:
-<<<<<<< HEAD
-            if what == PICTURE:
+            if what == FRAMES:
+                send_frames(content, least, most, seconds, replies)
+            elif what == EXACT and loses_levels(content):
+                send_levels(exact_levels(content, least, most), replies)
+            else:
                 image, full = decode(content, least, most, svg_side, longest, bool(grey))
                 send(image, full, replies)
                 del image
-            else:
-                send_frames(content, least, most, seconds, replies)
-=======
-            if wanted == EXACT and loses_levels(content):
-                send_levels(exact_levels(content, least, most), replies)
-                continue
-            image, full = decode(content, least, most, svg_side, longest, wanted == GREY)
->>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
         except RefusedError as refusal:
             _refuse(replies, str(refusal))
         except MemoryError:
@@ -235,7 +212,6 @@ def send(image: "Image", full: tuple[int, int], replies: "BinaryIO | io.FileIO")
         _write(replies, strip.tobytes())
 
 
-<<<<<<< HEAD
 def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
     """Write all frames of an animation, each whole, with how long it is shown.
 
@@ -245,7 +221,7 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
     number = 0
     try:
         with _opened(content) as image:
-            _check_sides(image, least, most)
+            _check_sides(image.width, image.height, least, most)
             # A PNG may begin with a picture for those who know no animations.
             first = 1 if getattr(image, "default_image", False) else 0
             count = getattr(image, "n_frames", 1) - first
@@ -271,7 +247,8 @@ def _check_parts(count: int, pixels: int, name: str) -> None:
         raise RefusedError(
             f"has {count} {name} of {pixels} pixels together; {MOST_PARTS} of {MOST_PIXELS} can be painted"
         )
-=======
+
+
 def loses_levels(content: bytes) -> bool:
     r"""Return whether Pillow may round the levels of a picture: a colour PNG of 16 bits a channel, or a TIFF.
 
@@ -312,7 +289,6 @@ def send_levels(levels: Any, replies: "BinaryIO | io.FileIO") -> None:
     kind = _KIND_OF[levels.dtype.name, *(channels or [1])]
     _write(replies, REPLY.pack(kind, width, height, width, height, levels.nbytes))
     _write(replies, levels.tobytes())
->>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
 
 
 def decode(

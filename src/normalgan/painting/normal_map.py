@@ -12,11 +12,8 @@ from normalgan.errors import InputError
 from normalgan.normals import (
     Bits,
     Floats,
-<<<<<<< HEAD
-    encode,
-=======
     Green,
->>>>>>> 3699adf (Data sources are an eighth kind of plug-in: pairs on disk beside meshes and animals; 16-bit and float normal maps are read with all their levels; the data module is one class)
+    encode,
     encode_exr,
     encode_png,
     encode_tiff,
