@@ -311,7 +311,7 @@ def erase_sketch(folder: Path) -> None:
         (flip_green_of, "looks as if its green had the other direction: .* set green to down"),
         (turn_to_the_world, r"point away from the viewer \(\d+% on the object have z below 0\)"),
         (make_flat, "shows nothing but its background"),
-        (break_file, "cannot be read as an image"),
+        (break_file, "is not an image that can be read"),
         (give_a_hint_off_the_object, "the hint at x 2, y 1 lies off the object"),
         (erase_sketch, "no line is seen in it"),
     ],
