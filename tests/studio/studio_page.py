@@ -128,6 +128,10 @@ class Studio:
         """Return where a point of the drawing is on the screen."""
         return self._on(self.page.locator("#board"), x, y, margin=24)
 
+    def on_result(self, x: float, y: float) -> tuple[float, float]:
+        """Return where a point of the drawing is on the screen, in the pane of the result."""
+        return self._on(self.page.locator("#overlay"), x, y, margin=24)
+
     def _on(self, canvas: "Locator", x: float, y: float, margin: float = 0) -> tuple[float, float]:
         box = canvas.bounding_box()
         assert box is not None
@@ -187,8 +191,11 @@ class Studio:
 
     def shown(self, x: float, y: float) -> NDArray[np.float64]:
         """Return the normal on show at a point of the drawing, in the view of the map."""
-        column, row = self._on(self.page.locator("#viewer"), x, y)
+        column, row = self.on_result(x, y)
+        show = "visible => { document.getElementById('overlay').style.visibility = visible ? '' : 'hidden'; }"
+        self.page.evaluate(show, False)  # marks cover the map
         colour: NDArray[np.float64] = self.screen()[round(row), round(column)] / 127.5 - 1
+        self.page.evaluate(show, True)
         return colour
 
     def inked(self, x: float, y: float) -> bool:

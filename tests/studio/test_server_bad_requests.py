@@ -119,7 +119,10 @@ def test_what_cannot_be_painted_is_told_in_a_sentence(
 @pytest.mark.parametrize(
     ("fields", "sentence"),
     [
-        ({"what": "song"}, 'what is "song"; it is to be one of "map", "preview", "height", "relief".'),
+        (
+            {"what": "song"},
+            'what is "song"; it is to be one of "map", "preview", "height", "relief", "mask", ',
+        ),
         ({"what": "relief", "format": "exr"}, 'format is "exr"; it is to be one of "glb", "obj".'),
         ({"y": "left"}, 'y is "left"'),
         ({"alpha": 1}, "alpha is 1; it is to be one of false, true."),

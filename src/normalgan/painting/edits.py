@@ -1,5 +1,7 @@
 """Edits: a painted map held to what a hand says of it: exact normals at pins, directions of areas."""
 
+from collections.abc import Iterable
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +130,24 @@ def stroke(shape: tuple[int, int], points: Floats, width: float) -> Floats:
     line = np.rint(points * 16 - 8).astype(np.int32)
     cv2.polylines(area, [np.concatenate([line, line[-1:]])], False, 255, thick, cv2.LINE_AA, 4)
     return _softened(area, 0.3 * width)
+
+
+def paint_mask(shape: tuple[int, int], strokes: Iterable[tuple[Floats, float, bool]]) -> NDArray[np.int8]:
+    """Return 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; the last one counts.
+
+    Args:
+        shape: (H, W).
+        strokes: of each its points (K, 2), x and y in pixels, its width, and whether it adds.
+    """
+    painted = np.zeros(shape, np.int8)
+    for points, width, adds in strokes:
+        area = np.zeros(shape, np.uint8)
+        line = np.rint(points * 16 - 8).astype(np.int32)
+        cv2.polylines(
+            area, [np.concatenate([line, line[-1:]])], False, 1, max(round(width), 1), cv2.LINE_8, 4
+        )
+        painted[area > 0] = 1 if adds else -1
+    return painted
 
 
 def _softened(area: NDArray[np.uint8], soft: float) -> Floats:

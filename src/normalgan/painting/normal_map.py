@@ -33,7 +33,8 @@ class NormalMap:
     Args:
         extended: (H, W, 3), unit everywhere: off the object they are those on it, smoothly continued.
         mask: (H, W), the object.
-        alpha: (H, W) in [0, 1], the drawing's own opacity if that tells the mask, else the mask.
+        alpha: (H, W) in [0, 1], the drawing's own opacity if that tells the mask, else the mask with a
+            soft edge.
         seen: (S, S), what the network was shown.
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
         warning: what went wrong, a part of a sentence; empty if nothing did.

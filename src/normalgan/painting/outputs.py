@@ -93,12 +93,19 @@ class Outputs:
 
         height = preds.height()
         if self.height is not None:
-            write_bytes(job.beside(f"_height.{self.height}"), _encode_height(height, preds, self.height))
+            write_bytes(job.beside(f"_height.{self.height}"), encode_height(height, preds, self.height))
         if self.relief is not None:
             write_relief(job.beside(f"_relief.{self.relief}"), relief_mesh(height, preds.mask))
 
 
-def _encode_height(height: Floats, preds: NormalMap, kind: Literal["png", "tiff"]) -> bytes:
+def encode_height(height: Floats, preds: NormalMap, kind: Literal["png", "tiff"]) -> bytes:
+    """Return the content of a height map's file.
+
+    Args:
+        height: (H, W) in pixels, as `NormalMap.height` gives it.
+        preds: the map it is of.
+        kind: png is 16 bits from the lowest to the highest, tiff floats in pixels.
+    """
     inside = height[preds.mask]
     if kind == "tiff":
         return encode_grey(np.where(preds.mask, height, inside.min()), ".tiff")

@@ -4,6 +4,7 @@ A drawing is read (`picture`, `inputs`), cleaned, its mask found and framed (`pr
 `Backend`, brought to its own size (`upsampling`) and place, and written (`outputs`).
 """
 
+import cv2
 import numpy as np
 
 from normalgan.errors import InputError
@@ -20,13 +21,15 @@ _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
 _LEAST = 0.02
 """Painted vectors that are shorter have no direction."""
-_CLOSED = 0.8
+CLOSED = 0.8
 """Share of the ink that must enclose something for the outline to be believed."""
 
 _STRAIGHT = (
     "its outline has a wide gap, which was closed by a straight line; "
     "draw on there, or give --mask, if the object goes on"
 )
+
+_HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
 
 
 def finish(
@@ -63,6 +66,7 @@ def finish(
     if not mask.any():
         raise InputError("its mask is empty; paint the object white.")
     normals = upsample(Coarse(unit(preds), known, needed), prepared, mask)
+    edge = _soft_edge(mask, prepared.shape)
     shown = None
     if confidence is not None:
         shown = frame.restore(confidence[..., None]).reshape(mask.shape)
@@ -74,8 +78,19 @@ def finish(
     if pins is not None and 0 < len(pins.points) <= MOST_PINS:
         reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
         normals = hold_pins(normals, pins.points, pins.normals, reaches)
-    alpha = mask.astype(np.float32) if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
+    alpha = edge if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
+    if prepared.alpha is not None and prepared.painted is not None:
+        by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
+        alpha = np.where(by_hand == 0, alpha, edge)
     return NormalMap(normals, mask, np.clip(alpha, 0, 1), prepared.seen, shown, warning)
+
+
+def _soft_edge(mask: Mark, shape: tuple[int, int]) -> Floats:
+    """Return a mask as opacity (H, W) at a picture's size: its staircase becomes an edge of a pixel."""
+    soft = np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 1.0), np.float32)
+    sharper = np.float32(1.6 * max(shape[1] / mask.shape[1], 1.0))
+    edge = np.clip((resize(soft, shape) - 0.5) * sharper + 0.5, 0, 1)
+    return np.asarray(np.rint(edge * 255) / 255, np.float32)
 
 
 def _known(length: Floats, needed: Mark) -> Mark:
@@ -102,9 +117,20 @@ def paint(backend: Backend, prepared: Prepared, upsample: Upsampler = fill_and_s
 
 def _choose(prepared: Prepared, present: Mark) -> tuple[Mark, str]:
     """Return the object's mask, and what is to be said of it."""
+    mask, warning = _found(prepared, present)
+    if prepared.painted is None:
+        return mask, warning
+    # The hand has the last word, and nothing is to be said of what it has settled.
+    return (mask | (prepared.painted > 0)) & (prepared.painted >= 0), ""
+
+
+def _found(prepared: Prepared, present: Mark) -> tuple[Mark, str]:
+    """Return the object's mask without what was painted on it, and what is to be said of it."""
     if prepared.mask is None:
         return present, ""
-    if prepared.closed >= _CLOSED:
+    if prepared.held:
+        return prepared.mask, _HELD
+    if prepared.closed >= CLOSED:
         return prepared.mask, _STRAIGHT if prepared.guessed else ""
     return prepared.mask | present, (
         f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,6 +33,8 @@ class Prepared:
         closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
         guessed: whether that closed a gap so wide that it may have been meant.
         pins: the hints in pixels of the map to be, or None.
+        painted: (h, w), 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere; or None.
+        held: whether the outline is open and the mask is the one before it was.
     """
 
     shape: tuple[int, int]
@@ -44,6 +47,8 @@ class Prepared:
     closed: float
     guessed: bool
     pins: Hints | None = None
+    painted: NDArray[np.int8] | None = None
+    held: bool = False
 
 
 def prepare(
@@ -53,6 +58,7 @@ def prepare(
     hints: Hints | None = None,
     longest: int | None = None,
     source: str | None = None,
+    painted: NDArray[np.int8] | None = None,
 ) -> Prepared:
     """Clean and frame a picture.
 
@@ -64,6 +70,8 @@ def prepare(
         longest: longer side of the map in pixels; None keeps the drawing's own size.
         source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, or None for the drawing's
             opacity if that tells, else its outline.
+        painted: (H, W) of any size, 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere.
+            What was added closes the gaps that it covers in an outline.
 
     Raises:
         InputError: if there is no line in it.
@@ -71,17 +79,23 @@ def prepare(
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
     cleaned: Cleaned = clean(picture.resized(worked))
-    frame = Frame.around(cleaned.ink, size)
     alpha, closed, guessed = None, 1.0, False
+    if painted is not None:
+        shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
+        painted = np.asarray(shown, np.int8)
+    walls = cleaned.ink if painted is None else np.maximum(cleaned.ink, (painted > 0).astype(np.float32))
+    frame = Frame.around(walls, size)
     if mask is not None:
         mask = resize(mask.astype(np.float32), worked) > 0.5
     elif source is None and cleaned.silhouette is not None:
         mask, alpha = cleaned.silhouette, picture.alpha
     elif source != MODEL:
-        outline = fill_outline(cleaned.ink)
+        outline = fill_outline(walls)
         mask, closed, guessed = outline.mask, outline.closed, outline.guessed
     seen = show(cleaned.ink, frame)
     prepared = Prepared(shape, cleaned.ink, mask, alpha, frame, seen, None, closed, guessed)
+    if painted is not None:
+        prepared = replace(prepared, painted=painted)
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 

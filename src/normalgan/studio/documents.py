@@ -4,7 +4,7 @@ from normalgan.errors import InputError
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.fields import Fields, parse_fields, take_integer
 
-FORMAT, VERSION = "normalgan-studio", 2
+FORMAT, VERSION = "normalgan-studio", 3
 
 
 def check_document(content: bytes) -> Fields:

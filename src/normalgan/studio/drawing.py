@@ -13,17 +13,27 @@ from numpy.typing import NDArray
 
 from normalgan.errors import InputError
 from normalgan.normals import Floats
-from normalgan.painting.edits import MOST_PINS, REACH, brush, hold_pins, polygon, stroke, tilt
+from normalgan.painting.edits import (
+    MOST_PINS,
+    REACH,
+    brush,
+    hold_pins,
+    paint_mask,
+    polygon,
+    stroke,
+    tilt,
+)
 from normalgan.painting.hint_files import Hints, parse_hints
 from normalgan.painting.jobs import MODEL, OUTLINE
 from normalgan.painting.masks import mask_of
 from normalgan.painting.picture import Picture, read_picture
-from normalgan.studio.fields import Fields, take_bytes, take_choice
+from normalgan.studio.fields import Fields, take_bytes, take_choice, take_text
 
 LEAST_SIDE, MOST_SIDE = 16, 2048
 """Least and greatest side of a drawing in pixels."""
 MOST_HINTS = MOST_PINS
 MOST_AREAS = 200
+MOST_MASK_STROKES = 500
 MOST_POINTS = 4000
 """Of an area."""
 _SOFT = 0.01
@@ -41,6 +51,8 @@ class Drawing:
         mask: PNG, white on the object; None if there is none.
         source: where the mask comes from if there is none, as for `normalgan.painting.preparation.prepare`.
         areas: list of what is turned as a whole or brushed, as `read_areas` takes it.
+        mask_strokes: list of strokes that add to the object or cut from it, as `read_mask` takes them.
+        tab: who draws; while its outline is open, the object stays as it was. Empty for nobody.
     """
 
     picture: bytes | NDArray[np.uint8]
@@ -48,6 +60,8 @@ class Drawing:
     mask: bytes | None
     source: str | None
     areas: Any = ()
+    mask_strokes: Any = ()
+    tab: str = ""
 
     def digest(self) -> bytes:
         """Return what is the same for the same drawings and for no others."""
@@ -60,7 +74,8 @@ class Drawing:
             parts: tuple[bytes | memoryview, ...] = (b"PNG", self.picture)
         else:
             parts = (str(self.picture.shape).encode(), np.ascontiguousarray(self.picture).data.cast("B"))
-        for part in (*parts, self.mask or b"", str(self.source).encode()):
+        by_hand = json.dumps(self.mask_strokes).encode()
+        for part in (*parts, self.mask or b"", str(self.source).encode(), by_hand):
             whole.update(len(part).to_bytes(8, "little"))
             whole.update(part)
         return whole.digest()
@@ -77,6 +92,19 @@ class Drawing:
         if self.mask is None:
             return picture, None
         return picture, mask_of(read_png("mask", self.mask), picture.shape)
+
+    def read_mask(self, shape: tuple[int, int]) -> NDArray[np.int8] | None:
+        """Return (H, W) where strokes have added to the object (1) or cut from it (-1); None without strokes.
+
+        Args:
+            shape: (H, W) of the drawing.
+
+        Raises:
+            InputError: if a stroke cannot be used.
+        """
+        if not self.mask_strokes:
+            return None
+        return paint_mask(shape, (_read_mask_stroke(*each) for each in enumerate(self.mask_strokes, 1)))
 
     def edit(self, normals: Floats, mask: NDArray[np.bool_], shape: tuple[int, int]) -> Floats:
         """Return a painted map held to what the hand says: areas in their order, then pins, exactly.
@@ -164,6 +192,22 @@ def read_areas(given: Any) -> list[Area]:
     return areas
 
 
+def _read_mask_stroke(number: int, given: Any) -> tuple[Floats, float, bool]:
+    """Return the points (K, 2), the width of a stroke of the mask brush, and whether it adds."""
+    try:
+        points = np.array(given["points"], np.float32).reshape(-1, 2)
+        size, adds = float(given["size"]), given["adds"]
+        fits = 1 <= len(points) <= MOST_POINTS and bool(np.isfinite(points).all()) and 0 < size <= MOST_SIDE
+    except (TypeError, ValueError, KeyError):
+        fits = False
+    if not fits or not isinstance(adds, bool):
+        raise InputError(
+            f"stroke {number} of the mask is {json.dumps(given)[:60]}; it has points x, y, x, y, … "
+            f"({MOST_POINTS} at the most), a size, and adds, true or false."
+        )
+    return np.clip(points, -MOST_SIDE, 2 * MOST_SIDE), size, adds
+
+
 def _number(value: Any, usual: float, most: float) -> float:
     """Return a hint's reach in pixels; None takes the usual one."""
     if value is None:
@@ -191,12 +235,17 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
     areas = fields.get("areas", [])
     if not isinstance(areas, list) or len(areas) > MOST_AREAS:
         raise InputError(f"areas are to be a list of at most {MOST_AREAS}.")
+    strokes = fields.get("mask_strokes", [])
+    if not isinstance(strokes, list) or len(strokes) > MOST_MASK_STROKES:
+        raise InputError(f"mask_strokes are to be a list of at most {MOST_MASK_STROKES}.")
     return Drawing(
         take_bytes(fields, "picture") if picture is None else picture,
         hints,
         None if fields.get("mask") is None else take_bytes(fields, "mask"),
         take_choice(fields, "source", (None, OUTLINE, MODEL)),
         areas,
+        strokes,
+        "" if fields.get("tab") is None else take_text(fields, "tab", 64),
     )
 
 

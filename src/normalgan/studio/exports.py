@@ -1,14 +1,22 @@
-"""Exports: files of a painted drawing, the very ones that `normalgan generate` writes."""
+"""Exports: files of a painted drawing, the very ones that `normalgan generate` writes, one or all at once."""
 
-from dataclasses import dataclass
+import io
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Final, Literal
 
+import numpy as np
+from PIL import Image
+
+from normalgan.normals import Floats, encode_grey
 from normalgan.painting.jobs import DrawingFiles, Job
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outputs import Outputs
-from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
-from normalgan.studio.fields import Fields, take_choice, take_integer, take_text
+from normalgan.painting.outputs import Outputs, encode_height
+from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
+from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
 
 FORMATS = {
@@ -16,8 +24,61 @@ FORMATS = {
     "preview": ("png", "gif"),
     "height": ("png", "tiff"),
     "relief": ("glb", "obj"),
+    "mask": ("png",),
+    "occlusion": ("png",),
+    "all": ("plain", "unity", "unreal", "godot", "blender"),
 }
 """What can be exported, and as what; the first is the default."""
+
+
+@dataclass(frozen=True)
+class Preset:
+    """How a program wants its files.
+
+    Args:
+        names: of the files, with ``{}`` for the drawing's: map, line art, mask, height, occlusion, preview.
+        outputs: how they are written.
+        notes: what is to be set there, a sentence.
+    """
+
+    names: tuple[str, str, str, str, str, str]
+    outputs: Outputs
+    notes: str
+
+
+_PNG8 = Outputs(height="png", alpha=True)
+PRESETS: Final = {
+    "unity": Preset(
+        ("{}_Normal", "{}_LineArt", "{}_Mask", "{}_Height", "{}_Occlusion", "{}_Preview"),
+        _PNG8,
+        "Unity: set the Texture Type of _Normal to Normal map (for sprites: add it as a secondary texture "
+        "_NormalMap), and switch sRGB off for _Mask, _Height and _Occlusion.",
+    ),
+    "unreal": Preset(
+        ("T_{}_N", "T_{}_L", "T_{}_M", "T_{}_H", "T_{}_AO", "T_{}_Preview"),
+        replace(_PNG8, y="down"),
+        "Unreal: green points down (DirectX) as the engine expects. Set the compression of _N to Normalmap, "
+        "and of _M, _H and _AO to Masks (no sRGB).",
+    ),
+    "godot": Preset(
+        ("{}_normal", "{}_line", "{}_mask", "{}_height", "{}_ao", "{}_preview"),
+        _PNG8,
+        "Godot: green points up (OpenGL) as the engine expects. Use _normal as the normal texture of a "
+        "CanvasTexture, or as Normal Map of a StandardMaterial3D.",
+    ),
+    "blender": Preset(
+        ("{}_normal", "{}_line", "{}_mask", "{}_height", "{}_ao", "{}_preview"),
+        replace(_PNG8, bits=16, height="tiff"),
+        "Blender: set the colour space of all but _line and _preview to Non-Color, and put _normal through a "
+        "Normal Map node. _height is in pixels.",
+    ),
+}
+_PARTS: Final = ("normal", "line", "mask", "height", "occlusion", "preview")
+_PLAIN: Final = Preset(
+    ("{}_normal", "{}_line", "{}_mask", "{}_height", "{}_occlusion", "{}_preview"),
+    _PNG8,
+    "Green points up (OpenGL); flip it for DirectX.",
+)
 
 
 @dataclass(frozen=True)
@@ -26,24 +87,74 @@ class Wish:
 
     Args:
         name: of the drawing, without a suffix.
-        kind: ``map``, or what lies beside it.
+        kind: ``map``, what lies beside it, or ``all``.
         outputs: how it is written.
         longest: longer side in pixels; None is the drawing's.
+        preset: for what program, if it is all.
+        line_art: PNG of the lines, if it is all.
     """
 
     name: str
     kind: str
     outputs: Outputs
     longest: int | None
+    preset: str = "plain"
+    line_art: bytes | None = None
 
     def write(self, preds: NormalMap) -> tuple[str, bytes]:
         """Return the file's name and what is in it."""
+        match self.kind:
+            case "mask":
+                return f"{self.name}_mask.png", encode_grey(preds.alpha)
+            case "occlusion":
+                return f"{self.name}_occlusion.png", encode_grey(_occlusion(preds, preds.height()))
+            case "all":
+                return f"{self.name}_{self.preset}.zip", self._zip(preds)
         with TemporaryDirectory() as folder:
             target = Path(folder) / f"{self.name}{self.outputs.ending}"
             job = Job(DrawingFiles(Path(f"{self.name}.png")), target, self.name)
             self.outputs.write(job, preds)
             file = target if self.kind == "map" else job.beside(next(iter(self.outputs.others())))
             return file.name, file.read_bytes()
+
+    def _zip(self, preds: NormalMap) -> bytes:
+        """Return all files, as a program wants them."""
+        preset = PRESETS.get(self.preset, _PLAIN)
+        file = io.BytesIO()
+        with zipfile.ZipFile(file, "w") as archive:
+            for name, content in self._files(preset, preds):
+                # The same drawing gives the same bytes; pictures are compressed already.
+                archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
+        return file.getvalue()
+
+    def _files(self, preset: Preset, preds: NormalMap) -> Iterator[tuple[str, bytes]]:
+        names = dict(zip(_PARTS, (each.format(self.name) for each in preset.names), strict=True))
+        outputs, height = preset.outputs, preds.height()
+        normals = preds.encode(outputs.format, outputs.bits, outputs.y, outputs.alpha)
+        yield f"{names['normal']}.{outputs.format}", normals
+        yield f"{names['mask']}.png", encode_grey(preds.alpha)
+        kind = outputs.height or "png"
+        yield f"{names['height']}.{kind}", encode_height(height, preds, kind)
+        yield f"{names['occlusion']}.png", encode_grey(_occlusion(preds, height))
+        yield f"{names['preview']}.png", _preview(preds)
+        if self.line_art is not None:
+            yield f"{names['line']}.png", self.line_art
+        yield "README.txt", f"{preset.notes}\n".encode()
+
+
+def _occlusion(preds: NormalMap, height: Floats) -> Floats:
+    from normalgan.painting.occlusion import occlusion
+
+    return occlusion(height.astype(np.float32), preds.extended, preds.mask)
+
+
+def _preview(preds: NormalMap) -> bytes:
+    """Return the map as clay under a lamp at the upper left, a PNG."""
+    from normalgan.painting.preview import lit
+
+    file = io.BytesIO()
+    Image.fromarray(lit(preds.extended, preds.mask, 130, 40)).save(file, "PNG")
+    return file.getvalue()
 
 
 def take_wish(fields: Fields) -> Wish:
@@ -54,12 +165,20 @@ def take_wish(fields: Fields) -> Wish:
     """
     kind = take_choice(fields, "what", tuple(FORMATS), "map")
     chosen = take_choice(fields, "format", FORMATS[kind], FORMATS[kind][0])
-    y = take_choice(fields, "y", ("up", "down"), "up")
+    y: Literal["up", "down"] = take_choice(fields, "y", ("up", "down"), "up")
     alpha = take_choice(fields, "alpha", (False, True), False)
     longest = None
     if fields.get("size") is not None:
         longest = take_integer(fields, "size", LEAST_SIDE, MOST_SIDE)
     name = check_name(take_text(fields, "name", LONGEST) if "name" in fields else "drawing")
+    if kind == "all":
+        art = None
+        if fields.get("line_art") is not None:
+            art = take_bytes(fields, "line_art")
+            read_png("line art", art)  # what is no picture is none of the files
+        return Wish(name, kind, Outputs(), longest, chosen, art)
+    if kind in {"mask", "occlusion"}:
+        return Wish(name, kind, Outputs(), longest)
     if kind != "map":
         return Wish(name, kind, Outputs(**{kind: chosen}), longest)
     bits = {"png8": 8, "png16": 16}.get(chosen)

@@ -1,17 +1,19 @@
 """Painter: the model at work for the studio; what was painted last is remembered."""
 
 from collections import OrderedDict
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Lock
 from typing import TypeVar
 
+import cv2
 import numpy as np
 
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.onnx_backend import OnnxBackend
-from normalgan.painting.pipeline import paint
-from normalgan.painting.preparation import Prepared, hinted, prepare
+from normalgan.painting.picture import resize
+from normalgan.painting.pipeline import CLOSED, paint
+from normalgan.painting.preparation import Mark, Prepared, hinted, prepare
 from normalgan.studio.drawing import Drawing
 
 T = TypeVar("T")
@@ -21,7 +23,25 @@ _REMEMBERED = 2
 
 As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
 """
-_Key = tuple[bytes, int | None]
+_Key = tuple[bytes, int | None, int]
+_LEFT = 0.9
+"""The share of an outline's lines that must be left for its object to be held while it is open."""
+_TABS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class _Closed:
+    """The object of an outline that was closed.
+
+    Args:
+        version: another one for each.
+        ink: (h, w), where the lines were.
+        mask: (h, w), the object.
+    """
+
+    version: int
+    ink: Mark
+    mask: Mark
 
 
 class Painter:
@@ -44,6 +64,8 @@ class Painter:
         self._lock = Lock()
         self._painted: OrderedDict[_Key, NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
+        self._closed: OrderedDict[str, _Closed] = OrderedDict()
+        self._count = 0
 
     def paint(self, drawing: Drawing, longest: int | None = None) -> NormalMap:
         """Return the normal map of a drawing; it may be called by several threads.
@@ -55,25 +77,64 @@ class Painter:
         Raises:
             InputError: if the drawing cannot be used.
         """
-        key = drawing.digest(), longest
+        key = drawing.digest(), longest, self._version(drawing.tab)
         painted = self._recalled(self._painted, key)
         if painted is None:
             prepared, shape = self._prepare(drawing, longest)
             painted = paint(self.model, hinted(prepared, drawing.read_hints(shape), shape))
             painted = replace(painted, extended=drawing.edit(painted.extended, painted.mask, shape))
+            key = *key[:2], self._version(drawing.tab)
             self._remember(self._painted, key, painted)
         return painted
 
     def _prepare(self, drawing: Drawing, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
         """Return a drawing without its hints as `prepare` gives it, and its own (H, W)."""
-        key = drawing.lines_digest(), longest
+        key = drawing.lines_digest(), longest, self._version(drawing.tab)
         found = self._recalled(self._prepared, key)
         if found is None:
             picture, mask = drawing.read_lines()
-            prepared = prepare(picture, self.model.size, mask, None, longest, drawing.source)
+            by_hand = drawing.read_mask(picture.shape)
+            prepared = prepare(picture, self.model.size, mask, None, longest, drawing.source, by_hand)
+            if drawing.tab:
+                prepared = self._hold(drawing.tab, prepared, whole=longest is None)
+                key = *key[:2], self._version(drawing.tab)
             found = prepared, picture.shape
             self._remember(self._prepared, key, found)
         return found
+
+    def _version(self, tab: str) -> int:
+        """Return which object a tab's open outline would be given: the same drawing then has another mask."""
+        with self._lock:
+            return self._closed[tab].version if tab in self._closed else 0
+
+    def _hold(self, tab: str, prepared: Prepared, *, whole: bool) -> Prepared:
+        """Keep the object of a closed outline, and give it back while the outline is open."""
+        if prepared.mask is None or prepared.alpha is not None:
+            return prepared
+        ink = prepared.ink > 0.35
+        with self._lock:
+            if prepared.closed >= CLOSED and not prepared.guessed:
+                before = self._closed.get(tab)
+                known = before is not None and np.array_equal(before.ink, ink)
+                if whole and prepared.mask.any() and not known:
+                    self._count += 1
+                    self._closed[tab] = _Closed(self._count, ink, prepared.mask)
+                    while len(self._closed) > _TABS:
+                        self._closed.popitem(last=False)
+                return prepared
+            found = self._closed.get(tab)
+        if found is None:
+            return prepared
+        shape = (prepared.ink.shape[0], prepared.ink.shape[1])
+        if abs(found.ink.shape[0] * shape[1] - found.ink.shape[1] * shape[0]) > max(shape):
+            return prepared  # another paper
+        lines, mask = (resize(each.astype(np.float32), shape) for each in (found.ink, found.mask))
+        # Lines are a little wider in a smaller drawing.
+        near = cv2.dilate(ink.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        left = float((lines * near).sum() / max(float(lines.sum()), 1e-6))
+        if left < _LEFT:
+            return prepared
+        return replace(prepared, mask=prepared.mask | (mask > 0.5), held=True)
 
     def _recalled(self, kept: OrderedDict[_Key, T], key: _Key) -> T | None:
         with self._lock:

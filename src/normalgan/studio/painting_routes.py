@@ -15,7 +15,7 @@ from normalgan.errors import InputError, RunError
 from normalgan.normals import encode
 from normalgan.painting.hint_files import parse_hints
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.suggestion import suggest
+from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.bodies import check_type, gone, read_body
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, Drawing, take_drawing
 from normalgan.studio.exports import take_wish
@@ -49,6 +49,7 @@ class PaintingRoutes:
         return [
             Route("/api/paint", self.paint, methods=["POST"]),
             Route("/api/suggest", self.suggest, methods=["POST"]),
+            Route("/api/doubt", self.doubt, methods=["POST"]),
             Route("/api/height", self.height, methods=["POST"]),
             Route("/api/export", self.export, methods=["POST"]),
         ]
@@ -81,6 +82,13 @@ class PaintingRoutes:
         work = partial(self._points, drawing, take_integer(fields, "count", 1, 20, 5))
         points = await self._ordered(self._quick, request, fields, work)
         return _dropped() if points is None else JSONResponse({"points": points})
+
+    async def doubt(self, request: Request) -> Response:
+        """Answer how unsure the model is: W × H bytes, shares of a right angle; none if it cannot say."""
+        start = time.perf_counter()
+        fields, drawing = await self._asked(request)
+        doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, drawing))
+        return _dropped() if doubts is None else _pixels(*doubts, start)
 
     async def height(self, request: Request) -> Response:
         """Answer with heights, W × H floats, none off the object."""
@@ -132,6 +140,13 @@ class PaintingRoutes:
             {"x": point.x, "y": point.y, "normal": list(point.normal), "gain": point.gain} for point in found
         ]
 
+    def _doubts(self, drawing: Drawing) -> tuple[bytes, NormalMap]:
+        painted = self._painter.paint(drawing)
+        if painted.confidence is None:
+            return b"", painted
+        shares = np.where(painted.mask, doubt(painted.confidence), 0)
+        return np.rint(255 * np.clip(shares, 0, 1)).astype(np.uint8).tobytes(), painted
+
     def _heights(self, drawing: Drawing) -> tuple[bytes, NormalMap]:
         painted = self._painter.paint(drawing)
         height = np.where(painted.mask, painted.height(), np.nan)
@@ -143,7 +158,7 @@ class PaintingRoutes:
 
 
 _OCTETS = "application/octet-stream"
-_WORDS = "give --mask", "choose another Object above"
+_WORDS = "give --mask", "paint the object with the mask brush"
 """What the command line is told to do, and what is done on the page instead."""
 
 

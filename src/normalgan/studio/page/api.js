@@ -90,7 +90,18 @@ export async function height(request, signal) {
   return { heights, width: number(response, "X-Width"), height: number(response, "X-Height") };
 }
 
-/** @param {Request} request @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
+/**
+ * Returns how unsure the model is, a share of a right angle as 0 to 255, or null if a newer request came in between.
+ * @param {Request} request
+ */
+export async function doubt(request) {
+  const response = await post("/api/doubt", request);
+  if (response.status === 204) return null;
+  const shares = new Uint8Array(await response.arrayBuffer());
+  return { shares, width: number(response, "X-Width"), height: number(response, "X-Height"), known: shares.length > 0 };
+}
+
+/** @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
 export const suggest = async (request) => (await (await post("/api/suggest", request)).json()).points;
 
 /** Returns a file and what it is called. @param {Request} request @returns {Promise<{blob: Blob, name: string}>} */

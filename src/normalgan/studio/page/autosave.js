@@ -3,6 +3,7 @@
 import { Away, Refused, autosaves } from "./api.js";
 import { isEmpty } from "./document.js";
 import { forget, keep, kept } from "./store.js";
+import { text } from "./text.js";
 
 const LATER = 2500;
 
@@ -90,10 +91,11 @@ export class Autosave extends EventTarget {
       while (this.stale) {
         this.stale = false;
         if (!this.dirty) await forget(this.tab, true);
-        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, doc: this.editor.history.state });
+        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, doc: this.editor.history.state, past: this.editor.history });
       }
     } catch (error) {
-      this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+      const full = /** @type {Error} */ (error).name === "QuotaExceededError";
+      this.dispatchEvent(new CustomEvent("failed", { detail: new Error(full ? text.storageFull : text.noStorage) }));
     } finally {
       this.writing = false;
     }
@@ -107,7 +109,8 @@ export class Autosave extends EventTarget {
 }
 
 /**
- * @typedef {{doc: unknown, etag: string | null}} Found etag: of the project it was made from, null for none
+ * @typedef {{doc: unknown, etag: string | null, past: import("./store.js").Past | null}} Found etag: of the project it
+ *   was made from, null for none; past: its history, if that was kept
  * @typedef {{tab: string, changed: string, name: string, there: boolean, read: () => Promise<Found>}} Left
  *   unsaved work of a tab; there: it is on the server
  */
@@ -123,7 +126,7 @@ export async function unsaved(open) {
   const found = new Map(there.map(({ name: tab, changed }) => [tab, { tab, changed, name: "", there: true, read: () => fromServer(tab) }]));
   for (const { tab, changed, etag, name, read } of here) {
     // The store holds each change at once, the server some seconds later: the store's is never older.
-    found.set(tab, { tab, changed, name, there: found.has(tab), read: async () => ({ doc: await read(), etag }) });
+    found.set(tab, { tab, changed, name, there: found.has(tab), read: async () => ({ ...(await read()), etag }) });
   }
   return [...found.values()].filter(({ tab }) => !open.has(tab)).sort((a, b) => (a.changed < b.changed ? 1 : -1));
 }
@@ -131,5 +134,5 @@ export async function unsaved(open) {
 /** @param {string} tab @returns {Promise<Found>} */
 async function fromServer(tab) {
   const { doc } = await autosaves.read(tab);
-  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null };
+  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null, past: null };
 }

@@ -1,63 +1,73 @@
-/** Board: the pane of the drawing: the sheet, and above it points, suggestions and the tool's nib. */
+/** Board: a pane of the drawing or of its result: the sheet, and above it points, suggestions and the tool's nib. */
 
 import { Camera } from "./camera.js";
-import { context2d } from "./canvas.js";
-import { drawAreas, drawHints, drawSuggestions } from "./marks.js";
+import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions } from "./marks.js";
+import { drawSelection } from "./selecting.js";
 import { Sheet } from "./sheet.js";
+
+/** @typedef {{x: number, y: number}} Point */
 
 export class Board {
   /**
-   * @param {HTMLCanvasElement} canvas above, which takes pointer and keys
+   * @param {HTMLCanvasElement} canvas above, which takes the pointer
    * @param {HTMLCanvasElement} below for the sheet
    * @param {import("./editor.js").Editor} editor
    * @param {import("./ink.js").Ink} ink
+   * @param {import("./camera.js").View} view shared by all panes
+   * @param {HTMLElement} [focus] takes the keys; by default the canvas
    */
-  constructor(canvas, below, editor, ink) {
+  constructor(canvas, below, editor, ink, view, focus = canvas) {
     this.canvas = canvas;
-    this.context = context2d(canvas);
+    this.focus = focus;
+    this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     this.editor = editor;
     this.ink = ink;
-    this.camera = new Camera();
+    this.view = view;
+    this.camera = new Camera(view);
+    this.camera.doc = editor.doc;
     this.sheet = new Sheet(below, editor, ink, this.camera);
-    this.pane = { width: 1, height: 1 };
-    /** @type {{x: number, y: number} | null} where the keyboard's cursor is, in the drawing */
+    /** @type {Point | null} where the keyboard's cursor is, in the drawing */
     this.cursor = null;
-    /** @type {{x: number, y: number} | null} where the pointer is, in the drawing */
+    /** @type {Point | null} where the pointer is, in the drawing */
     this.pointer = null;
+    /** Whether points are on show. @type {() => boolean} */
+    this.marked = () => true;
     /** Called after each picture, for what floats above. @type {() => void} */
     this.onDrawn = () => {};
+    /** Called when the camera has moved. @type {() => void} */
+    this.onMoved = () => {};
     this.frame = 0;
     let shown = editor.doc;
     editor.addEventListener("change", () => {
       ink.sync(editor.doc);
+      this.camera.doc = editor.doc;
       // A point that moves leaves the sheet as it is.
       if (editor.doc.strokes !== shown.strokes || editor.doc.layers !== shown.layers) this.sheet.redraw();
-      if (editor.doc.width !== shown.width || editor.doc.height !== shown.height) this.fit();
+      if (editor.doc.width !== shown.width || editor.doc.height !== shown.height) this.moved();
       shown = editor.doc;
       this.redraw();
     });
-    editor.addEventListener("open", () => this.fit());
-    editor.addEventListener("state", () => this.redraw());
+    editor.addEventListener("drawing", (event) => this.sheet.redraw(/** @type {CustomEvent} */ (event).detail.box));
+    for (const name of ["state", "marks"]) editor.addEventListener(name, () => this.redraw());
+    view.addEventListener("change", () => this.moved());
     new ResizeObserver(() => this.#resized()).observe(canvas);
     ink.sync(editor.doc);
   }
 
-  /** Shows all of the drawing. */
-  fit() {
-    this.camera.fit(this.pane, this.editor.doc);
-    this.moved();
+  /** Whether the pane is on show. */
+  get visible() {
+    return this.canvas.clientWidth > 0;
   }
 
-  /** Zooms around the middle. @param {number} factor */
-  zoom(factor) {
-    this.camera.zoom(this.pane.width / 2, this.pane.height / 2, factor);
-    this.moved();
+  get pane() {
+    return this.camera.pane;
   }
 
   /** Draws all anew, after the camera has moved. */
   moved() {
     this.sheet.redraw();
     this.redraw();
+    this.onMoved();
   }
 
   /** Draws what lies above the sheet with the next frame. */
@@ -67,11 +77,12 @@ export class Board {
 
   #resized() {
     const { clientWidth, clientHeight } = this.canvas;
+    if (!clientWidth || !clientHeight) return; // another pane has all the room
     const [width, height] = [clientWidth, clientHeight].map((side) => Math.round(side * devicePixelRatio));
     [this.canvas.width, this.canvas.height] = [width, height];
-    this.pane = { width: clientWidth, height: clientHeight };
-    if (this.camera.fitted) this.camera.fit(this.pane, this.editor.doc);
+    this.camera.pane = { width: clientWidth, height: clientHeight };
     this.sheet.resize(width, height);
+    this.onMoved();
     this.#draw();
   }
 
@@ -82,9 +93,12 @@ export class Board {
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+    if (this.marked()) drawGuides(context, camera, editor);
+    drawMaskStroke(context, camera, editor);
     drawAreas(context, camera, editor);
     drawSuggestions(context, camera, editor);
-    drawHints(context, camera, editor);
+    if (this.marked()) drawHints(context, camera, editor);
+    drawSelection(context, camera, editor);
     this.#nib();
     this.onDrawn();
   }
@@ -99,8 +113,8 @@ export class Board {
     if (!at || (!width && !this.cursor)) return;
     const { x, y } = camera.toPane(at.x, at.y);
     const radius = Math.max(2, ((width ?? 8) / 2) * camera.scale);
-    for (const { colour, line } of [{ colour: "rgb(255 255 255 / 80%)", line: 3 }, { colour: "rgb(40 40 60 / 80%)", line: 1 }]) {
-      [context.strokeStyle, context.lineWidth] = [colour, line];
+    for (const [colour, line] of [["rgb(255 255 255 / 80%)", 3], ["rgb(40 40 60 / 80%)", 1]]) {
+      [context.strokeStyle, context.lineWidth] = [/** @type {string} */ (colour), /** @type {number} */ (line)];
       context.beginPath();
       context.arc(x, y, radius, 0, 2 * Math.PI);
       if (this.cursor) for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {

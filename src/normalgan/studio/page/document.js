@@ -3,7 +3,9 @@
 import { text } from "./text.js";
 
 /**
- * @typedef {{kind: "pen" | "eraser", size: number, points: number[]}} Line x, y, pressure, x, y, pressure, …
+ * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number}} Line x, y,
+ *   pressure, x, y, pressure, …; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
+ *   mirrored, and drawn twice
  * @typedef {{kind: "picture", picture: string, x: number, y: number, width: number, height: number}} Placed
  * @typedef {Line | Placed} Stroke what the ink is made of, in order; `picture` is a data URL
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
@@ -11,17 +13,21 @@ import { text } from "./text.js";
  *   reach: how far it has an effect
  * @typedef {{points: number[], normal: Normal, size?: number}} Area x, y, x, y, … of a polygon that is turned as a
  *   whole, or of a stroke of that width that is brushed with a direction
+ * @typedef {{adds: boolean, size: number, points: number[]}} MaskStroke x, y, x, y, … where the object is added to or
+ *   cut from
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Layer
  * @typedef {{source: null | "outline" | "model", name: string}} Settings
  * @typedef {{format: string, version: number, width: number, height: number, strokes: Stroke[],
- *   hints: Hint[], areas: Area[], layers: Layer[], settings: Settings}} Doc
+ *   hints: Hint[], areas: Area[], mask: MaskStroke[], layers: Layer[], settings: Settings}} Doc
  */
 
 export const FORMAT = "normalgan-studio";
-export const VERSION = 2;
+export const VERSION = 3;
 export const SIDES = { least: 16, most: 2048 };
 const MOST_STROKES = 20000;
 export const MOST_AREAS = 200;
+export const MOST_MASK_STROKES = 500;
+export const MOST_LAYERS = 8;
 
 /**
  * Returns an empty drawing.
@@ -31,7 +37,7 @@ export const MOST_AREAS = 200;
  */
 export function newDocument(width, height) {
   const settings = { source: null, name: "" };
-  return { format: FORMAT, version: VERSION, width, height, strokes: [], hints: [], areas: [], layers: [], settings };
+  return { format: FORMAT, version: VERSION, width, height, strokes: [], hints: [], areas: [], mask: [], layers: [], settings };
 }
 
 /** @param {Doc} doc @returns {boolean} */
@@ -62,6 +68,9 @@ export function changedArea(doc, index, change) {
 /** @param {Doc} doc @param {number} index @returns {Doc} */
 export const withoutArea = (doc, index) => ({ ...doc, areas: doc.areas.filter((_, i) => i !== index) });
 
+/** @param {Doc} doc @param {MaskStroke} stroke @returns {Doc} */
+export const withMaskStroke = (doc, stroke) => ({ ...doc, mask: [...doc.mask, stroke] });
+
 /** Where the mark of an area is. @param {Area} area @returns {{x: number, y: number}} */
 export function anchorOf({ points, size }) {
   const count = points.length / 2;
@@ -80,7 +89,7 @@ export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.set
 /** Whether two documents are painted alike. @param {Doc} a @param {Doc} b @returns {boolean} */
 export function paintsAlike(a, b) {
   const alike = a.width === b.width && a.height === b.height && a.settings.source === b.settings.source;
-  return alike && a.strokes === b.strokes && a.hints === b.hints && a.areas === b.areas;
+  return alike && a.strokes === b.strokes && a.hints === b.hints && a.areas === b.areas && a.mask === b.mask;
 }
 
 /** All pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
@@ -100,8 +109,8 @@ const isPlaced = (value) =>
 /** @type {Check} */
 const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
-  value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber);
-/** @type {Check} */
+  value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
+  (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror));
 const isNormal = (value) =>
   Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05;
 /** @type {Check} */
@@ -112,7 +121,9 @@ const isArea = (value) =>
   Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
   value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
   (value.size === undefined || (isNumber(value.size) && value.size > 0));
-/** @type {Check} */
+const isMaskStroke = (value) =>
+  typeof value.adds === "boolean" && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
+  value.points.length >= 2 && value.points.length % 2 === 0 && value.points.every(isNumber);
 const isLayer = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";
 /** @param {unknown} list @param {Check} check @param {number} most */
 const isList = (list, check, most) => Array.isArray(list) && list.length <= most && list.every((each) => each && check(each));
@@ -128,11 +139,11 @@ export function parseDocument(value) {
   if (!doc || doc.format !== FORMAT) throw new Error(text.notProject);
   if (doc.version > VERSION) throw new Error(text.newerProject);
   const whole = isSide(doc.width) && isSide(doc.height) && isList(doc.hints, isHint, 200) &&
-    isList(doc.areas ?? [], isArea, MOST_AREAS) && isList(doc.layers, isLayer, 8) &&
+    isList(doc.areas ?? [], isArea, MOST_AREAS) && isList(doc.mask ?? [], isMaskStroke, MOST_MASK_STROKES) && isList(doc.layers, isLayer, MOST_LAYERS) &&
     isList(doc.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES);
   if (!whole) throw new Error(text.notProject);
   const source = ["outline", "model"].includes(String(doc.settings?.source)) ? doc.settings.source : null;
   const { width, height, strokes, hints, layers } = doc;
   const settings = { source, name: String(doc.settings?.name ?? "") };
-  return { format: FORMAT, version: VERSION, width, height, strokes, hints, areas: doc.areas ?? [], layers, settings };
+  return { format: FORMAT, version: VERSION, width, height, strokes, hints, areas: doc.areas ?? [], mask: doc.mask ?? [], layers, settings };
 }

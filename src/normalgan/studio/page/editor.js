@@ -5,9 +5,11 @@ import { History } from "./history.js";
 
 /** @typedef {import("./document.js").Doc} Doc */
 
+/** @typedef {{strokes: number[], layers: number[]}} Selection places in these lists of the document */
+
 /**
  * Events: `change` when the document differs, with `detail.live` while a gesture goes on; `drawing` when the ink has
- * got more than the document has yet;
+ * got more than the document has yet, with `detail.box`; `marks` when what lies above the sheet differs;
  * `open` when another document came; `state` when tool, choice or settings of the page changed.
  */
 export class Editor extends EventTarget {
@@ -17,10 +19,27 @@ export class Editor extends EventTarget {
     /** @type {Doc | null} what a gesture shows before it ends */
     this.draft = null;
     this.tool = "pen";
-    this.widths = { pen: 6, eraser: 24, brush: 48 };
+    /** @type {Record<string, number>} */
+    this.widths = { pen: 6, eraser: 24, brush: 48, mask: 48 };
+    /** Whether the mask brush adds to the object, or cuts from it. */
+    this.adds = true;
+    /** @type {import("./document.js").MaskStroke | null} what the mask brush is drawing */
+    this.maskStroke = null;
     /** @type {import("./document.js").Normal | null} what the brush paints; null takes what is under it */
     this.direction = null;
     this.smoothing = 0.4;
+    /** Of the pen's lines. */
+    this.colour = "#000000";
+    /** Whether pen and eraser draw straight lines. */
+    this.straight = false;
+    /** Whether what is drawn is mirrored at the middle of the paper. */
+    this.symmetry = false;
+    /** @type {Selection} what is chosen to be moved */
+    this.selection = { strokes: [], layers: [] };
+    /** @type {import("./moving.js").Box | null} what is drawn around to be chosen */
+    this.marquee = null;
+    /** @type {import("./document.js").Line | null} the straight line that is being drawn */
+    this.guide = null;
     /** Index of the chosen hint, -1 is none. */
     this.chosen = -1;
     /** Index of the chosen area, -1 is none; no hint is chosen then. */
@@ -42,9 +61,18 @@ export class Editor extends EventTarget {
     this.#changed(true);
   }
 
-  /** Tells that a stroke goes on: it is in the ink, and not yet in the document. */
-  draw() {
-    this.dispatchEvent(new Event("drawing"));
+  /**
+   * Tells that the ink has changed, and the document not yet.
+   * @param {import("./ink.js").Box} box
+   * @param {boolean} [ended] whether the document follows at once
+   */
+  draw(box, ended = false) {
+    this.dispatchEvent(new CustomEvent("drawing", { detail: { box, ended } }));
+  }
+
+  /** Tells that what is drawn above the sheet has changed, and nothing else. */
+  mark() {
+    this.dispatchEvent(new Event("marks"));
   }
 
   /** Drops what a gesture showed. */
@@ -60,11 +88,19 @@ export class Editor extends EventTarget {
     this.#changed(false);
   }
 
-  /** Starts over with another document. @param {Doc} doc */
-  open(doc) {
+  /**
+   * Starts over with another document.
+   * @param {Doc} doc
+   * @param {{states: Doc[], at: number} | null} [past] the steps that led to it, and may lead on; it is the one at `at`
+   */
+  open(doc, past = null) {
     this.draft = null;
     this.history = new History(doc);
-    this.set({ chosen: -1, area: -1, suggestions: [] });
+    if (past) {
+      this.history.states = past.states.map((state, i) => (i === past.at ? doc : state));
+      this.history.at = past.at;
+    }
+    this.set({ chosen: -1, area: -1, suggestions: [], selection: { strokes: [], layers: [] } });
     this.dispatchEvent(new CustomEvent("open"));
     this.#changed(false);
   }
@@ -74,6 +110,15 @@ export class Editor extends EventTarget {
     if (way === "undo" ? !this.history.canUndo : !this.history.canRedo) return false;
     this.draft = null;
     this.history[way]();
+    this.#changed(false);
+    return true;
+  }
+
+  /** Goes to a step in history. @param {number} at @returns {boolean} whether it is another one */
+  goTo(at) {
+    if (at === this.history.at || at < 0 || at >= this.history.states.length) return false;
+    this.draft = null;
+    this.history.at = at;
     this.#changed(false);
     return true;
   }
@@ -90,6 +135,9 @@ export class Editor extends EventTarget {
   #changed(live) {
     if (this.chosen >= this.doc.hints.length) this.set({ chosen: -1 });
     if (this.area >= this.doc.areas.length) this.set({ area: -1 });
+    const { strokes, layers } = this.selection;
+    const gone = strokes.some((i) => i >= this.doc.strokes.length) || layers.some((i) => i >= this.doc.layers.length);
+    if (gone) this.set({ selection: { strokes: [], layers: [] } });
     this.dispatchEvent(new CustomEvent("change", { detail: { live } }));
   }
 }

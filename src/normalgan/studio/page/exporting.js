@@ -1,16 +1,38 @@
-/** Exporting: the dialog that asks for a file, and the file. */
+/** Exporting: the dialog that asks for a file or for all of them, and what comes of it: a download or the clipboard. */
 
 import { exported } from "./api.js";
 import { $, download, make, open } from "./dom.js";
-import { say, text, wordsOf } from "./text.js";
+import { inkAt } from "./ink.js";
+import { recalled, remember } from "./settings.js";
+import { say, text } from "./text.js";
 
 /** @type {Record<string, string[]>} */
 const FORMATS = {
   map: ["png8", "png16", "exr", "tiff"],
+  all: ["plain", "unity", "unreal", "godot", "blender"],
   preview: ["png", "gif"],
   height: ["png", "tiff"],
+  occlusion: ["png"],
+  mask: ["png"],
+  lines: ["png"],
   relief: ["glb", "obj"],
 };
+const KEY = "normalgan-export";
+
+/** @param {HTMLCanvasElement} canvas @returns {Promise<Blob>} a PNG */
+function toPng(canvas) {
+  return new Promise((resolve, reject) => {
+    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(text.noMemory))), "image/png");
+  });
+}
+
+/** @param {Blob} blob @returns {Promise<string>} base64 */
+async function toBase64(blob) {
+  const bytes = new Uint8Array(await blob.arrayBuffer());
+  let letters = "";
+  for (let at = 0; at < bytes.length; at += 32768) letters += String.fromCharCode(...bytes.subarray(at, at + 32768));
+  return btoa(letters);
+}
 
 export class Exporting {
   /**
@@ -23,25 +45,63 @@ export class Exporting {
     this.painter = painter;
     this.status = status;
     $("export-what").addEventListener("change", () => this.#formats());
-    this.#formats();
+    $("export-format").addEventListener("change", () => this.#rows());
+    this.#recall();
   }
 
-  /** Asks what to export, and hands it to the browser's downloads. */
+  /** Asks what to export, and hands it to the browser's downloads or to the clipboard. */
   async ask() {
     if (!this.editor.doc.strokes.length) {
       this.status.say(text.exportEmpty);
       return;
     }
-    /** @type {HTMLInputElement} */ ($("export-name")).value = this.editor.doc.settings.name;
-    if (!(await open($("export-dialog")))) return;
+    $("export-name").value = this.editor.doc.settings.name;
+    const way = await open($("export-dialog"));
+    if (!way) return;
+    this.#remember();
     this.status.say(text.exporting);
     try {
-      const { blob, name } = await this.painter.ask(exported, this.#wish());
-      download(blob, name);
-      this.status.say(say("exported", { name }));
+      if (way === "copy") await this.#copy();
+      else {
+        const { blob, name } = await this.#file(this.#wish());
+        download(blob, name);
+        this.status.say(say("exported", { name }));
+      }
     } catch (error) {
       this.status.fail(error);
     }
+  }
+
+  /** Puts the picture onto the clipboard. */
+  async #copy() {
+    // A promise, so that the browser takes it as what was clicked for however long the file takes.
+    const picture = this.#file(this.#wish()).then(({ blob }) => new Blob([blob], { type: "image/png" }));
+    picture.catch(() => {}); // what goes wrong is told by the writing
+    try {
+      await navigator.clipboard.write([new ClipboardItem({ "image/png": picture })]);
+    } catch (error) {
+      await picture;
+      throw new Error(say("noClipboard", { reason: /** @type {Error} */ (error).message }));
+    }
+    this.status.say(text.copied);
+  }
+
+  /**
+   * @param {Record<string, any>} wish
+   * @returns {Promise<{blob: Blob, name: string}>}
+   */
+  async #file(wish) {
+    const { doc } = this.editor;
+    const own = Math.max(doc.width, doc.height);
+    const longest = wish.size ?? own;
+    const more = { ...wish };
+    if (["lines", "all"].includes(wish.what)) {
+      const lines = await toPng(inkAt(doc, longest).canvas);
+      if (wish.what === "lines") return { blob: lines, name: `${wish.name}_line.png` };
+      more.line_art = await toBase64(lines);
+    }
+    // At its own size the file is of the very pixels that the map on show is of.
+    return longest === own ? this.painter.ask(exported, more) : exported(this.painter.requestAt(longest, more));
   }
 
   #wish() {
@@ -56,11 +116,36 @@ export class Exporting {
     };
   }
 
-  /** Shows only what goes with the kind of file. */
+  #remember() {
+    const { what, format, y, alpha, size } = this.#wish();
+    remember(KEY, { what, format, y, alpha, size });
+  }
+
+  /** Shows what was chosen the last time. */
+  #recall() {
+    const before = recalled(KEY) ?? {};
+    if (Object.hasOwn(FORMATS, before.what)) $("export-what").value = before.what;
+    this.#formats();
+    if (FORMATS[$("export-what").value].includes(before.format)) $("export-format").value = before.format;
+    if (["up", "down"].includes(before.y)) $("export-y").value = before.y;
+    if (typeof before.alpha === "boolean") $("export-alpha").checked = before.alpha;
+    if (Number.isInteger(before.size)) $("export-size").value = String(before.size);
+    this.#rows();
+  }
+
   #formats() {
-    const what = /** @type {HTMLSelectElement} */ ($("export-what")).value;
-    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: wordsOf(what === "height" && format === "png" ? "png16" : format) })));
+    const what = $("export-what").value;
+    const words = (/** @type {string} */ format) => text[what === "height" && format === "png" ? "png16" : format];
+    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: words(format) })));
+    this.#rows();
+  }
+
+  /** Shows only what goes with the kind of file. */
+  #rows() {
+    const what = $("export-what").value;
     $("export-y-row").hidden = what !== "map";
-    $("export-alpha-row").hidden = what !== "map" && what !== "preview";
+    $("export-alpha-row").hidden = what !== "map";
+    $("export-all-rule").hidden = what !== "all";
+    $("export-copy").disabled = !["png8", "png"].includes($("export-format").value);
   }
 }

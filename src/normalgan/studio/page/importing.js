@@ -1,8 +1,8 @@
 /** Importing: a picture becomes the drawing, or a layer to trace over. */
 
-import { imported } from "./api.js";
+import { Refused, imported } from "./api.js";
 import { choose } from "./dialogs.js";
-import { isEmpty, withLayers, withStroke } from "./document.js";
+import { MOST_LAYERS, isEmpty, withLayers, withStroke } from "./document.js";
 import { $, make } from "./dom.js";
 import { darkOnLight, decodeAll } from "./pictures.js";
 import { say, text } from "./text.js";
@@ -12,13 +12,13 @@ const TRACED = 0.5;
 export class Importing {
   /**
    * @param {import("./editor.js").Editor} editor
-   * @param {import("./board.js").Board} board
+   * @param {import("./camera.js").View} view
    * @param {import("./status.js").Status} status
    * @param {import("./projects.js").Projects} projects
    */
-  constructor(editor, board, status, projects) {
+  constructor(editor, view, status, projects) {
     this.editor = editor;
-    this.board = board;
+    this.view = view;
     this.status = status;
     this.projects = projects;
     /** @type {"" | "drawing" | "traced"} */
@@ -60,7 +60,8 @@ export class Importing {
       const [from, to] = [given, [width, height]].map(([x, y]) => say("pixels", { width: x, height: y }));
       this.status.say(say("importedSmaller", { name: file.name, from, to }));
     } catch (error) {
-      this.status.fail(error);
+      if (error instanceof Refused) this.status.fail(new Error(say("badImport", { name: file.name, reason: error.message })));
+      else this.status.fail(error);
     }
   }
 
@@ -79,12 +80,13 @@ export class Importing {
     const size = { width: width * scale, height: height * scale };
     const placed = { x: (doc.width - size.width) / 2, y: (doc.height - size.height) / 2, ...size };
     if (way === "traced") {
-      this.editor.commit(withLayers(doc, [{ picture: url, ...placed, opacity: TRACED, visible: true }]));
+      if (doc.layers.length >= MOST_LAYERS) throw new Error(text.tooManyPictures);
+      this.editor.commit(withLayers(doc, [...doc.layers, { picture: url, ...placed, opacity: TRACED, visible: true }]));
     } else {
       const picture = await darkOnLight(url);
       this.editor.commit(withStroke(doc, { kind: "picture", picture, ...placed }));
     }
-    if (fresh) this.board.fit();
+    if (fresh) this.view.fit();
     this.status.say(say("imported", { name }));
     return true;
   }

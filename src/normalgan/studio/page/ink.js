@@ -3,7 +3,7 @@
 import { context2d } from "./canvas.js";
 import { decoded, hasHoles } from "./pictures.js";
 import { averaged } from "./pixels.js";
-import { boxOf, drawPiece, drawStroke, prepare } from "./strokes.js";
+import { boxOf, drawPiece, drawStroke, prepare, sidesOf } from "./strokes.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
 
@@ -19,6 +19,36 @@ const united = (a, b) => a
       right: Math.max(a.right, b.right), bottom: Math.max(a.bottom, b.bottom),
     }
   : b;
+
+/**
+ * Returns whether the ink is grey or coloured, and whether white paper lies under it.
+ * @param {import("./document.js").Stroke[]} strokes
+ * @returns {{channels: 1 | 4, onPaper: boolean}}
+ */
+function kindOf(strokes) {
+  const pictures = strokes.filter((stroke) => stroke.kind === "picture");
+  return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => hasHoles(stroke.picture)) };
+}
+
+/**
+ * Draws a document's strokes at another size than its own.
+ * @param {import("./document.js").Doc} doc
+ * @param {number} longest longer side in pixels
+ * @returns {{canvas: HTMLCanvasElement, scale: number, pixels: () => {channels: 1 | 4, bytes: Uint8Array}}} the lines on
+ *   nothing; and as the server takes them
+ */
+export function inkAt(doc, longest) {
+  const scale = longest / Math.max(doc.width, doc.height);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [Math.max(1, Math.round(doc.width * scale)), Math.max(1, Math.round(doc.height * scale))];
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d", { willReadFrequently: true }));
+  context.scale(canvas.width / doc.width, canvas.height / doc.height);
+  context.imageSmoothingQuality = "high";
+  for (const stroke of doc.strokes) drawStroke(context, stroke, decoded);
+  const { channels, onPaper } = kindOf(doc.strokes);
+  const pixels = () => ({ channels, bytes: averaged(context, [0, 0, canvas.width, canvas.height], 1, channels, onPaper) });
+  return { canvas, scale, pixels };
+}
 
 export class Ink {
   /** @param {number} [scale] pixels of the ink for one of the drawing; 0 chooses */
@@ -61,11 +91,14 @@ export class Ink {
    */
   draw(line, ended) {
     if (this.live !== line) [this.live, this.pieces] = [line, 0];
-    prepare(this.context, line.kind);
+    prepare(this.context, line.kind, line.colour);
     const count = line.points.length / 3;
     const box = boxOf(line, Math.max(0, this.pieces - 1));
-    for (; this.pieces < count - 1; this.pieces++) drawPiece(this.context, line, this.pieces, false);
-    if (ended) drawPiece(this.context, line, count - 1, true);
+    const sides = sidesOf(line, Math.max(0, this.pieces - 1));
+    for (; this.pieces < count - 1; this.pieces++) {
+      for (const side of sides) drawPiece(this.context, side, this.pieces, false);
+    }
+    if (ended) for (const side of sides) drawPiece(this.context, side, count - 1, true);
     this.stale = united(this.stale, box);
     return box;
   }
@@ -77,9 +110,7 @@ export class Ink {
    * @returns {{channels: 1 | 4, box: [number, number, number, number], bytes: Uint8Array}} left, top, right, bottom
    */
   pixels(whole) {
-    const pictures = this.drawn.filter((stroke) => stroke.kind === "picture");
-    const channels = pictures.length ? 4 : 1;
-    const onPaper = !pictures.length || !pictures.every((stroke) => hasHoles(stroke.picture));
+    const { channels, onPaper } = kindOf(this.drawn);
     const { left, top, right, bottom } = whole ? ALL : this.stale ?? { left: 0, top: 0, right: 0, bottom: 0 };
     this.stale = null;
     /** @param {number} value @param {number} most */

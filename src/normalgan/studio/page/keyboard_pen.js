@@ -15,7 +15,10 @@ export function followKeyboard(board, tool, status) {
   const { canvas, editor } = board;
   /** @type {ReturnType<typeof tool>} the stroke that goes on */
   let active = null;
-  const touch = () => ({ x: 0, y: 0, ...board.cursor, pressure: 0.5, reach: 14 / board.camera.scale });
+  const touch = () => {
+    const { scale } = board.camera;
+    return { ...board.cursor, pressure: 0.5, reach: 14 / scale, scale };
+  };
 
   /** @param {[number, number]} way @param {number} step */
   const move = ([dx, dy], step) => {

@@ -1,33 +1,55 @@
-/** Layers: the traced picture's opacity and whether it shows. */
+/** Layers: the paper, and the pictures on it or beside it that are traced or looked at. */
 
 import { withLayers } from "./document.js";
-import { $ } from "./dom.js";
+import { $, label, make, open } from "./dom.js";
+import { icon } from "./icons.js";
+import { onPaper } from "./moving.js";
+import { say } from "./text.js";
 
 /**
- * Wires the panel of the traced picture.
+ * Wires the panel of the paper and its pictures.
  * @param {import("./editor.js").Editor} editor
  * @param {import("./importing.js").Importing} importing
  */
 export function followLayer(editor, importing) {
-  /** @param {Partial<import("./document.js").Layer>} change */
-  const changed = (change) => withLayers(editor.history.state, editor.doc.layers.map((layer) => ({ ...layer, ...change })));
-  /** @type {HTMLInputElement} */
-  const opacity = $("layer-opacity");
-  /** @type {HTMLInputElement} */
-  const visible = $("layer-visible");
-  opacity.addEventListener("input", () => editor.preview(changed({ opacity: opacity.valueAsNumber / 100 })));
-  opacity.addEventListener("change", () => editor.commit(changed({ opacity: opacity.valueAsNumber / 100 })));
-  visible.addEventListener("change", () => editor.commit(changed({ visible: visible.checked })));
-  $("layer-remove").addEventListener("click", () => editor.commit(withLayers(editor.doc, [])));
-  $("layer-choose").addEventListener("click", () => importing.pick("traced"));
-  const show = () => {
-    const [layer] = editor.doc.layers;
-    $("layer-none").hidden = Boolean(layer);
-    for (const each of document.querySelectorAll(".with-layer")) /** @type {HTMLElement} */ (each).hidden = !layer;
-    if (!layer) return;
-    opacity.value = String(Math.round(layer.opacity * 100));
-    visible.checked = layer.visible;
+  const changed = (/** @type {number} */ index, /** @type {Partial<import("./document.js").Layer>} */ change) =>
+    withLayers(editor.history.state, editor.doc.layers.map((layer, i) => (i === index ? { ...layer, ...change } : layer)));
+
+  /** @param {number} i @returns {HTMLElement} */
+  const row = (i) => {
+    const opacity = make("input", { type: "range", min: "5", max: "100", "aria-label": say("opacityOf", { number: i + 1 }) });
+    const visible = make("input", { type: "checkbox", "aria-label": say("visibleOf", { number: i + 1 }) });
+    const remove = make("button", { type: "button" }, icon("remove"));
+    label(remove, say("removeOf", { number: i + 1 }));
+    opacity.addEventListener("input", () => editor.preview(changed(i, { opacity: opacity.valueAsNumber / 100 })));
+    opacity.addEventListener("change", () => editor.commit(changed(i, { opacity: opacity.valueAsNumber / 100 })));
+    visible.addEventListener("change", () => editor.commit(changed(i, { visible: visible.checked })));
+    remove.addEventListener("click", () => editor.commit(withLayers(editor.doc, editor.doc.layers.filter((_, k) => k !== i))));
+    return make("li", {}, visible, make("label", { text: String(i + 1) }, opacity), remove);
   };
+
+  const show = () => {
+    const { layers, width, height } = editor.doc;
+    $("layer-none").hidden = layers.length > 0;
+    $("layer-place").hidden = !layers.length;
+    $("paper-size").textContent = say("pixels", { width, height });
+    const list = $("layer-list");
+    // While a slider is held it must not be replaced.
+    if (list.children.length !== layers.length) list.replaceChildren(...layers.map((_, i) => row(i)));
+    layers.forEach((layer, i) => {
+      const [visible, opacity] = list.children[i].querySelectorAll("input");
+      visible.checked = layer.visible;
+      opacity.value = String(Math.round(layer.opacity * 100));
+    });
+  };
+  $("layer-choose").addEventListener("click", () => importing.pick("traced"));
+  $("paper-resize").addEventListener("click", async () => {
+    const { width, height } = editor.doc;
+    [$("paper-width").value, $("paper-height").value] = [String(width), String(height)];
+    if (!(await open($("paper-dialog")))) return;
+    const along = $("paper-along").checked;
+    editor.commit(onPaper(editor.doc, $("paper-width").valueAsNumber, $("paper-height").valueAsNumber, along));
+  });
   editor.addEventListener("change", show);
   show();
 }

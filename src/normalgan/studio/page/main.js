@@ -3,19 +3,26 @@
 import { about } from "./api.js";
 import { Autosave } from "./autosave.js";
 import { Board } from "./board.js";
+import { View } from "./camera.js";
 import { Connection } from "./connection.js";
 import { $, fill, make, open } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Exporting } from "./exporting.js";
+import { followHistory } from "./history_list.js";
+import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
 import { Ink } from "./ink.js";
 import { followKeyboard } from "./keyboard_pen.js";
 import { followLayer } from "./layers.js";
+import { Lights } from "./lights.js";
 import { Painter } from "./painter.js";
+import { Panes } from "./panes.js";
 import { followPointers } from "./pointer.js";
 import { Points } from "./points.js";
 import { Projects } from "./projects.js";
 import { Result, VIEWS } from "./result.js";
+import { offerSamples } from "./samples.js";
+import { NOTHING, SelectTool } from "./selecting.js";
 import { begin } from "./start.js";
 import { SHOWN, followKeys } from "./shortcuts.js";
 import { Status } from "./status.js";
@@ -23,7 +30,7 @@ import { claimTab } from "./tab.js";
 import { say, text, wordsOf } from "./text.js";
 import { followTheme } from "./theme.js";
 import { followTools, widen } from "./toolbar.js";
-import { AreaTool, HintTool, LineTool } from "./tools.js";
+import { AreaTool, HintTool, LightTool, LineTool, MaskTool } from "./tools.js";
 
 fill();
 followTheme($("theme"));
@@ -32,29 +39,52 @@ const connection = new Connection();
 const status = new Status(connection);
 const editor = new Editor();
 const ink = new Ink();
-const board = new Board($("board"), $("sheet"), editor, ink);
+const view = new View();
+const board = new Board($("board"), $("sheet"), editor, ink, view);
+const overlay = new Board($("overlay"), $("result-sheet"), editor, ink, view, $("viewer"));
 const painter = new Painter(editor, ink, connection, tab);
 const result = new Result(painter, status);
+const lights = new Lights(result.viewer, () => result.view, (each) => result.show(each));
+result.onLight = (light) => lights.took(light);
+const panes = new Panes(board, overlay, painter, status);
+// Marks would hide the map from whoever only looks at it.
+overlay.marked = () => panes.layout === "result" || ["hint", "region", "brush"].includes(editor.tool);
+overlay.onMoved = () => {
+  const [a, b, c, d, e, f] = overlay.camera.transform();
+  const { width, height } = editor.doc;
+  result.viewer.setFrame({ transform: [a * width, b * width, c * height, d * height, e, f], angle: view.angle });
+};
 const autosave = new Autosave(editor, connection, tab);
 const projects = new Projects(editor, autosave, status);
-const importing = new Importing(editor, board, status, projects);
+const importing = new Importing(editor, view, status, projects);
 const exporting = new Exporting(editor, painter, status);
-const lines = new LineTool(board);
-const pins = new HintTool(board, () => painter.painted, (words) => status.say(words));
-const areas = new AreaTool(board, () => painter.painted, (words) => status.say(words));
-const points = new Points(board, pins, painter, status);
-/** @type {Record<string, import("./tools.js").Tool | null>} */
-const tools = { pen: lines, eraser: lines, hint: pins, region: areas, brush: areas, hand: null };
-const tool = () => tools[editor.tool];
-const pointers = followPointers(board, tool);
+const lines = new LineTool(editor, ink);
+const pins = new HintTool(editor, () => painter.painted, (words) => status.say(words));
+const areas = new AreaTool(editor, () => painter.painted, (words) => status.say(words));
+const points = new Points([board, overlay], pins, painter, status);
+const mask = new MaskTool(editor, (words) => status.say(words));
+const select = new SelectTool(editor);
+const light = new LightTool((x, y) => lights.move(x, y));
+const tool = () => ({ pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null })[editor.tool];
+const overResult = () => {
+  // Beside the drawing, pen and eraser draw there; over the result they move the light, if there is one.
+  const drawing = ["pen", "eraser"].includes(editor.tool) && panes.layout !== "result";
+  if (drawing || editor.tool === "light") return result.view === "map" ? null : light;
+  return tool();
+};
+const pointers = [[board, tool], [overlay, overResult]].map(([each, chosen]) => followPointers(each, chosen, () => points.use(each)));
 followKeyboard(board, tool, status);
-followTools(editor, board);
+followTools(editor, ink);
+offerSamples((doc, name) => {
+  projects.load(doc, null, false).then(() => status.say(say("opened", { name }))).catch((error) => status.fail(error));
+});
+followHistory(editor, (words) => status.say(words));
 followLayer(editor, importing);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
-/** @param {"undo" | "redo"} way @param {string} words */
+const drop = () => pointers.forEach((each) => each.cancel());
 const step = (way, words) => {
-  pointers.cancel();
+  drop();
   if (editor.step(way)) status.say(words);
 };
 const undo = () => step("undo", text.undone);
@@ -67,16 +97,35 @@ const create = async () => {
   projects.create(newWidth.valueAsNumber, newHeight.valueAsNumber);
 };
 const escape = () => {
-  pointers.cancel();
-  editor.set({ chosen: -1, area: -1, suggestions: [] });
+  drop();
+  editor.set({ chosen: -1, area: -1, suggestions: [], selection: NOTHING });
 };
+/** The pane that is on show, and its middle. */
+const middle = () => {
+  const { camera } = board.visible ? board : overlay;
+  return { camera, x: camera.pane.width / 2, y: camera.pane.height / 2 };
+};
+const zoom = (factor) => {
+  const { camera, x, y } = middle();
+  camera.zoom(x, y, factor);
+};
+const turn = (degrees) => {
+  const { camera, x, y } = middle();
+  camera.turn(x, y, (degrees * Math.PI) / 180);
+};
+editor.addEventListener("open", () => view.fit());
+const remove = () => {
+  if (editor.tool !== "select") points.remove();
+  else if (select.remove()) status.say(text.selectRemoved);
+};
+$("select-remove").addEventListener("click", remove);
 const clicks = {
   new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs(),
   import: () => importing.pick(), export: () => exporting.ask(), undo, redo, help,
-  "zoom-in": () => board.zoom(1.25), "zoom-out": () => board.zoom(0.8), "zoom-fit": () => board.fit(),
+  "zoom-in": () => zoom(1.25), "zoom-out": () => zoom(0.8), "zoom-fit": () => view.fit(),
 };
 for (const [id, action] of Object.entries(clicks)) $(id).addEventListener("click", action);
-const letters = { p: "pen", b: "pen", e: "eraser", h: "hint", r: "region", d: "brush", v: "hand" };
+const letters = { p: "pen", b: "pen", e: "eraser", s: "select", h: "hint", r: "region", d: "brush", m: "mask", l: "light", v: "hand" };
 followKeys({
   ...Object.fromEntries(Object.entries(letters).map(([key, tool]) => [key, () => editor.set({ tool })])),
   ...Object.fromEntries(VIEWS.map((view, i) => [String(i + 1), () => result.show(view)])),
@@ -84,8 +133,11 @@ followKeys({
   "ctrl+z": undo, "ctrl+shift+z": redo, "ctrl+y": redo,
   "ctrl+s": clicks.save, "ctrl+o": clicks.open, "ctrl+i": clicks.import, "ctrl+e": clicks.export,
   "+": clicks["zoom-in"], "=": clicks["zoom-in"], "-": clicks["zoom-out"], 0: clicks["zoom-fit"],
+  f: () => panes.enlarge("result"), "shift+f": () => panes.enlarge("drawing"), c: () => panes.compare(), o: () => panes.overlay(),
+  x: () => editor.set({ adds: !editor.adds }),
+  ",": () => turn(-15), ".": () => turn(15),
   n: () => points.next(1), "shift+n": () => points.next(-1),
-  Delete: () => points.remove(), Backspace: () => points.remove(), Escape: escape, "?": help,
+  y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
 });
 for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
   button.addEventListener("click", () => {
@@ -100,5 +152,6 @@ $("keys").replaceChildren(...rows);
 
 const served = await about().catch((error) => status.fail(error));
 if (served) $("about").textContent = say("about", { version: served.version, model: served.model.name });
+teach(editor, painter, result);
 await begin({ projects, importing, autosave, status });
 document.documentElement.dataset.ready = "true";

@@ -2,23 +2,26 @@
 
 import { anchorOf } from "./document.js";
 import { colourOf } from "./normal.js";
+import { sidesOf } from "./strokes.js";
 
 /** @typedef {import("./camera.js").Camera} Camera @typedef {import("./editor.js").Editor} Editor */
 
 const RADIUS = 9;
 const NEEDLE = 22;
 const ACCENT = "#5b62e0";
-const PALE = "rgb(255 255 255 / 90%)";
-const DARK = "#33343c";
+const ADDED = "#189a5a";
+const CUT = "#d0342c";
 
 /**
  * Draws a disc in the colour of its normal, with a needle that leans as the normal does.
- * @param {CanvasRenderingContext2D} context @param {{x: number, y: number}} at in the pane
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {{x: number, y: number}} at in the drawing
  * @param {import("./document.js").Normal} normal @param {boolean} chosen
  */
-function drawMark(context, { x, y }, normal, chosen) {
-  const tip = { x: x + normal[0] * NEEDLE, y: y - normal[1] * NEEDLE };
-  for (const { colour, width } of [{ colour: PALE, width: 5 }, { colour: chosen ? ACCENT : DARK, width: 2 }]) {
+function drawMark(context, camera, at, normal, chosen) {
+  const { x, y } = camera.toPane(at.x, at.y);
+  const [cos, sin] = [Math.cos(camera.view.angle), Math.sin(camera.view.angle)];
+  const tip = { x: x + (normal[0] * cos + normal[1] * sin) * NEEDLE, y: y + (normal[0] * sin - normal[1] * cos) * NEEDLE };
+  for (const [colour, width] of [["rgb(255 255 255 / 90%)", 5], [chosen ? ACCENT : "#33343c", 2]]) {
     [context.strokeStyle, context.lineWidth, context.lineCap] = [colour, width, "round"];
     context.beginPath();
     context.moveTo(x, y);
@@ -44,7 +47,7 @@ function drawMark(context, { x, y }, normal, chosen) {
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
 export function drawHints(context, camera, editor) {
   editor.doc.hints.forEach((hint, i) => {
-    drawMark(context, camera.toPane(hint.x, hint.y), hint.normal, i === editor.chosen);
+    drawMark(context, camera, hint, hint.normal, i === editor.chosen);
   });
 }
 
@@ -81,8 +84,59 @@ export function drawAreas(context, camera, editor) {
     }
     if (area === outline) continue;
     const at = anchorOf(area);
-    drawMark(context, camera.toPane(at.x, at.y), area.normal, chosen);
+    drawMark(context, camera, at, area.normal, chosen);
   }
+}
+
+/**
+ * Draws a straight line that is not in the ink yet, and the line at which all is mirrored.
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor
+ */
+export function drawGuides(context, camera, editor) {
+  const { doc, guide, symmetry } = editor;
+  if (symmetry && ["pen", "eraser"].includes(editor.tool)) {
+    const [from, to] = [camera.toPane(doc.width / 2, 0), camera.toPane(doc.width / 2, doc.height)];
+    [context.strokeStyle, context.lineWidth] = [ACCENT, 1];
+    context.setLineDash([8, 6]);
+    context.beginPath();
+    context.moveTo(from.x, from.y);
+    context.lineTo(to.x, to.y);
+    context.stroke();
+    context.setLineDash([]);
+  }
+  if (!guide) return;
+  context.lineCap = "round";
+  context.lineWidth = guide.size * camera.scale;
+  context.strokeStyle = guide.kind === "eraser" ? "rgb(200 200 210 / 80%)" : guide.colour ?? "#000";
+  for (const { points } of sidesOf(guide)) {
+    context.beginPath();
+    for (const i of [0, points.length - 3]) {
+      const { x, y } = camera.toPane(points[i], points[i + 1]);
+      context.lineTo(x, y);
+    }
+    context.stroke();
+  }
+}
+
+/**
+ * Draws what the mask brush is adding or cutting; what it has done shows as the object itself.
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor
+ */
+export function drawMaskStroke(context, camera, editor) {
+  const { maskStroke } = editor;
+  if (!maskStroke) return;
+  const { points, size, adds } = maskStroke;
+  context.beginPath();
+  for (let k = 0; k < points.length; k += 2) {
+    const { x, y } = camera.toPane(points[k], points[k + 1]);
+    context.lineTo(x, y);
+    if (points.length === 2) context.lineTo(x + 0.01, y); // a dab
+  }
+  [context.lineJoin, context.lineCap, context.lineWidth] = ["round", "round", size * camera.scale];
+  context.globalAlpha = 0.5;
+  context.strokeStyle = adds ? ADDED : CUT;
+  context.stroke();
+  context.globalAlpha = 1;
 }
 
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */

@@ -1,7 +1,8 @@
 /** Painter: keeps the result in step with the drawing: one request at a time, each of the newest state. */
 
-import { Away, Lacking, Refused, height, paint } from "./api.js";
+import { Away, Lacking, Refused, doubt, height, paint } from "./api.js";
 import { paintsAlike } from "./document.js";
+import { inkAt } from "./ink.js";
 
 /** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
 
@@ -12,7 +13,7 @@ const COARSE = { pen: 256, pin: 512 };
 /** The server has another drawing than the one that a change was made to. */
 const BEHIND = 409;
 
-/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `empty`, `failed` (detail: the error). */
+/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `doubt`, `empty`, `failed` (detail: the error). */
 export class Painter extends EventTarget {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -48,8 +49,13 @@ export class Painter extends EventTarget {
     this.wantsHeight = false;
     /** @type {{heights: Float32Array, width: number, height: number} | null} */
     this.heights = null;
-    editor.addEventListener("change", (event) => this.#changed(/** @type {CustomEvent} */ (event).detail.live ? "pin" : null));
-    editor.addEventListener("drawing", () => this.#touched("pen"));
+    this.wantsDoubt = false;
+    /** @type {{shares: Uint8Array, width: number, height: number} | null} of a right angle, as 0 to 255 */
+    this.doubt = null;
+    /** @type {boolean | null} whether the model says how sure it is; null is not known yet */
+    this.unsure = null;
+    editor.addEventListener("change", (event) => this.#changed(event.detail.live ? "pin" : null));
+    editor.addEventListener("drawing", (event) => event.detail.ended || this.#touched("pen"));
     connection.addEventListener("back", () => this.refresh());
   }
 
@@ -65,6 +71,29 @@ export class Painter extends EventTarget {
     this.wantsHeight = wanted;
     if (wanted && this.connection.away) this.#failed(new Away());
     if (!this.running) this.#raise();
+  }
+
+  /** Says whether it is wanted how unsure the model is. @param {boolean} wanted */
+  wantDoubt(wanted) {
+    this.wantsDoubt = wanted;
+    this.doubt = null;
+    this.dispatchEvent(new Event("doubt"));
+    if (!this.running) this.#doubt();
+  }
+
+  /** Asks how unsure the model is of the map on show. */
+  async #doubt() {
+    const { painted } = this;
+    if (!this.wantsDoubt || !this.whole || this.connection.away) return;
+    try {
+      const found = await this.ask((request) => doubt(request));
+      if (!found || painted !== this.painted || !this.wantsDoubt) return;
+      this.unsure = found.known;
+      this.doubt = found.known ? found : null;
+      this.dispatchEvent(new Event("doubt"));
+    } catch (error) {
+      this.#failed(error, false);
+    }
   }
 
   /**
@@ -86,7 +115,30 @@ export class Painter extends EventTarget {
     }
   }
 
-  /** @param {object} more */
+  /**
+   * Returns a request about the drawing at another size: its strokes are drawn anew, and nothing is enlarged.
+   * @param {number} longest longer side in pixels
+   * @param {object} more further fields
+   * @returns {import("./api.js").Request}
+   */
+  requestAt(longest, more) {
+    const { doc } = this.editor;
+    const { canvas, scale, pixels } = inkAt(doc, longest);
+    const { channels, bytes } = pixels();
+    const { width, height } = canvas;
+    const scaled = (points) => points.map((value) => value * scale);
+    this.number += 1;
+    const fields = {
+      tab: this.tab, number: this.number, base: null, keep: false,
+      planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
+      hints: doc.hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
+      areas: doc.areas.map((area) => ({ ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }) })),
+      mask_strokes: doc.mask.map((stroke) => ({ ...stroke, points: scaled(stroke.points), size: stroke.size * scale })),
+      source: doc.settings.source, ...more,
+    };
+    return { fields, pixels: [bytes] };
+  }
+
   #request(more) {
     const { doc } = this.editor;
     const { width, height } = this.ink;
@@ -98,7 +150,7 @@ export class Painter extends EventTarget {
     const fields = {
       tab: this.tab, number: this.number, base: alike ? this.base : null,
       planes: [{ name: "ink", width, height, channels, box: all }],
-      hints: doc.hints, areas: doc.areas, source: doc.settings.source, ...more,
+      hints: doc.hints, areas: doc.areas, mask_strokes: doc.mask, source: doc.settings.source, ...more,
     };
     this.base = this.number;
     this.channels = channels;
@@ -114,7 +166,8 @@ export class Painter extends EventTarget {
       this.#empty();
       return;
     }
-    if (!ended && this.asked && paintsAlike(this.asked, doc)) return;
+    // What a gesture has painted coarsely is refined when it ends.
+    if (this.asked && paintsAlike(this.asked, doc) && (this.whole || !ended)) return;
     this.#touched(gesture);
   }
 
@@ -131,6 +184,8 @@ export class Painter extends EventTarget {
     this.climbing?.abort();
     this.running = this.climbing = null;
     [this.asked, this.painted, this.heights, this.stale, this.whole] = [this.editor.doc, null, null, false, false];
+    this.doubt = null;
+    this.dispatchEvent(new Event("doubt"));
     this.dispatchEvent(new Event("empty"));
   }
 
@@ -150,6 +205,7 @@ export class Painter extends EventTarget {
     if (this.running !== running) return;
     this.running = null;
     this.#raise();
+    this.#doubt();
   }
 
   /** @param {AbortSignal} signal */

@@ -1,14 +1,22 @@
-/** Pointer: mouse, pen and fingers on the board, as strokes, pinches and moves of the view. */
+/** Pointer: mouse, pen and fingers on a board, as strokes, pinches and moves of the view. */
+
+/** @typedef {{down: Function, move: Function, up: Function, cancel: Function}} Tool */
 
 /** @type {Record<string, number>} */
 const REACH = { mouse: 14, pen: 16, touch: 24 };
+/** Radians that two fingers turn before the paper turns with them. */
+const LEAST_TURN = 0.3;
+
+/** Whether it is the other end of a pen. @param {PointerEvent} event */
+const isEraser = (event) => event.pointerType === "pen" && (event.button === 5 || (event.buttons & 32) !== 0);
 
 /**
  * Lets pointers work on a board.
  * @param {import("./board.js").Board} board
- * @param {() => import("./tools.js").Tool | null} tool null moves the view
+ * @param {(event: PointerEvent) => Tool | null} tool null moves the view
+ * @param {() => void} touched is called first
  */
-export function followPointers(board, tool) {
+export function followPointers(board, tool, touched) {
   const { canvas, camera } = board;
   /** @type {Map<number, {x: number, y: number}>} fingers and others that are down, in the pane */
   const down = new Map();
@@ -17,6 +25,7 @@ export function followPointers(board, tool) {
   let panning = false;
   let penSeen = false;
   let spaceHeld = false;
+  let turned = 0;
 
   /** @param {MouseEvent} event */
   const inPane = (event) => {
@@ -28,21 +37,32 @@ export function followPointers(board, tool) {
     const { x, y } = inPane(event);
     // A mouse has no pressure, and some pens report none: they draw with the middle one.
     const pressure = event.pointerType === "pen" && event.pressure > 0 ? event.pressure : 0.5;
-    return { ...camera.toDrawing(x, y), pressure, reach: (REACH[event.pointerType] ?? REACH.mouse) / camera.scale };
+    const reach = (REACH[event.pointerType] ?? REACH.mouse) / camera.scale;
+    return { ...camera.toDrawing(x, y), pressure, reach, scale: camera.scale, pane: { x, y }, straight: event.shiftKey, eraser: isEraser(event) };
   };
   /** @param {number} id @param {{x: number, y: number}} from @param {{x: number, y: number}} to */
   const pinch = (id, from, to) => {
     const [other] = [...down].filter(([key]) => key !== id).map(([, at]) => at);
     const growth = Math.hypot(to.x - other.x, to.y - other.y) / Math.max(1, Math.hypot(from.x - other.x, from.y - other.y));
+    const angle = (a, b) => Math.atan2(b.y - a.y, b.x - a.x);
+    const turn = angle(other, to) - angle(other, from);
+    turned += Math.atan2(Math.sin(turn), Math.cos(turn));
+    // A pinch that is meant to zoom always turns a little.
+    if (camera.view.angle !== 0 || Math.abs(turned) > LEAST_TURN) {
+      camera.zoom(other.x, other.y, growth);
+      camera.turn(other.x, other.y, turn);
+      return;
+    }
     // Around the middle, which then follows by half: what is under either finger stays there.
     camera.zoom((from.x + other.x) / 2, (from.y + other.y) / 2, growth);
     camera.pan((to.x - from.x) / 2, (to.y - from.y) / 2);
   };
 
   canvas.addEventListener("pointerdown", (event) => {
-    if (event.button > 1 || (active && event.pointerType !== "touch")) return;
+    if ((event.button > 1 && !isEraser(event)) || (active && event.pointerType !== "touch")) return;
+    touched();
     canvas.setPointerCapture(event.pointerId);
-    canvas.focus({ preventScroll: true });
+    board.focus.focus({ preventScroll: true });
     event.preventDefault();
     board.cursor = null;
     penSeen ||= event.pointerType === "pen";
@@ -50,10 +70,11 @@ export function followPointers(board, tool) {
     if (down.size === 2) {
       active?.cancel();
       active = null;
+      turned = 0;
       return;
     }
     if (down.size > 2) return;
-    const chosen = tool();
+    const chosen = tool(event);
     // Where there is a pen, a finger or the palm only moves the paper.
     panning = !chosen || spaceHeld || event.button === 1 || (penSeen && event.pointerType === "touch");
     canvas.classList.toggle("grabbing", panning);
@@ -70,8 +91,7 @@ export function followPointers(board, tool) {
     if (before) {
       if (down.size > 1) pinch(event.pointerId, before, at);
       else if (panning) camera.pan(at.x - before.x, at.y - before.y);
-      if (down.size > 1 || panning) board.moved();
-      else if (active) {
+      if (down.size === 1 && !panning && active) {
         const all = event.getCoalescedEvents?.() ?? [];
         for (const each of all.length ? all : [event]) active.move(touch(each));
       }
@@ -100,13 +120,14 @@ export function followPointers(board, tool) {
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const { x, y } = inPane(event);
-    if (event.shiftKey) camera.pan(-event.deltaY - event.deltaX, 0);
-    else camera.zoom(x, y, Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)));
-    board.moved();
+    const by = event.deltaY * (event.deltaMode ? 0.05 : 0.002);
+    if (event.altKey) camera.turn(x, y, by);
+    else if (event.shiftKey) camera.pan(-event.deltaY - event.deltaX, 0);
+    else camera.zoom(x, y, Math.exp(-by));
   }, { passive: false });
 
   addEventListener("keydown", (event) => {
-    if (event.code !== "Space" || document.activeElement !== canvas) return;
+    if (event.code !== "Space" || document.activeElement !== board.focus) return;
     event.preventDefault();
     spaceHeld = true;
     canvas.classList.add("grab");

@@ -17,17 +17,18 @@ const MARK = 14;
 
 export class Points {
   /**
-   * @param {import("./board.js").Board} board
+   * @param {import("./board.js").Board[]} boards that show points; the card is in the one that was touched last
    * @param {import("./tools.js").HintTool} tool
    * @param {import("./painter.js").Painter} painter
    * @param {import("./status.js").Status} status
    */
-  constructor(board, tool, painter, status) {
-    this.board = board;
+  constructor(boards, tool, painter, status) {
+    this.boards = boards;
+    [this.board] = boards;
     this.tool = tool;
     this.painter = painter;
     this.status = status;
-    this.editor = board.editor;
+    this.editor = this.board.editor;
     this.popover = $("point");
     /** @type {{x: number, y: number} | null} where the card was dragged to */
     this.dragged = null;
@@ -50,8 +51,17 @@ export class Points {
     this.editor.addEventListener("change", () => this.#show());
     this.editor.addEventListener("state", () => this.#show());
     painter.addEventListener("empty", () => this.editor.suggestions.length && this.editor.set({ suggestions: [] }));
-    board.onDrawn = () => this.#place();
+    for (const board of boards) board.onDrawn = () => board === this.board && this.#place();
     this.#show();
+  }
+
+  /** Brings the card to another pane. @param {import("./board.js").Board} board */
+  use(board) {
+    if (board === this.board) return;
+    this.board = board;
+    this.dragged = null;
+    board.canvas.after(this.popover);
+    this.#place();
   }
 
   /** Chooses a point and gives its ball the focus. @param {number} index */
@@ -76,13 +86,13 @@ export class Points {
     editor.set({ chosen: -1, area: -1 });
     editor.commit(chosen < 0 ? withoutArea(editor.doc, area) : withoutHint(editor.doc, chosen));
     this.status.say(chosen < 0 ? text.removedArea : text.removed);
-    this.board.canvas.focus();
+    this.board.focus.focus();
   }
 
   /** Leaves the chosen point or area. */
   done() {
     this.editor.set({ chosen: -1, area: -1 });
-    this.board.canvas.focus();
+    this.board.focus.focus();
   }
 
   /** Asks the server where a point would help most. */

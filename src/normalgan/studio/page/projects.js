@@ -100,19 +100,26 @@ export class Projects {
    * @param {unknown} value
    * @param {string | null} etag null: it is not the project of that name as the server has it
    * @param {boolean} saved whether it need not be kept
+   * @param {import("./store.js").Past | null} past the steps that led to it
    */
-  async load(value, etag = null, saved = true) {
+  async load(value, etag = null, saved = true, past = null) {
     const doc = parseDocument(value);
-    await decodeAll(picturesOf(doc));
-    this.#show(doc, etag, saved);
+    const pictures = [...new Set([doc, ...(past?.states ?? [])].flatMap(picturesOf))];
+    await decodeAll(pictures);
+    this.#show(doc, etag, saved, past);
   }
 
-  /** @param {import("./document.js").Doc} doc @param {string | null} etag */
-  #show(doc, etag, saved = true) {
+  /**
+   * @param {import("./document.js").Doc} doc
+   * @param {string | null} etag
+   * @param {boolean} [saved]
+   * @param {import("./store.js").Past | null} [past]
+   */
+  #show(doc, etag, saved = true, past = null) {
     this.etag = etag;
     if (saved) this.autosave.clean = doc;
-    this.editor.open(doc);
-    keepOnly(picturesOf(doc)); // the history of the document before has gone
+    this.editor.open(doc, past);
+    keepOnly([doc, ...(past?.states ?? [])].flatMap(picturesOf)); // the history of the document before has gone
     if (saved) this.autosave.settle(doc).catch((error) => this.status.fail(error));
   }
 

@@ -2,6 +2,7 @@
 
 import { Lacking, Refused } from "./api.js";
 import { $ } from "./dom.js";
+import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 import { createViewer } from "./viewer.js";
 
@@ -18,9 +19,15 @@ export class Result {
    * @param {import("./status.js").Status} status
    */
   constructor(painter, status) {
+    /** What is on show. */
+    this.view = "map";
     this.painter = painter;
     this.status = status;
-    this.viewer = createViewer($("viewer"), { text: text.viewerTexts, onError: (words) => this.#say(words) });
+    /** Called with the light that keys have moved. @type {(light: number[]) => void} */
+    this.onLight = () => {};
+    this.viewer = createViewer($("viewer"), {
+      text: text.viewerTexts, onError: (words) => this.#say(words), onMove: ({ light }) => this.onLight(light),
+    });
     painter.addEventListener("painting", () => $("result").setAttribute("aria-busy", "true"));
     painter.addEventListener("painted", (event) => this.#painted(/** @type {CustomEvent} */ (event).detail));
     painter.addEventListener("raising", () => status.note(text.raising));
@@ -31,8 +38,8 @@ export class Result {
       tab.addEventListener("click", () => this.show(viewOf(tab)));
       tab.addEventListener("keydown", (event) => this.#walk(event, tab));
     }
-    const before = localStorage.getItem(KEY);
-    this.show(VIEWS.find((view) => view === before) ?? "map");
+    const before = recalled(KEY);
+    this.show(VIEWS.includes(before) ? before : "map");
   }
 
   /** @param {View} view */
@@ -43,7 +50,9 @@ export class Result {
       tab.tabIndex = chosen ? 0 : -1;
       if (chosen) $("result").setAttribute("aria-labelledby", tab.id);
     }
-    localStorage.setItem(KEY, view);
+    remember(KEY, view);
+    this.view = view;
+    $("result").dataset.view = view;
     this.viewer.setView(view);
     this.painter.wantHeight(view === "relief" && this.viewer.available);
   }

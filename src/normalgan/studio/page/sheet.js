@@ -1,11 +1,20 @@
-/** Sheet: paper, traced picture and ink, drawn where they changed. */
+/** Sheet: paper, pictures and ink of a pane, drawn where they changed. */
 
 import { context2d } from "./canvas.js";
 import { decoded } from "./pictures.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
+/**
+ * @typedef {object} Part what is shown between two places of the pane
+ * @property {number} from share of the pane's width
+ * @property {number} to
+ * @property {boolean} lines whether the ink is drawn
+ * @property {boolean} paper whether paper and pictures lie under it
+ */
 
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
+/** @type {Part[]} */
+const WHOLE = [{ from: 0, to: 1, lines: true, paper: true }];
 
 export class Sheet {
   /**
@@ -19,7 +28,10 @@ export class Sheet {
     this.editor = editor;
     this.ink = ink;
     this.camera = camera;
-    this.context = context2d(canvas);
+    this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    this.parts = WHOLE;
+    /** @type {HTMLCanvasElement | null} lies over the whole drawing, under its ink */
+    this.veil = null;
     /** @type {Box | null} what is to be drawn with the next frame */
     this.stale = null;
     this.frame = 0;
@@ -37,10 +49,7 @@ export class Sheet {
     this.frame ||= requestAnimationFrame(() => this.#draw());
   }
 
-  /**
-   * Takes the size of its pane; at once, or it would flicker, as setting a size empties a canvas.
-   * @param {number} width @param {number} height
-   */
+  /** Takes the size of its pane; at once, or it would flicker, as setting a size empties a canvas. @param {number} width @param {number} height */
   resize(width, height) {
     [this.canvas.width, this.canvas.height] = [width, height];
     this.stale = ALL;
@@ -50,40 +59,64 @@ export class Sheet {
   #draw() {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
-    const { context, camera } = this;
-    const { doc } = this.editor;
-    const { left, top, right, bottom } = this.stale ?? ALL;
+    const { context } = this;
+    const stale = this.stale ?? ALL;
     this.stale = null;
-    const ratio = devicePixelRatio;
+    const { width, height } = this.canvas;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.save();
-    if (Number.isFinite(left)) {
-      // Whole pixels, or edges would be blended twice.
-      const [x, y] = [left * camera.scale + camera.x, top * camera.scale + camera.y].map((at) => Math.floor(at * ratio) - 1);
-      const [x2, y2] = [right * camera.scale + camera.x, bottom * camera.scale + camera.y].map((at) => Math.ceil(at * ratio) + 1);
+    if (Number.isFinite(stale.left)) this.#clip(stale);
+    context.clearRect(0, 0, width, height);
+    for (const { from, to, lines, paper } of this.parts) {
+      context.save();
       context.beginPath();
-      context.rect(x, y, x2 - x, y2 - y);
+      context.rect(Math.round(from * width), 0, Math.round(to * width) - Math.round(from * width), height);
       context.clip();
+      this.#part(lines, paper);
+      context.restore();
     }
-    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    context.setTransform(ratio * camera.scale, 0, 0, ratio * camera.scale, ratio * camera.x, ratio * camera.y);
-    context.fillStyle = "#fff";
-    context.fillRect(0, 0, doc.width, doc.height);
-    context.beginPath();
-    context.rect(0, 0, doc.width, doc.height);
-    context.clip();
+    context.restore();
+  }
+
+  /** @param {Box} box */
+  #clip({ left, top, right, bottom }) {
+    const ratio = devicePixelRatio;
+    const corners = [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => this.camera.toPane(x, y));
+    // Whole pixels, or edges would be blended twice.
+    const [x, y] = [corners.map((each) => each.x), corners.map((each) => each.y)].map((all) => Math.floor(Math.min(...all) * ratio) - 1);
+    const [x2, y2] = [corners.map((each) => each.x), corners.map((each) => each.y)].map((all) => Math.ceil(Math.max(...all) * ratio) + 1);
+    this.context.beginPath();
+    this.context.rect(x, y, x2 - x, y2 - y);
+    this.context.clip();
+  }
+
+  /** @param {boolean} lines @param {boolean} paper */
+  #part(lines, paper) {
+    const { context, camera } = this;
+    const { doc } = this.editor;
+    const ratio = devicePixelRatio;
+    context.setTransform(...camera.transform(ratio));
     const zoom = (camera.scale * ratio) / this.ink.scale;
     context.imageSmoothingEnabled = zoom < 8;
     // Mipmaps are dear, and only show where it gets much smaller.
     context.imageSmoothingQuality = zoom < 0.6 ? "medium" : "low";
-    for (const layer of doc.layers.filter((each) => each.visible)) {
+    if (paper) {
+      context.fillStyle = "#fff";
+      context.fillRect(0, 0, doc.width, doc.height);
+    }
+    // A picture may lie beside the paper, to be looked at.
+    if (paper) for (const layer of doc.layers.filter((each) => each.visible)) {
       context.globalAlpha = layer.opacity;
       context.drawImage(decoded(layer.picture), layer.x, layer.y, layer.width, layer.height);
     }
     context.globalAlpha = 1;
+    context.beginPath();
+    context.rect(0, 0, doc.width, doc.height);
+    context.clip();
+    if (this.veil) context.drawImage(this.veil, 0, 0, doc.width, doc.height);
     // The paper of an imported drawing must not hide what is traced.
-    if (doc.layers.length) context.globalCompositeOperation = "multiply";
-    context.drawImage(this.ink.canvas, 0, 0, doc.width, doc.height);
-    context.restore();
+    if (doc.layers.length || !paper) context.globalCompositeOperation = "multiply";
+    if (lines) context.drawImage(this.ink.canvas, 0, 0, doc.width, doc.height);
+    context.globalCompositeOperation = "source-over";
   }
 }

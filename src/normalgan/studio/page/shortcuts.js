@@ -2,13 +2,18 @@
 
 /** What the help shows: keys, and the key of their words. */
 export const SHOWN = [
-  ["P  E  H  R  D  V", "keyPen"],
+  ["P  E  S  H  R  D  M  L  V", "keyPen"],
   ["[  ]", "keyWidth"],
   ["Ctrl+Z  Ctrl+Shift+Z", "keyUndo"],
   ["Ctrl+S  Ctrl+O  Ctrl+I  Ctrl+E", "keyFile"],
   ["+  −  0", "keyZoom"],
   ["Space", "keyPan"],
   ["1 … 5", "keyViews"],
+  ["F  C  O", "keyPanes"],
+  ["Ctrl+A", "keySelect"],
+  ["Y", "keySymmetry"],
+  ["X", "keyMask"],
+  [",  .", "keyTurn"],
   ["N  Shift+N", "keyHint"],
   ["Del", "keyDelete"],
   ["Esc", "keyEscape"],

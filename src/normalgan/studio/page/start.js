@@ -63,8 +63,8 @@ async function offer(found, parts) {
   /** @param {Left} left */
   const restore = async (left) => {
     if (!(await projects.mayLeave())) return;
-    const { doc, etag } = await left.read();
-    await projects.load(doc, etag, false);
+    const { doc, etag, past } = await left.read();
+    await projects.load(doc, etag, false, past);
     // It is this tab's now, and kept under its name before the old one goes.
     await autosave.flush();
     await autosave.drop(left.tab, left.there);

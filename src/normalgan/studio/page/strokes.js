@@ -14,6 +14,19 @@ const at = (points, i) => ({ x: points[3 * i], y: points[3 * i + 1], p: points[3
 const middle = (a, b) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, p: (a.p + b.p) / 2 });
 
 /**
+ * Returns a line, and its mirror image if it has one.
+ * @param {import("./document.js").Line} line
+ * @param {number} [from] the first point that is needed
+ * @returns {{size: number, points: number[]}[]}
+ */
+export function sidesOf(line, from = 0) {
+  const { mirror } = line;
+  if (mirror === undefined) return [line];
+  const points = line.points.map((value, i) => (i % 3 || i < 3 * from ? value : 2 * mirror - value));
+  return [line, { size: line.size, points }];
+}
+
+/**
  * Draws the piece of a stroke around point i, between the middles to its neighbours.
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context in pixels of the drawing
  * @param {{size: number, points: number[]}} line
@@ -51,12 +64,13 @@ export function drawPiece(context, line, i, last) {
  * Prepares a context for the pieces of a stroke.
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @param {"pen" | "eraser" | "picture"} kind
+ * @param {string} [colour]
  */
-export function prepare(context, kind) {
+export function prepare(context, kind, colour = "#000") {
   context.globalCompositeOperation = kind === "eraser" ? "destination-out" : "source-over";
   context.lineCap = "round";
   context.lineJoin = "round";
-  context.strokeStyle = "#000";
+  context.strokeStyle = colour;
 }
 
 /**
@@ -66,26 +80,28 @@ export function prepare(context, kind) {
  * @param {(url: string) => CanvasImageSource} image a decoded picture
  */
 export function drawStroke(context, stroke, image) {
-  prepare(context, stroke.kind);
+  prepare(context, stroke.kind, "colour" in stroke ? stroke.colour : undefined);
   if (stroke.kind === "picture") {
     context.drawImage(image(stroke.picture), stroke.x, stroke.y, stroke.width, stroke.height);
     return;
   }
   const count = stroke.points.length / 3;
-  for (let i = 0; i < count; i++) drawPiece(context, stroke, i, i === count - 1);
+  for (const line of sidesOf(stroke)) for (let i = 0; i < count; i++) drawPiece(context, line, i, i === count - 1);
 }
 
 /**
  * Returns what the pieces of a stroke from a point on can cover.
- * @param {{size: number, points: number[]}} line
+ * @param {{size: number, points: number[], mirror?: number}} line
  * @param {number} from
  */
 export function boxOf(line, from) {
   const reach = widthAt(line.size, 1) / 2 + 1;
   const box = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
   for (let i = 3 * from; i < line.points.length; i += 3) {
-    box.left = Math.min(box.left, line.points[i] - reach);
-    box.right = Math.max(box.right, line.points[i] + reach);
+    const x = line.points[i];
+    const other = line.mirror === undefined ? x : 2 * line.mirror - x;
+    box.left = Math.min(box.left, x - reach, other - reach);
+    box.right = Math.max(box.right, x + reach, other + reach);
     box.top = Math.min(box.top, line.points[i + 1] - reach);
     box.bottom = Math.max(box.bottom, line.points[i + 1] + reach);
   }

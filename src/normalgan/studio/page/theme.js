@@ -1,18 +1,20 @@
 /** Theme: dark or light as the system has it, until it is switched here. */
 
+import { recalled, remember } from "./settings.js";
+
 const KEY = "normalgan-theme";
 
 /** @param {HTMLElement} button */
 export function followTheme(button) {
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const show = () => {
-    const theme = localStorage.getItem(KEY) ?? (dark.matches ? "dark" : "light");
+    const theme = recalled(KEY) ?? (dark.matches ? "dark" : "light");
     document.documentElement.dataset.theme = theme;
     button.setAttribute("aria-pressed", String(theme === "dark"));
   };
   button.addEventListener("click", () => {
     const other = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
-    localStorage.setItem(KEY, other);
+    remember(KEY, other);
     show();
   });
   dark.addEventListener("change", show);

@@ -2,16 +2,25 @@
 
 import { withSettings } from "./document.js";
 import { $ } from "./dom.js";
+import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
-const TOOLS = ["pen", "eraser", "hint", "region", "brush", "hand"];
+const TOOLS = ["pen", "eraser", "select", "hint", "region", "brush", "mask", "light", "hand"];
 const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
 
-/**
- * Returns the tool if it has a width.
- * @param {import("./editor.js").Editor} editor
- */
-const toolOf = ({ tool }) => (tool === "pen" || tool === "eraser" || tool === "brush" ? tool : undefined);
+const KEY = "normalgan-brushes";
+
+/** Keeps how lines are drawn for the next time. @param {import("./editor.js").Editor} editor */
+const keepBrushes = ({ widths, smoothing, colour }) => remember(KEY, { widths, smoothing, colour });
+
+/** Takes what was kept, as far as it makes sense. @param {import("./editor.js").Editor} editor */
+function recallBrushes(editor) {
+  const before = recalled(KEY) ?? {};
+  const widths = Object.fromEntries(Object.entries(editor.widths).map(([tool, width]) => [tool, WIDTHS.includes(before.widths?.[tool]) ? before.widths[tool] : width]));
+  const smoothing = before.smoothing >= 0 && before.smoothing <= 1 ? before.smoothing : editor.smoothing;
+  const colour = /^#[0-9a-f]{6}$/.test(before.colour) ? before.colour : editor.colour;
+  editor.set({ widths, smoothing, colour });
+}
 
 /** @param {import("./editor.js").Editor} editor @param {number} step thinner -1, thicker 1 */
 export function widen(editor, step) {
@@ -21,8 +30,8 @@ export function widen(editor, step) {
   editor.set({ widths: { ...editor.widths, [kind]: width } });
 }
 
-/** @param {import("./editor.js").Editor} editor @param {import("./board.js").Board} board */
-export function followTools(editor, board) {
+/** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Ink} ink */
+export function followTools(editor, ink) {
   for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
   /** @type {HTMLInputElement} */
   const size = $("size");
@@ -41,16 +50,34 @@ export function followTools(editor, board) {
     const chosen = /** @type {"outline" | "model" | ""} */ (source.value);
     editor.commit(withSettings(editor.doc, { source: chosen || null }));
   });
+  for (const [id, adds] of /** @type {[string, boolean][]} */ ([["mask-add", true], ["mask-cut", false]])) $(id).addEventListener("click", () => editor.set({ adds }));
+  $("colour").addEventListener("input", (event) => editor.set({ colour: event.target.value }));
+  for (const id of ["straight", "symmetry"]) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
+  recallBrushes(editor);
+  editor.addEventListener("state", () => keepBrushes(editor));
+  $("mask-clear").addEventListener("click", () => editor.commit({ ...editor.doc, mask: [] }));
   const show = () => {
     const { tool, doc } = editor;
     for (const each of TOOLS) $(`tool-${each}`).setAttribute("aria-pressed", String(each === tool));
-    board.canvas.dataset.tool = tool;
-    const lined = toolOf(editor);
-    const width = lined && editor.widths[lined];
+    for (const each of document.querySelectorAll("#board, #overlay")) /** @type {HTMLElement} */ (each).dataset.tool = tool;
+    const width = editor.widths[tool];
     $("line-options").hidden = !width;
     $("hint-options").hidden = tool !== "hint";
     $("region-options").hidden = tool !== "region";
     $("hand-options").hidden = tool !== "hand";
+    $("select-options").hidden = tool !== "select";
+    $("select-remove").disabled = !editor.selection.strokes.length && !editor.selection.layers.length;
+    $("colour").value = editor.colour;
+    $("colour").hidden = tool !== "pen";
+    for (const id of ["straight", "symmetry"]) {
+      $(id).setAttribute("aria-pressed", String(editor[id]));
+      $(id).hidden = !["pen", "eraser"].includes(tool);
+    }
+    $("mask-options").hidden = tool !== "mask";
+    $("mask-add").setAttribute("aria-pressed", String(editor.adds));
+    $("mask-cut").setAttribute("aria-pressed", String(!editor.adds));
+    $("mask-clear").disabled = !doc.mask.length;
+    $("light-options").hidden = tool !== "light";
     if (width) {
       size.value = String(WIDTHS.findIndex((each) => each >= width));
       size.setAttribute("aria-valuetext", say("widthValue", { width }));
@@ -64,7 +91,7 @@ export function followTools(editor, board) {
     enable("suggest", doc.strokes.length > 0);
     $("project-name").textContent = doc.settings.name || text.untitled;
     document.title = `${doc.settings.name || text.untitled} – ${text.title}`;
-    $("empty-board").hidden = doc.strokes.length + doc.layers.length > 0 || Boolean(board.ink.live);
+    $("empty-board").hidden = doc.strokes.length + doc.layers.length > 0 || Boolean(ink.live);
     $("pixels").textContent = say("pixels", { width: doc.width, height: doc.height });
   };
   editor.addEventListener("change", show);

@@ -1,86 +1,114 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
-import { MOST_AREAS, anchorOf, changedHint, withArea, withHint, withStroke } from "./document.js";
+import { MOST_AREAS, MOST_MASK_STROKES, anchorOf, changedHint, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
 import { Smoother } from "./smoothing.js";
 import { text } from "./text.js";
 
-/** @typedef {{x: number, y: number, pressure: number, reach: number}} Touch in the drawing; reach: what counts as hit */
+/**
+ * @typedef {{x: number, y: number, pressure: number, reach: number, scale: number,
+ *   pane?: {x: number, y: number}, straight?: boolean, eraser?: boolean}} Touch in the drawing; reach: what counts as hit; scale: pixels of
+ *   the pane for one of the drawing; pane: where it is in the pane; straight: whether a straight line is wanted, or more
+ *   to be chosen; eraser: whether it is the pen's other end
+ */
 
 export const MOST_HINTS = 200;
-/**
- * @typedef {object} Tool what works on the board from the pointer's or the keyboard's press to its end
- * @property {(touch: Touch) => void} down
- * @property {(touch: Touch) => void} move
- * @property {() => void} up
- * @property {() => void} cancel
- */
+/** Radians within which a straight line is level, upright or diagonal. */
+const SNAP = 0.06;
+const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
 /** @param {number} value */
 const round = (value) => Math.round(value * 100) / 100;
 
 /** Pen and eraser: a stroke from down to up. */
 export class LineTool {
-  /** @param {import("./board.js").Board} board */
-  constructor(board) {
-    this.board = board;
+  /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Ink} ink */
+  constructor(editor, ink) {
+    this.editor = editor;
+    this.ink = ink;
     /** @type {import("./document.js").Line | null} */
     this.line = null;
+    /** @type {Touch | null} where a straight line begins */
+    this.start = null;
     this.smoother = new Smoother(0, 1);
   }
 
   /** @param {Touch} touch */
   down(touch) {
-    const { editor, camera } = this.board;
-    const kind = editor.tool === "eraser" ? "eraser" : "pen";
-    this.line = { kind, size: editor.widths[kind], points: [] };
-    this.smoother = new Smoother(editor.smoothing, camera.scale);
+    const { editor } = this;
+    const kind = editor.tool === "eraser" || touch.eraser ? "eraser" : "pen";
+    const { colour, symmetry, doc } = editor;
+    this.line = {
+      kind, size: editor.widths[kind], points: [], ...(kind === "pen" && colour !== "#000000" && { colour }),
+      ...(symmetry && { mirror: doc.width / 2 }),
+    };
+    this.start = editor.straight || touch.straight ? touch : null;
+    this.smoother = new Smoother(editor.smoothing, touch.scale);
     this.move(touch);
   }
 
   /** @param {Touch} touch */
   move(touch) {
     if (!this.line) return;
-    this.#add(this.line, this.smoother.move(touch));
-    this.board.sheet.redraw(this.board.ink.draw(this.line, false));
-    this.board.editor.draw();
+    if (this.start) {
+      this.#straight(touch);
+      return;
+    }
+    this.#add(this.smoother.move(touch));
+    this.editor.draw(this.ink.draw(this.line, false));
   }
 
   up() {
     if (!this.line) return;
-    const { line, board } = this;
-    const end = this.smoother.end();
-    if (end) this.#add(line, end);
+    const { line, editor } = this;
+    if (!this.start) this.#add(this.smoother.end());
     this.line = null;
-    board.sheet.redraw(board.ink.draw(line, true));
-    board.editor.commit(withStroke(board.editor.doc, line));
+    editor.guide = null;
+    editor.draw(this.ink.draw(line, true), true);
+    editor.commit(withStroke(editor.doc, line));
   }
 
   cancel() {
     if (!this.line) return;
     this.line = null;
-    this.board.ink.sync(this.board.editor.doc);
-    this.board.sheet.redraw();
-    this.board.editor.drop();
+    this.editor.guide = null;
+    this.ink.sync(this.editor.doc);
+    this.editor.draw(ALL, true);
+    this.editor.drop();
   }
 
-  /** @param {import("./document.js").Line} line @param {{x: number, y: number, pressure: number}} tip */
-  #add(line, { x, y, pressure }) {
-    const point = [round(x), round(y), round(pressure)];
-    const last = line.points.slice(-3);
-    if (point.some((value, i) => value !== last[i])) line.points.push(...point);
+  /** Shows a straight line to where the pointer is; near a level, an upright or a diagonal it is exactly that. @param {Touch} touch */
+  #straight(touch) {
+    const { line, start, editor } = this;
+    if (!line || !start) return;
+    let [dx, dy] = [touch.x - start.x, touch.y - start.y];
+    const [length, angle] = [Math.hypot(dx, dy), Math.atan2(dy, dx)];
+    const exact = Math.round(angle / (Math.PI / 4)) * (Math.PI / 4);
+    if (Math.abs(angle - exact) < SNAP) [dx, dy] = [length * Math.cos(exact), length * Math.sin(exact)];
+    line.points = [round(start.x), round(start.y), 0.5];
+    if (length > 0) line.points.push(round(start.x + dx), round(start.y + dy), 0.5);
+    editor.guide = line;
+    editor.mark();
+  }
+
+  /** @param {{x: number, y: number, pressure: number} | null} at */
+  #add(at) {
+    if (!at || !this.line) return;
+    const point = [round(at.x), round(at.y), round(at.pressure)];
+    const last = this.line.points.slice(-3);
+    if (point.some((value, i) => value !== last[i])) this.line.points.push(...point);
   }
 }
 
 /** Points: a click pins or chooses one, dragging moves it. */
 export class HintTool {
   /**
-   * @param {import("./board.js").Board} board
+   * @param {import("./editor.js").Editor} editor
    * @param {() => import("./painter.js").Painted | null} map what was painted last
    * @param {(words: string) => void} announce
    */
-  constructor(board, map, announce) {
-    this.board = board;
+  constructor(editor, map, announce) {
+    this.editor = editor;
     this.map = map;
     this.announce = announce;
     /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean} | null} */
@@ -89,7 +117,7 @@ export class HintTool {
 
   /** @param {Touch} touch */
   down(touch) {
-    const { editor } = this.board;
+    const { editor } = this;
     const { doc } = editor;
     const index = nearest(doc.hints, touch, touch.reach);
     if (index >= 0) {
@@ -105,27 +133,27 @@ export class HintTool {
 
   /** @param {Touch} touch */
   move(touch) {
-    const { held, board } = this;
+    const { held, editor } = this;
     if (!held) return;
     held.moved ||= Math.hypot(touch.x - held.from.x, touch.y - held.from.y) > touch.reach / 4;
     if (!held.moved) return;
     const at = this.#inside({ x: touch.x + held.dx, y: touch.y + held.dy });
-    board.editor.preview(changedHint(board.editor.history.state, held.index, at));
+    editor.preview(changedHint(editor.history.state, held.index, at));
   }
 
   up() {
-    if (this.held?.moved) this.board.editor.commit(this.board.editor.doc);
+    if (this.held?.moved) this.editor.commit(this.editor.doc);
     this.held = null;
   }
 
   cancel() {
     this.held = null;
-    this.board.editor.drop();
+    this.editor.drop();
   }
 
   /** Takes a suggestion as a point. @param {number} index */
   accept(index) {
-    const { editor } = this.board;
+    const { editor } = this;
     const { normal, ...at } = editor.suggestions[index];
     if (this.add(at, normal)) editor.set({ suggestions: editor.suggestions.filter((_, i) => i !== index) });
   }
@@ -136,7 +164,7 @@ export class HintTool {
    * @returns {boolean} whether there was room for it
    */
   add(at, normal) {
-    const { editor } = this.board;
+    const { editor } = this;
     const { width, height, hints } = editor.doc;
     if (at.x < 0 || at.y < 0 || at.x >= width || at.y >= height) return false;
     if (hints.length >= MOST_HINTS) {
@@ -150,8 +178,7 @@ export class HintTool {
 
   /** Middles of pixels: there the server puts a hint anyway. @param {{x: number, y: number}} at */
   #inside({ x, y }) {
-    const { width, height } = this.board.editor.doc;
-    /** @param {number} value @param {number} side */
+    const { width, height } = this.editor.doc;
     const clamp = (value, side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
     return { x: clamp(x, width), y: clamp(y, height) };
   }
@@ -160,12 +187,12 @@ export class HintTool {
 /** Region and brush: what is circled is turned as a whole, what is brushed gets a direction; the ball tells which. */
 export class AreaTool {
   /**
-   * @param {import("./board.js").Board} board
+   * @param {import("./editor.js").Editor} editor
    * @param {() => import("./painter.js").Painted | null} map what was painted last
    * @param {(words: string) => void} announce
    */
-  constructor(board, map, announce) {
-    this.board = board;
+  constructor(editor, map, announce) {
+    this.editor = editor;
     this.map = map;
     this.announce = announce;
     /** @type {number[] | null} */
@@ -177,7 +204,7 @@ export class AreaTool {
 
   /** @param {Touch} touch */
   down(touch) {
-    const { editor } = this.board;
+    const { editor } = this;
     const index = nearest(editor.doc.areas.map(anchorOf), touch, touch.reach);
     if (index >= 0) {
       editor.set({ area: index });
@@ -201,15 +228,15 @@ export class AreaTool {
     const far = points.length < 2 || Math.hypot(x - lastX, y - lastY) > this.step;
     if (!far || points.length >= 4000) return;
     points.push(round(x), round(y));
-    this.board.editor.outline = { points, normal: [0, 0, 1], ...(this.size && { size: this.size }) };
-    this.board.redraw();
+    this.editor.outline = { points, normal: [0, 0, 1], ...(this.size && { size: this.size }) };
+    this.editor.mark();
   }
 
   up() {
     const { points, size } = this;
     this.cancel();
     if (!points || (!size && points.length < 6)) return;
-    const { editor } = this.board;
+    const { editor } = this;
     const { doc } = editor;
     const normal = size
       ? editor.direction ?? normalAt(this.map(), points[0] / doc.width, points[1] / doc.height)
@@ -220,7 +247,72 @@ export class AreaTool {
 
   cancel() {
     this.points = null;
-    this.board.editor.outline = null;
-    this.board.redraw();
+    this.editor.outline = null;
+    this.editor.mark();
   }
+}
+
+/** Mask brush: adds to the object or cuts from it. */
+export class MaskTool {
+  /** @param {import("./editor.js").Editor} editor @param {(words: string) => void} announce */
+  constructor(editor, announce) {
+    this.editor = editor;
+    this.announce = announce;
+    this.step = 1;
+  }
+
+  /** @param {Touch} touch */
+  down(touch) {
+    const { editor } = this;
+    if (editor.doc.mask.length >= MOST_MASK_STROKES) {
+      this.announce(text.tooManyMaskStrokes);
+      return;
+    }
+    this.step = touch.reach / 5;
+    editor.maskStroke = { adds: editor.adds, size: editor.widths.mask, points: [] };
+    this.move(touch);
+  }
+
+  /** @param {Touch} touch */
+  move({ x, y }) {
+    const stroke = this.editor.maskStroke;
+    if (!stroke || stroke.points.length >= 4000) return;
+    const [lastX, lastY] = stroke.points.slice(-2);
+    if (stroke.points.length && Math.hypot(x - lastX, y - lastY) < this.step) return;
+    stroke.points.push(round(x), round(y));
+    this.editor.mark();
+  }
+
+  up() {
+    const stroke = this.editor.maskStroke;
+    this.cancel();
+    if (stroke) this.editor.commit(withMaskStroke(this.editor.doc, stroke));
+  }
+
+  cancel() {
+    this.editor.maskStroke = null;
+    this.editor.mark();
+  }
+}
+
+/** Light: a drag over the result moves it. */
+export class LightTool {
+  /** @param {(x: number, y: number) => void} move over a point of the pane */
+  constructor(move) {
+    this.shine = move;
+  }
+
+  /** @param {Touch} touch */
+  down({ pane }) {
+    if (pane) this.shine(pane.x, pane.y);
+  }
+
+  /** @param {Touch} touch */
+  move(touch) {
+    this.down(touch);
+  }
+
+  up() {}
+
+  cancel() {}
 }

@@ -3,7 +3,7 @@
 import { createPlainPainter } from "./viewer_2d.js";
 import { createGlPainter } from "./viewer_gl.js";
 import { DEFAULT_LIGHT, FRONT, listen } from "./viewer_input.js";
-import { normalised } from "./viewer_shading.js";
+import { WHITE, normalised } from "./viewer_shading.js";
 
 /** @type {Record<string, string>} */
 const CURSORS = { map: "default", relief: "grab" };
@@ -31,6 +31,10 @@ function checkSize(values, width, height, channels) {
  * @property {() => void} dispose
  */
 /**
+ * @typedef {{rgba: Uint8Array, width: number, height: number}} Picture
+ * @typedef {{transform: number[], angle: number}} Frame where the map lies: from its shares to pixels of the page, and
+ *   how far it is turned
+ * @typedef {{direction: number[], colour: number[]}} Lamp direction towards it; colour: linear red, green, blue
  * @typedef {object} Viewer
  * @property {boolean} available whether there is WebGL; without it, CPU draws all but the relief
  * @property {(rgba: Uint8Array | null, width?: number, height?: number) => void} setMap
@@ -39,6 +43,10 @@ function checkSize(values, width, height, channels) {
  *   in pixels towards the viewer, row by row from the top, NaN off the object
  * @property {(view: View) => void} setView
  * @property {(light: number[]) => void} setLight towards the light: x right, y up, z to the viewer
+ * @property {(frame: Frame | null) => void} setFrame where the map lies; null fits it into the canvas
+ * @property {number[]} light towards the light
+ * @property {(x: number, y: number) => number[]} lightAt towards a light over a point of the canvas, in pixels of the page
+ * @property {(first: Lamp, second: Lamp | null) => void} setLights colours show in the views Lit and Relief
  * @property {() => void} resize
  * @property {() => void} dispose
  */
@@ -53,8 +61,7 @@ function checkSize(values, width, height, channels) {
  * @returns {Viewer}
  */
 export function createViewer(canvas, { onError = () => {}, text, onMove = () => {} }) {
-  /** @type {Scene} */
-  const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1 };
+  const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null };
   const gl = canvas.getContext("webgl2", { antialias: true, depth: true });
   const ending = new AbortController();
   /** @type {ScenePainter | null} */
@@ -122,7 +129,7 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
     redraw();
     if (what === "light") onMove({ light: [...scene.light] });
   };
-  listen(canvas, scene, moved, signal);
+  const lightAt = listen(canvas, scene, moved, signal);
   const observer = new ResizeObserver(resize);
   observer.observe(canvas);
   start();
@@ -152,6 +159,20 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
     },
     setLight(light) {
       scene.light = normalised(light);
+      redraw();
+    },
+    setFrame(frame) {
+      scene.frame = frame;
+      redraw();
+    },
+    get light() {
+      return scene.light;
+    },
+    lightAt,
+    setLights(first, second) {
+      scene.light = normalised(first.direction);
+      scene.colour = first.colour;
+      scene.second = second && { ...second, direction: normalised(second.direction) };
       redraw();
     },
     resize,

@@ -1,7 +1,6 @@
 /** Draws the views without WebGL: shaded by CPU at the map's size, then scaled to the canvas. */
 
-import { context2d } from "./canvas.js";
-import { CHECKER, fitted } from "./viewer_fit.js";
+import { CHECKER, placeOf } from "./viewer_fit.js";
 import { celShader, clayShader, matcapShader } from "./viewer_shading.js";
 
 const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
@@ -11,10 +10,12 @@ const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
  * @param {{rgba: Uint8Array}} map
  * @param {"lit" | "matcap" | "flat"} view
  * @param {number[]} light unit vector
- * @returns {Uint8ClampedArray<ArrayBuffer>}
+ * @param {number[]} [colour] of the light
+ * @param {{direction: number[], colour: number[]} | null} [second]
+ * @returns {Uint8ClampedArray}
  */
-export function shadedPixels({ rgba }, view, light) {
-  const shade = SHADERS[view](light);
+export function shadedPixels({ rgba }, view, light, colour, second) {
+  const shade = SHADERS[view](light, colour, second);
   const pixels = new Uint8ClampedArray(rgba.length);
   for (let at = 0; at < rgba.length; at += 4) {
     if (rgba[at + 3] === 0) continue;
@@ -43,27 +44,32 @@ export function createPlainPainter(canvas, text) {
     drawn = "";
   }
 
-  /** @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
-  function fillSheet(map, { view, light }) {
-    if (view === "relief") return;
-    const wanted = view === "map" ? view : `${view} ${light}`;
+  function fillSheet({ map, view, light, colour, second }) {
+    const wanted = view === "map" ? view : JSON.stringify([view, light, colour, second]);
     if (drawn === wanted) return;
-    const pixels = view === "map" ? new Uint8ClampedArray(map.rgba) : shadedPixels(map, view, light);
-    context2d(sheet).putImageData(new ImageData(pixels, map.width), 0, 0);
+    const pixels = view === "map" ? new Uint8ClampedArray(map.rgba) : shadedPixels(map, view, light, colour, second);
+    sheet.getContext("2d").putImageData(new ImageData(pixels, map.width), 0, 0);
     drawn = wanted;
   }
 
-  /** @param {{x: number, y: number, width: number, height: number}} place @param {number} ratio */
-  function drawChecker(place, ratio) {
+  function drawChecker([a, b, c, d, e, f], ratio) {
     const side = CHECKER.side * ratio;
+    const corners = [[e, f], [e + a, f + b], [e + a + c, f + b + d], [e + c, f + d]];
+    const range = (k, first, most) => {
+      const values = corners.map((corner) => corner[k]);
+      return [Math.floor((Math.max(0, Math.min(...values)) - first) / side), (Math.min(most, Math.max(...values)) - first) / side];
+    };
+    const [left, top] = [Math.round(e), Math.round(f)];
+    const [firstColumn, columns] = range(0, left, canvas.width);
+    const [firstRow, rows] = range(1, top, canvas.height);
     context.save();
     context.beginPath();
-    context.rect(place.x, place.y, place.width, place.height);
+    for (const [x, y] of corners) context.lineTo(x, y);
     context.clip();
     context.fillStyle = `rgba(${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.alpha})`;
-    for (let row = 0; row * side < place.height; row++) {
-      for (let column = (row + 1) % 2; column * side < place.width; column += 2) {
-        context.fillRect(place.x + column * side, place.y + row * side, side, side);
+    for (let row = firstRow; row < rows; row++) {
+      for (let column = firstColumn; column < columns; column++) {
+        if ((row + column) % 2) context.fillRect(left + column * side, top + row * side, side, side);
       }
     }
     context.restore();
@@ -90,11 +96,13 @@ export function createPlainPainter(canvas, text) {
     if (scene.view === "relief") {
       write(text.reliefNeedsWebgl, scene.ratio);
     } else if (scene.map) {
-      const place = fitted(scene.map, canvas);
+      const place = placeOf(scene, scene.map, canvas);
       if (scene.view === "map") drawChecker(place, scene.ratio);
       fillSheet(scene.map, scene);
       context.imageSmoothingQuality = "medium"; // "high" enlarges with halos
-      context.drawImage(sheet, place.x, place.y, place.width, place.height);
+      context.setTransform(...place);
+      context.drawImage(sheet, 0, 0, 1, 1);
+      context.setTransform(1, 0, 0, 1, 0, 0);
     }
   }
 

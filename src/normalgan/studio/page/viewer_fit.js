@@ -12,5 +12,28 @@ export function fitted(picture, canvas) {
   return { x: (canvas.width - width) >> 1, y: (canvas.height - height) >> 1, width, height };
 }
 
+/**
+ * Returns the way from a picture's shares, from its upper left corner, to pixels of a canvas: as the canvas's own
+ * `transform` takes it.
+ * @param {{map: import("./viewer.js").Picture | null, frame: import("./viewer.js").Frame | null, ratio: number}} scene
+ * @param {import("./viewer.js").Picture} picture
+ * @param {{width: number, height: number}} canvas
+ * @returns {number[]}
+ */
+export function placeOf({ frame, ratio }, picture, canvas) {
+  if (frame) return frame.transform.map((value) => value * ratio);
+  const { x, y, width, height } = fitted(picture, canvas);
+  return [width, 0, 0, height, x, y];
+}
+
+/** Returns the way back, column by column as shaders take it. @param {number[]} transform @returns {number[]} */
+export function inverted([a, b, c, d, e, f]) {
+  const determinant = a * d - b * c;
+  return [
+    d / determinant, -b / determinant, 0, -c / determinant, a / determinant, 0,
+    (c * f - d * e) / determinant, (b * e - a * f) / determinant, 1,
+  ];
+}
+
 /** What lies behind a map: side in CSS pixels, grey and alpha of every other cell. */
 export const CHECKER = { side: 8, grey: 127.5, alpha: 0.25 };

@@ -1,7 +1,7 @@
 /** Draws the views by WebGL 2. */
 
-import { CHECKER, fitted } from "./viewer_fit.js";
-import { createProgram, createTexture } from "./viewer_program.js";
+import { CHECKER, fitted, inverted, placeOf } from "./viewer_fit.js";
+import { createProgram, createTexture, setLamps } from "./viewer_program.js";
 import { createRelief } from "./viewer_relief.js";
 import { FLAT_FRAGMENT, FLAT_VERTEX } from "./viewer_shaders.js";
 import { MATCAP_SIZE, matcapPixels } from "./viewer_shading.js";
@@ -59,18 +59,19 @@ export function createGlPainter(canvas, gl) {
     ballLight = light.join();
   }
 
-  /** @param {import("./viewer.js").Picture} picture @param {import("./viewer.js").Scene} scene */
-  function drawFlat(picture, scene) {
-    const place = fitted(picture, canvas);
+  function drawFlat(scene) {
+    const place = placeOf(scene, scene.map, canvas);
     if (scene.view === "matcap") makeBall(scene.light);
     gl.disable(gl.DEPTH_TEST);
-    gl.viewport(place.x, canvas.height - place.y - place.height, place.width, place.height);
     gl.useProgram(flat.program);
     gl.uniform1i(flat.at.map, MAP_UNIT);
     gl.uniform1i(flat.at.ball, BALL_UNIT);
     gl.uniform1i(flat.at.view, VIEWS[scene.view]);
     gl.uniform3fv(flat.at.light, scene.light);
-    gl.uniform3f(flat.at.checker, CHECKER.side * scene.ratio, place.x, canvas.height - place.y);
+    setLamps(gl, flat.at, scene);
+    gl.uniform3f(flat.at.checker, CHECKER.side * scene.ratio, Math.round(place[4]), Math.round(place[5]));
+    gl.uniformMatrix3fv(flat.at.way, false, inverted(place));
+    gl.uniform1f(flat.at.height, canvas.height);
     gl.bindVertexArray(nothing);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }

@@ -33,6 +33,7 @@ const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
  * @param {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number}}} scene
  * @param {(what: "light" | "turn") => void} changed
  * @param {AbortSignal} signal ends it
+ * @returns {(x: number, y: number) => number[]} gives a light over a point of the canvas
  */
 export function listen(canvas, scene, changed, signal) {
   const isTurning = () => scene.view === "relief";
@@ -61,13 +62,22 @@ export function listen(canvas, scene, changed, signal) {
       const [right, down] = [event.clientX - before.clientX, event.clientY - before.clientY];
       turn(((right / radius) * Math.PI) / 2, ((down / radius) * Math.PI) / 2);
     } else {
-      const x = (event.clientX - box.x - box.width / 2) / radius;
-      setLight(x, -(event.clientY - box.y - box.height / 2) / radius);
+      scene.light = lightAt(event.clientX - box.x, event.clientY - box.y);
+      changed("light");
     }
     last = event;
   }
 
-  /** Comes nearer: a larger relief, or a light that is higher above the surface. @param {number} amount */
+  // The light turns with the drawing, as if it were fixed to the paper.
+  function lightAt(x, y) {
+    const box = canvas.getBoundingClientRect();
+    const radius = Math.min(box.width, box.height) / 2;
+    const [right, up] = [(x - box.width / 2) / radius, (box.height / 2 - y) / radius];
+    const angle = scene.frame?.angle ?? 0;
+    return lightOver(right * Math.cos(angle) - up * Math.sin(angle), right * Math.sin(angle) + up * Math.cos(angle));
+  }
+
+  // Nearer: a larger relief, or a light that is higher above the surface.
   function approach(amount) {
     if (isTurning()) {
       scene.turn.zoom = clamp(scene.turn.zoom * Math.exp(amount), 0.3, 5);
@@ -117,4 +127,5 @@ export function listen(canvas, scene, changed, signal) {
   on("keydown", (event) => {
     if (!isStill() && !event.ctrlKey && !event.metaKey && !event.altKey) press(event);
   });
+  return lightAt;
 }

@@ -55,3 +55,14 @@ export function createTexture(gl, unit, minFilter) {
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   return texture;
 }
+
+/**
+ * Sets the colours of the lights, and where the second one is.
+ * @param {WebGL2RenderingContext} gl
+ * @param {Record<string, WebGLUniformLocation>} at
+ * @param {{light: number[], colour: number[], second: {direction: number[], colour: number[]} | null}} scene
+ */
+export function setLamps(gl, at, { light, colour, second }) {
+  gl.uniform3fv(at.second, second?.direction ?? light);
+  gl.uniform3fv(at["lamps[0]"], [...colour, ...(second?.colour ?? [0, 0, 0])]);
+}

@@ -1,7 +1,7 @@
 /** Draws the surface of the heights in perspective, lit by the normals of the map. */
 
 import { meshOf } from "./viewer_mesh.js";
-import { createProgram } from "./viewer_program.js";
+import { createProgram, setLamps } from "./viewer_program.js";
 import { RELIEF_FRAGMENT, RELIEF_VERTEX } from "./viewer_shaders.js";
 
 const EYE = 6; // how far the viewer stands, in halves of the drawing's longer side
@@ -68,6 +68,7 @@ export function createRelief(gl, mapUnit) {
     gl.uniform2f(at.scale, size / canvas.width, size / canvas.height);
     gl.uniform1f(at.eye, EYE);
     gl.uniform3fv(at.light, scene.light);
+    setLamps(gl, at, scene);
     gl.bindVertexArray(array);
     gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
   }

@@ -14,15 +14,22 @@ vec3 srgb(vec3 linear) {
   return mix(bent, 12.92 * clipped, vec3(lessThanEqual(clipped, vec3(0.0031308))));
 }
 
+uniform vec3 second; // another light
+uniform vec3 lamps[2]; // their colours, linear; black is off
+
 // Linear colour of clay under one lamp.
-vec3 clay(vec3 n, vec3 light) {
+vec3 lamplit(vec3 n, vec3 light, vec3 lamp) {
   vec3 halfway = normalize(light + vec3(0.0, 0.0, 1.000001));
   float lambert = max(dot(n, light), 0.0);
   float glint = pow(max(dot(n, halfway), 1e-6), ${number(CLAY.sharpness)}) * min(4.0 * lambert, 1.0);
+  return (${vec(CLAY.colour)} * lambert + ${number(CLAY.gloss)} * glint) * ${vec(CLAY.lamp)} * lamp;
+}
+
+// And under the sky.
+vec3 clay(vec3 n, vec3 light) {
   float up = (n.y + 1.0) / 2.0;
-  vec3 lamp = ${vec(CLAY.lamp)};
-  vec3 around = lambert * lamp + up * ${vec(CLAY.sky)} + (1.0 - up) * ${vec(CLAY.ground)};
-  return ${vec(CLAY.colour)} * around + ${number(CLAY.gloss)} * glint * lamp;
+  vec3 around = ${vec(CLAY.colour)} * (up * ${vec(CLAY.sky)} + (1.0 - up) * ${vec(CLAY.ground)});
+  return around + lamplit(n, light, lamps[0]) + lamplit(n, second, lamps[1]);
 }`;
 
 const CEL_SHADING = `
@@ -40,12 +47,10 @@ vec3 cel(vec3 n, vec3 light) {
   return mix(mix(paint, ${vec(CEL.paints[2])}, bright), ${vec(CEL.paints[3])}, glint);
 }`;
 
-/** One triangle over the whole viewport; `at` runs from the map's upper left corner. */
+/** One triangle over the whole canvas. */
 export const FLAT_VERTEX = `#version 300 es
-out vec2 at;
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
-  at = vec2(corner.x + 1.0, 1.0 - corner.y) / 2.0;
   gl_Position = vec4(corner, 0.0, 1.0);
 }`;
 
@@ -57,8 +62,9 @@ uniform sampler2D map;
 uniform sampler2D ball;
 uniform int view; // 0 map, 1 lit, 2 matcap, 3 flat
 uniform vec3 light;
-uniform vec3 checker; // side of a cell in pixels, then the viewport's upper left corner
-in vec2 at;
+uniform vec3 checker; // side of a cell in pixels, then the map's upper left corner
+uniform mat3 way; // from pixels of the canvas, downwards, to shares of the map
+uniform float height; // of the canvas
 out vec4 colour;
 ${CLAY_SHADING}
 ${CEL_SHADING}
@@ -67,15 +73,18 @@ vec3 mirrored(vec3 n) {
   return texture(ball, (place + 1.0) / 2.0).rgb;
 }
 void main() {
+  vec2 pixel = vec2(gl_FragCoord.x, height - gl_FragCoord.y);
+  vec2 at = (way * vec3(pixel, 1.0)).xy;
   vec4 texel = texture(map, at);
+  if (at != clamp(at, 0.0, 1.0)) { colour = vec4(0.0); return; }
   if (view == 0) {
-    vec2 cell = floor(vec2(gl_FragCoord.x - checker.y, checker.z - gl_FragCoord.y) / checker.x);
+    vec2 cell = floor((pixel - checker.yz) / checker.x);
     float grey = mod(cell.x + cell.y, 2.0) * ${number(0.25)} * (1.0 - texel.a);
     colour = vec4(texel.rgb + 0.5 * grey, texel.a + grey);
     return;
   }
   float alpha = texel.a;
-  if (fwidth(at.x) * float(textureSize(map, 0).x) < 0.99) { // enlarged: the mask's staircase would show
+  if (length(vec2(way[0].x, way[1].x)) * float(textureSize(map, 0).x) < 0.99) { // enlarged: the mask's staircase would show
     vec4 around = textureLod(map, at, 1.0);
     alpha = smoothstep(0.25, 0.75, around.a);
     if (texel.a < 0.5) texel = around;

@@ -67,22 +67,30 @@ function toSrgb(linear) {
   return TABLE[Math.round(4096 * Math.min(Math.max(linear, 0), 1))];
 }
 
+/** Light that is white. */
+export const WHITE = [1, 1, 1];
+
 /**
  * Lambert's law, the highlight of Blinn 1977, and a sky that shines on what faces up.
  * @param {number[]} light unit vector
+ * @param {number[]} [colour] linear
+ * @param {{direction: number[], colour: number[]} | null} [second] another light, without a sky
  * @returns {Shader}
  */
-export function clayShader(light) {
-  const half = halfway(light);
+export function clayShader(light, colour = WHITE, second = null) {
+  const lamps = [{ direction: light, colour }, ...(second ? [second] : [])].map((each) => ({
+    direction: each.direction, half: halfway(each.direction), lamp: CLAY.lamp.map((value, i) => value * each.colour[i]),
+  }));
   return (x, y, z, out, at) => {
-    const lambert = Math.max(dot(light, x, y, z), 0);
-    const facing = Math.max(dot(half, x, y, z), 0);
-    const glint = CLAY.gloss * facing ** CLAY.sharpness * Math.min(4 * lambert, 1);
     const up = (y + 1) / 2;
-    for (let i = 0; i < 3; i++) {
-      const around = lambert * CLAY.lamp[i] + up * CLAY.sky[i] + (1 - up) * CLAY.ground[i];
-      out[at + i] = toSrgb(CLAY.colour[i] * around + glint * CLAY.lamp[i]);
+    const sum = [0, 1, 2].map((i) => CLAY.colour[i] * (up * CLAY.sky[i] + (1 - up) * CLAY.ground[i]));
+    for (const { direction, half, lamp } of lamps) {
+      const lambert = Math.max(dot(direction, x, y, z), 0);
+      const facing = Math.max(dot(half, x, y, z), 0);
+      const glint = CLAY.gloss * facing ** CLAY.sharpness * Math.min(4 * lambert, 1);
+      for (let i = 0; i < 3; i++) sum[i] += (CLAY.colour[i] * lambert + glint) * lamp[i];
     }
+    for (let i = 0; i < 3; i++) out[at + i] = toSrgb(sum[i]);
   };
 }
 

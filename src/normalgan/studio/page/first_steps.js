@@ -1,0 +1,52 @@
+/** First steps: one sentence at a time, until each was done once; then never again. */
+
+import { $ } from "./dom.js";
+import { recalled, remember } from "./settings.js";
+import { text } from "./text.js";
+
+const KEY = "normalgan-first-steps";
+/** How long the last sentence stays. */
+const LAST = 6000;
+
+/**
+ * @param {import("./editor.js").Editor} editor
+ * @param {import("./painter.js").Painter} painter
+ * @param {import("./result.js").Result} result
+ */
+export function teach(editor, painter, result) {
+  let at = Number(recalled(KEY) ?? 0);
+  /** @type {{words: string, done: () => boolean}[]} */
+  const steps = [
+    { words: text.firstDraw, done: () => painter.whole && painter.painted !== null },
+    { words: text.firstLight, done: () => result.view !== "map" },
+    { words: text.firstPoint, done: () => editor.doc.hints.length > 0 && editor.chosen < 0 },
+    { words: text.firstExport, done: () => $("export-dialog").open },
+  ];
+  const strip = $("first-steps");
+  const end = () => {
+    at = steps.length;
+    remember(KEY, at);
+    strip.hidden = true;
+  };
+  // A step that was done before its turn need not be done again.
+  const look = () => {
+    if (at >= steps.length) return;
+    const before = at;
+    while (at < steps.length && steps[at].done()) at += 1;
+    if (at !== before) show();
+  };
+  const show = () => {
+    remember(KEY, at);
+    strip.hidden = false;
+    $("first-words").textContent = steps[at]?.words ?? text.firstDone;
+    $("first-count").textContent = `${Math.min(at + 1, steps.length)} / ${steps.length}`;
+    if (at >= steps.length) setTimeout(end, LAST);
+  };
+  $("first-skip").addEventListener("click", end);
+  for (const name of ["change", "state"]) editor.addEventListener(name, look);
+  painter.addEventListener("painted", look);
+  $("views").addEventListener("click", look);
+  $("export").addEventListener("click", () => setTimeout(look));
+  if (at < steps.length) show();
+  else strip.hidden = true;
+}

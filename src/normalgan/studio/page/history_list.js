@@ -1,0 +1,65 @@
+/** History list: the steps that were done, to go back to any of them. */
+
+import { $, make } from "./dom.js";
+import { say, text } from "./text.js";
+
+/** Steps that are listed; older ones are undone one by one. */
+const SHOWN = 200;
+
+/**
+ * Returns what a step did.
+ * @param {import("./document.js").Doc} before
+ * @param {import("./document.js").Doc} after
+ * @returns {string}
+ */
+export function nameOf(before, after) {
+  if (before.width !== after.width || before.height !== after.height) return text.stepPaper;
+  /** @type {["strokes" | "hints" | "areas" | "mask" | "layers", string, string, string][]} */
+  const lists = [
+    ["strokes", text.stepLine, text.stepRemoved, text.stepMoved], ["hints", text.stepPoint, text.stepPointGone, text.stepTurned],
+    ["areas", text.stepArea, text.stepAreaGone, text.stepTurned], ["mask", text.stepMask, text.stepMaskGone, text.stepMask],
+    ["layers", text.stepPicture, text.stepPictureGone, text.stepPictureChanged],
+  ];
+  for (const [list, added, removed, changed] of lists) {
+    const [from, to] = [before[list], after[list]];
+    if (from === to) continue;
+    if (to.length > from.length) {
+      const last = list === "strokes" ? after.strokes[after.strokes.length - 1].kind : "";
+      return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;
+    }
+    return to.length < from.length ? removed : changed;
+  }
+  return text.stepSettings;
+}
+
+/** @param {import("./editor.js").Editor} editor @param {(words: string) => void} announce */
+export function followHistory(editor, announce) {
+  const panel = /** @type {HTMLDetailsElement} */ ($("history"));
+  const show = () => {
+    if (!panel.open) return;
+    const { states, at } = editor.history;
+    const first = Math.max(0, states.length - SHOWN);
+    const rows = states.slice(first).map((state, i) => {
+      const number = first + i;
+      const name = number ? nameOf(states[number - 1], state) : text.stepFirst;
+      const button = make("button", { type: "button", text: name });
+      if (number === at) button.setAttribute("aria-current", "step");
+      button.classList.toggle("undone", number > at);
+      button.addEventListener("click", () => {
+        if (editor.goTo(number)) announce(say("wentTo", { name }));
+      });
+      return make("li", {}, button);
+    });
+    const list = $("history-list");
+    const inside = list.contains(document.activeElement);
+    list.replaceChildren(...rows);
+    const now = /** @type {HTMLElement | null} */ (list.querySelector("[aria-current]"));
+    now?.scrollIntoView({ block: "nearest" });
+    if (inside) now?.focus();
+  };
+  panel.addEventListener("toggle", show);
+  editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || show());
+  addEventListener("pointerdown", (event) => {
+    if (!panel.contains(/** @type {Node} */ (event.target))) panel.open = false;
+  });
+}

@@ -1,0 +1,154 @@
+/** Panes: which of them are on show, and what of the drawing lies over the result. */
+
+import { $ } from "./dom.js";
+import { text } from "./text.js";
+
+const STEP = 0.05;
+const AMBER = [255, 140, 0];
+const OBJECT = [91, 98, 224];
+
+/**
+ * Draws how unsure the model is: the more, the more amber.
+ * @param {{shares: Uint8Array, width: number, height: number}} doubt
+ * @returns {HTMLCanvasElement}
+ */
+function veilOf({ shares, width, height }) {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width, height];
+  const image = new ImageData(width, height);
+  for (let i = 0; i < shares.length; i++) {
+    image.data.set(AMBER, 4 * i);
+    image.data[4 * i + 3] = Math.min(235, 2.2 * shares[i]);
+  }
+  /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")).putImageData(image, 0, 0);
+  return canvas;
+}
+
+/**
+ * Draws where the object is.
+ * @param {import("./painter.js").Painted} painted
+ * @returns {HTMLCanvasElement}
+ */
+function objectOf({ rgba, width, height }) {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width, height];
+  const image = new ImageData(width, height);
+  for (let at = 0; at < rgba.length; at += 4) {
+    image.data.set(OBJECT, at);
+    image.data[at + 3] = Math.round(0.3 * rgba[at + 3]);
+  }
+  /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")).putImageData(image, 0, 0);
+  return canvas;
+}
+
+export class Panes {
+  /**
+   * @param {import("./board.js").Board} drawing
+   * @param {import("./board.js").Board} result
+   * @param {import("./painter.js").Painter} painter
+   * @param {import("./status.js").Status} status
+   */
+  constructor(drawing, result, painter, status) {
+    this.drawing = drawing;
+    this.result = result;
+    this.painter = painter;
+    this.status = status;
+    /** @type {"both" | "drawing" | "result"} */
+    this.layout = "both";
+    /** @type {number | null} share of the result's width where the drawing ends; null does not compare */
+    this.divider = null;
+    this.lines = false;
+    $("drawing-large").addEventListener("click", () => this.enlarge("drawing"));
+    $("result-large").addEventListener("click", () => this.enlarge("result"));
+    $("compare").addEventListener("click", () => this.compare());
+    $("lines").addEventListener("click", () => this.overlay());
+    $("doubt").addEventListener("click", () => painter.wantDoubt(!painter.wantsDoubt));
+    painter.addEventListener("doubt", () => this.#show());
+    for (const name of ["painted", "empty"]) painter.addEventListener(name, () => this.#showObject());
+    this.tool = "";
+    drawing.editor.addEventListener("state", () => {
+      if (this.tool === drawing.editor.tool) return;
+      this.tool = drawing.editor.tool;
+      this.#showObject();
+    });
+    this.#followDivider($("divider"));
+    this.#show();
+  }
+
+  /** Gives one pane all the room, or takes it back. @param {"drawing" | "result"} pane */
+  enlarge(pane) {
+    this.layout = this.layout === pane ? "both" : pane;
+    this.#show();
+  }
+
+  /** Shows the drawing beside a divider in the result, or ends that. */
+  compare() {
+    this.divider = this.divider === null ? 0.5 : null;
+    this.#show();
+    if (this.divider !== null) $("divider").focus();
+  }
+
+  /** Shows the lines over the result, or hides them. */
+  overlay() {
+    this.lines = !this.lines;
+    this.#show();
+  }
+
+  /** Tints the object in the drawing, where the mask is worked on. */
+  #showObject() {
+    const { sheet } = this.drawing;
+    const { painted } = this.painter;
+    const veil = this.drawing.editor.tool === "mask" && painted ? objectOf(painted) : null;
+    if (veil === sheet.veil) return;
+    sheet.veil = veil;
+    sheet.redraw();
+  }
+
+  #show() {
+    const { layout, divider, lines, painter } = this;
+    document.querySelector("main").dataset.layout = layout;
+    for (const pane of ["drawing", "result"]) $(`${pane}-large`).setAttribute("aria-pressed", String(layout === pane));
+    $("compare").setAttribute("aria-pressed", String(divider !== null));
+    $("lines").setAttribute("aria-pressed", String(lines));
+    $("doubt").setAttribute("aria-pressed", String(painter.wantsDoubt));
+    $("divider").hidden = divider === null;
+    $("divider").style.left = `${100 * (divider ?? 0)}%`;
+    $("divider").setAttribute("aria-valuenow", String(Math.round(100 * (divider ?? 0))));
+    const { sheet } = this.result;
+    sheet.veil = painter.doubt && veilOf(painter.doubt);
+    if (painter.wantsDoubt && painter.unsure === false) this.status.say(text.noDoubt, "warning");
+    // A large result is drawn on: its lines must be seen then.
+    const over = { lines: lines || layout === "result", paper: false };
+    sheet.parts = divider === null
+      ? [{ from: 0, to: 1, ...over }]
+      : [{ from: 0, to: divider, lines: true, paper: true }, { from: divider, to: 1, ...over }];
+    // An imported drawing has white paper, which must not hide the map.
+    sheet.canvas.classList.toggle("multiplied", divider === null);
+    sheet.redraw();
+  }
+
+  /** @param {HTMLElement} handle */
+  #followDivider(handle) {
+    let held = false;
+    const move = (/** @type {number} */ share) => {
+      this.divider = Math.max(0, Math.min(1, share));
+      this.#show();
+    };
+    handle.addEventListener("pointerdown", (event) => {
+      handle.setPointerCapture(event.pointerId);
+      held = true;
+    });
+    handle.addEventListener("pointermove", (event) => {
+      if (!held) return;
+      const box = /** @type {HTMLElement} */ (handle.parentElement).getBoundingClientRect();
+      move((event.clientX - box.left) / box.width);
+    });
+    for (const end of ["pointerup", "pointercancel"]) handle.addEventListener(end, () => { held = false; });
+    handle.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: -STEP, ArrowRight: STEP }[event.key];
+      if (!step || this.divider === null) return;
+      event.preventDefault();
+      move(this.divider + step);
+    });
+  }
+}

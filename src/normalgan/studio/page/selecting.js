@@ -1,0 +1,185 @@
+/** Selecting: strokes and pictures are chosen, moved, made larger or smaller, and removed. */
+
+import { extentOf, isHit, movedLayer, movedStroke, unitedBox } from "./moving.js";
+
+/** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
+
+const ACCENT = "#5b62e0";
+const HANDLE = 9;
+const LEAST = 4;
+/** @type {Selection} */
+export const NOTHING = { strokes: [], layers: [] };
+
+/** @param {Selection} selection */
+export const isNothing = ({ strokes, layers }) => !strokes.length && !layers.length;
+
+/** Returns what is chosen, as values. @param {import("./document.js").Doc} doc @param {Selection} selection */
+const itemsOf = (doc, { strokes, layers }) => [...strokes.map((i) => doc.strokes[i]), ...layers.map((i) => doc.layers[i])];
+
+/** Returns the box around all that is chosen. @param {import("./document.js").Doc} doc @param {Selection} selection */
+export const boxOfSelection = (doc, selection) => unitedBox(itemsOf(doc, selection).map(extentOf));
+
+/** @param {import("./moving.js").Box} box */
+const cornersOf = ({ left, top, right, bottom }) => [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => ({ x, y }));
+
+export class SelectTool {
+  /** @param {import("./editor.js").Editor} editor */
+  constructor(editor) {
+    this.editor = editor;
+    /** @type {{kind: "move" | "scale" | "around", from: Touch, fixed?: {x: number, y: number}, before: Selection} | null} */
+    this.held = null;
+  }
+
+  /** @param {Touch} touch */
+  down(touch) {
+    const { editor } = this;
+    const { doc, selection } = editor;
+    const box = boxOfSelection(doc, selection);
+    if (box) {
+      const corners = cornersOf(box);
+      const corner = corners.findIndex(({ x, y }) => Math.hypot(x - touch.x, y - touch.y) <= touch.reach);
+      if (corner >= 0) {
+        this.held = { kind: "scale", from: touch, fixed: corners[(corner + 2) % 4], before: selection };
+        return;
+      }
+    }
+    const hit = this.#hit(touch);
+    if (!hit) {
+      this.held = { kind: "around", from: touch, before: touch.straight ? selection : NOTHING };
+      if (!touch.straight) editor.set({ selection: NOTHING });
+      return;
+    }
+    const has = selection.strokes.includes(hit.strokes[0]) || selection.layers.includes(hit.layers[0]);
+    if (touch.straight) editor.set({ selection: has ? without(selection, hit) : together(selection, hit) });
+    else if (!has) editor.set({ selection: hit });
+    this.held = { kind: "move", from: touch, before: editor.selection };
+  }
+
+  /** @param {Touch} touch */
+  move(touch) {
+    const { held, editor } = this;
+    if (!held) return;
+    if (held.kind === "around") {
+      editor.marquee = unitedBox([held.from, touch].map(({ x, y }) => ({ left: x, top: y, right: x, bottom: y })));
+      editor.mark();
+      return;
+    }
+    let move = { scale: 1, x: touch.x - held.from.x, y: touch.y - held.from.y };
+    if (held.fixed) {
+      const { x, y } = held.fixed;
+      const length = (/** @type {{x: number, y: number}} */ at) => Math.hypot(at.x - x, at.y - y);
+      const scale = Math.max(0.02, Math.min(50, length(touch) / Math.max(length(held.from), LEAST)));
+      move = { scale, x: x * (1 - scale), y: y * (1 - scale) };
+    } else if (!editor.draft && Math.hypot(move.x, move.y) < touch.reach / 4) return;
+    editor.preview(withMoved(editor.history.state, editor.selection, move));
+  }
+
+  up() {
+    const { held, editor } = this;
+    const { marquee } = editor;
+    this.held = null;
+    editor.marquee = null;
+    if (held?.kind === "around" && marquee) {
+      const inside = (/** @type {import("./document.js").Stroke | import("./document.js").Layer} */ item) => {
+        const { left, top, right, bottom } = extentOf(item);
+        return left >= marquee.left && right <= marquee.right && top >= marquee.top && bottom <= marquee.bottom;
+      };
+      const strokes = editor.doc.strokes.flatMap((stroke, i) => (stroke.kind !== "eraser" && inside(stroke) ? [i] : []));
+      const layers = editor.doc.layers.flatMap((layer, i) => (inside(layer) ? [i] : []));
+      editor.set({ selection: together(held.before, { strokes, layers }) });
+    } else if (editor.draft) editor.commit(editor.draft);
+    else editor.mark();
+  }
+
+  cancel() {
+    this.held = null;
+    this.editor.marquee = null;
+    this.editor.drop();
+  }
+
+  /** Removes what is chosen. @returns {boolean} whether there was something */
+  remove() {
+    const { editor } = this;
+    const { strokes, layers } = editor.selection;
+    if (isNothing(editor.selection)) return false;
+    const { doc } = editor;
+    editor.set({ selection: NOTHING });
+    editor.commit({
+      ...doc,
+      strokes: strokes.length ? doc.strokes.filter((_, i) => !strokes.includes(i)) : doc.strokes,
+      layers: layers.length ? doc.layers.filter((_, i) => !layers.includes(i)) : doc.layers,
+    });
+    return true;
+  }
+
+  /** Chooses all strokes. */
+  all() {
+    const strokes = this.editor.doc.strokes.flatMap((stroke, i) => (stroke.kind === "eraser" ? [] : [i]));
+    this.editor.set({ tool: "select", selection: { strokes, layers: [] } });
+  }
+
+  /** @param {Touch} touch @returns {Selection | null} what lies uppermost */
+  #hit(touch) {
+    const { strokes, layers } = this.editor.doc;
+    for (let i = strokes.length - 1; i >= 0; i--) {
+      if (strokes[i].kind !== "eraser" && isHit(strokes[i], touch, touch.reach / 3)) return { strokes: [i], layers: [] };
+    }
+    for (let i = layers.length - 1; i >= 0; i--) {
+      if (layers[i].visible && isHit(layers[i], touch, 0)) return { strokes: [], layers: [i] };
+    }
+    return null;
+  }
+}
+
+/** @param {Selection} a @param {Selection} b @returns {Selection} */
+function together(a, b) {
+  const both = (/** @type {number[]} */ x, /** @type {number[]} */ y) => [...new Set([...x, ...y])].sort((p, q) => p - q);
+  return { strokes: both(a.strokes, b.strokes), layers: both(a.layers, b.layers) };
+}
+
+/** @param {Selection} a @param {Selection} b @returns {Selection} */
+function without(a, b) {
+  return { strokes: a.strokes.filter((i) => !b.strokes.includes(i)), layers: a.layers.filter((i) => !b.layers.includes(i)) };
+}
+
+/**
+ * @param {import("./document.js").Doc} doc @param {Selection} selection @param {import("./moving.js").Move} move
+ * @returns {import("./document.js").Doc}
+ */
+function withMoved(doc, { strokes, layers }, move) {
+  return {
+    ...doc,
+    strokes: strokes.length ? doc.strokes.map((each, i) => (strokes.includes(i) ? movedStroke(each, move) : each)) : doc.strokes,
+    layers: layers.length ? doc.layers.map((each, i) => (layers.includes(i) ? movedLayer(each, move) : each)) : doc.layers,
+  };
+}
+
+/**
+ * Draws the box around what is chosen, with a handle at each corner, and the box that is being drawn around more.
+ * @param {CanvasRenderingContext2D} context
+ * @param {import("./camera.js").Camera} camera
+ * @param {import("./editor.js").Editor} editor
+ */
+export function drawSelection(context, camera, editor) {
+  if (editor.tool !== "select") return;
+  const box = boxOfSelection(editor.doc, editor.selection);
+  for (const each of [box, editor.marquee]) {
+    if (!each) continue;
+    context.beginPath();
+    const corners = cornersOf(each).map(({ x, y }) => camera.toPane(x, y));
+    for (const { x, y } of corners) context.lineTo(x, y);
+    context.closePath();
+    context.setLineDash(each === box ? [] : [5, 4]);
+    for (const [colour, width] of /** @type {[string, number][]} */ ([["rgb(255 255 255 / 90%)", 3], [ACCENT, 1.5]])) {
+      [context.strokeStyle, context.lineWidth] = [colour, width];
+      context.stroke();
+    }
+    context.setLineDash([]);
+    if (each !== box) continue;
+    for (const { x, y } of corners) {
+      context.fillStyle = "#fff";
+      context.fillRect(x - HANDLE / 2, y - HANDLE / 2, HANDLE, HANDLE);
+      context.strokeRect(x - HANDLE / 2, y - HANDLE / 2, HANDLE, HANDLE);
+    }
+  }
+}

@@ -1,0 +1,174 @@
+"""The studio's page under bad input and bad luck: each is said in the page, and nothing drawn is lost."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_page import AWAY, SIDE, Server, Studio, open_studio
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+MIDDLE = SIDE / 2
+OFFLINE = "The server is away. Keep drawing"
+
+
+@pytest.fixture(name="server")
+def running_server(server: Server) -> Server:
+    """The server of this module, running."""
+    server.begin_anew()
+    return server
+
+
+def still_there(studio: Studio) -> bool:
+    """Return whether the line is there, and goes on to be drawn on."""
+    studio.page.keyboard.press("p")
+    studio.line((20, 40), (60, 40))
+    return studio.inked(MIDDLE, 20) and studio.inked(40, 40)
+
+
+def test_files_that_are_no_pictures_and_no_projects_are_told(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    (tmp_path / "notes.txt").write_text("milk, bread", encoding="utf-8")
+    newer = {"format": "normalgan-studio", "version": 99, "width": 64, "height": 64}
+    (tmp_path / "newer.normalgan").write_text(json.dumps(newer), encoding="utf-8")
+    (tmp_path / "half.normalgan").write_text('{"format": "normalgan-studio", "stro', encoding="utf-8")
+    with open_studio(opened, server.url, tolerate=("status of 400",)) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
+        page.set_input_files("#import-file", files=tmp_path / "notes.txt")
+        studio.wait_for_status("“notes.txt” was not imported: ")
+        assert "PNG" in studio.status()  # what would be right
+        for file, words in (("newer", "made by a newer studio"), ("half", "no project of the studio")):
+            page.locator("#open").click()
+            with page.expect_file_chooser() as chooser:
+                page.locator("#open-file-button").click()
+            chooser.value.set_files(tmp_path / f"{file}.normalgan")
+            page.locator("#choose button[value=drop]").click()
+            studio.wait_for_status(words)
+        assert still_there(studio)
+
+
+def test_a_full_storage_is_told_and_the_project_can_be_downloaded(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        studio.new()
+        page.evaluate(
+            """() => {
+              const full = () => { throw new DOMException("no room", "QuotaExceededError"); };
+              IDBObjectStore.prototype.put = full;
+              Storage.prototype.setItem = full;
+            }"""
+        )
+        with studio.repainting():
+            studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
+        studio.wait_for_status("storage is full")
+        page.locator("#view-lit").click()  # which would be remembered
+        page.keyboard.press("]")
+        assert still_there(studio)
+        page.locator("#open").click()
+        with page.expect_download() as waiting:
+            page.locator("#download-project").click()
+        waiting.value.save_as(tmp_path / "kept.normalgan")
+        assert len(json.loads((tmp_path / "kept.normalgan").read_text(encoding="utf-8"))["strokes"]) == 2
+
+
+def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    (tmp_path / "egg.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>", encoding="utf-8")
+    with open_studio(opened, server.url, tolerate=(AWAY,)) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
+
+        def export() -> None:
+            page.locator("#export").click()
+            page.locator("#export-dialog button.strong").click()
+
+        def save() -> None:
+            page.keyboard.press("Control+s")
+            page.locator("#name-field").fill("fox")
+            page.keyboard.press("Enter")
+
+        def look() -> None:
+            page.locator("#open").click()
+            page.locator("#open-dialog button[value='']").click()
+
+        def suggest() -> None:
+            page.keyboard.press("h")
+            page.locator("#suggest").click()
+
+        def draw() -> None:
+            page.keyboard.press("p")
+            studio.line((30, 200), (60, 200))
+
+        actions: list[Callable[[], None]] = [
+            export,
+            save,
+            look,
+            lambda: page.set_input_files("#import-file", files=tmp_path / "egg.svg"),
+            suggest,
+            lambda: page.locator("#doubt").click(),
+            lambda: page.locator("#view-relief").click(),
+            draw,
+        ]
+        server.kill()
+        for action in actions:
+            page.evaluate("() => { document.getElementById('status').textContent = ''; }")
+            action()
+            page.wait_for_function(
+                "words => document.getElementById('status').textContent.startsWith(words)", arg=OFFLINE
+            )
+        page.locator("#view-map").click()
+        page.locator("#doubt").click()
+        assert still_there(studio)
+        with studio.repainting():
+            server.start()
+        assert re.match("The server is back", studio.status())
+
+
+def test_a_focus_ring_is_never_cut_off(opened: "Browser", server: Server) -> None:
+    clipped = """() => {
+      const found = [];
+      for (const each of document.querySelectorAll("button, summary, select, input, [tabindex='0']")) {
+        if (!each.checkVisibility()) continue;
+        each.focus();
+        if (document.activeElement !== each) continue;
+        const style = getComputedStyle(each);
+        const ring = parseFloat(style.outlineOffset) + parseFloat(style.outlineWidth);
+        if (!each.matches(":focus-visible") || style.outlineStyle === "none") continue;
+        const box = each.getBoundingClientRect();
+        for (let around = each.parentElement; around; around = around.parentElement) {
+          if (getComputedStyle(around).overflow === "visible") continue;
+          const limits = around.getBoundingClientRect();
+          const beyond = box.left - ring < limits.left - 0.5 || box.top - ring < limits.top - 0.5
+            || box.right + ring > limits.right + 0.5 || box.bottom + ring > limits.bottom + 0.5;
+          if (beyond) found.push(`${each.id || each.outerHTML} in ${around.id || around.className}`);
+        }
+      }
+      return found;
+    }"""
+    with open_studio(opened, server.url, width=1400, height=800) as studio:
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        studio.pin(100, 110)
+        for tool in ("pen", "hint", "select", "mask", "light"):
+            studio.page.locator(f"#tool-{tool}").click()
+            studio.page.keyboard.press("Tab")  # a ring is for those who use keys
+            assert studio.page.evaluate(clipped) == []
+        studio.page.locator("#history summary").click()
+        studio.page.keyboard.press("Tab")
+        assert studio.page.evaluate(clipped) == []

@@ -1,0 +1,93 @@
+"""What the studio's page exports: any size from the strokes themselves, all files at once, the clipboard."""
+
+import io
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from PIL import Image
+from studio_page import SIDE, Server, Studio, open_studio
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+
+
+@pytest.fixture
+def ball(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """A circle, painted."""
+    with open_studio(opened, server.url) as page:
+        page.new()
+        with page.repainting():
+            page.circle()
+        yield page
+
+
+def export(studio: Studio, path: Path, **fields: str) -> str:
+    """Export by the dialog; return what the file is called."""
+    page = studio.page
+    page.locator("#export").click()
+    for name, value in fields.items():
+        field = page.locator(f"#export-{name}")
+        if name in {"what", "format"}:
+            field.select_option(value)
+        else:
+            field.fill(value)
+    with page.expect_download() as waiting:
+        page.locator("#export-dialog button.strong").click()
+    waiting.value.save_as(path)
+    return waiting.value.suggested_filename
+
+
+def test_a_larger_export_is_drawn_anew_and_not_enlarged(ball: Studio, tmp_path: Path) -> None:
+    assert export(ball, tmp_path / "line.png", name="fox", what="lines", size="1024") == "fox_line.png"
+    line = np.asarray(Image.open(tmp_path / "line.png"))[..., 3]
+    assert line.shape == (1024, 1024)
+    # The edge of an enlarged line is as wide as it was enlarged by; that of a drawn one has two pixels.
+    row = line[512].astype(float)
+    soft = (row > 8) & (row < 247)
+    assert soft.sum() <= 8  # two edges of two sides
+    export(ball, tmp_path / "map.png", what="map", format="png8", size="1024")
+    alpha = np.asarray(Image.open(tmp_path / "map.png"))[..., 3].astype(float) / 255
+    assert alpha.shape == (1024, 1024)
+    y, x = np.mgrid[:1024, :1024] + 0.5
+    away = np.hypot(x - 512, y - 512)
+    rim = away[(alpha > 0.05) & (alpha < 0.95)]
+    assert rim.size > 1000
+    assert np.ptp(rim) < 8  # no scallops; the hand's circle is one of 40 sides
+
+
+def test_all_files_come_in_one_zip(ball: Studio, tmp_path: Path) -> None:
+    name = export(ball, tmp_path / "all.zip", name="fox", what="all", format="godot", size="512")
+    assert name == "fox_godot.zip"
+    with zipfile.ZipFile(tmp_path / "all.zip") as archive:
+        assert len(archive.namelist()) == 7
+        for each in archive.namelist():
+            if each.endswith(".png"):
+                assert Image.open(io.BytesIO(archive.read(each))).size == (512, 512), each
+    ball.page.locator("#export").click()  # what was chosen is there again
+    assert ball.page.locator("#export-what").input_value() == "all"
+    assert ball.page.locator("#export-format").input_value() == "godot"
+
+
+def test_the_map_is_copied_to_the_clipboard(ball: Studio) -> None:
+    page = ball.page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.locator("#export").click()
+    page.locator("#export-copy").click()
+    ball.wait_for_status("Copied")
+    size = page.evaluate(
+        """async () => {
+          const [item] = await navigator.clipboard.read();
+          const bitmap = await createImageBitmap(await item.getType("image/png"));
+          return [bitmap.width, bitmap.height];
+        }"""
+    )
+    assert size == [SIDE, SIDE]
+    page.locator("#export").click()
+    page.locator("#export-what").select_option("relief")
+    assert page.locator("#export-copy").is_disabled()  # a mesh is no picture

@@ -1,0 +1,73 @@
+"""The mask brush on the studio's page: it adds to the object, cuts from it, and closes open outlines."""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from studio_page import SIDE, Server, Studio, open_studio
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+MIDDLE = SIDE / 2
+
+
+def is_object(studio: Studio, x: float, y: float) -> bool:
+    """Return whether the result shows the object at a point of the drawing, and not the board behind it."""
+    return bool(np.ptp(studio.shown(x, y)) > 0.2)
+
+
+def test_the_brush_adds_and_cuts_and_that_is_undone(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        beyond, within = (MIDDLE + 98, MIDDLE), (MIDDLE - 40, MIDDLE - 30)
+        assert not is_object(studio, *beyond)
+        page.keyboard.press("m")
+        with studio.repainting():
+            studio.line((MIDDLE + 80, MIDDLE), beyond)
+        assert is_object(studio, *beyond)
+        page.keyboard.press("x")
+        assert page.locator("#mask-cut").get_attribute("aria-pressed") == "true"
+        with studio.repainting():
+            studio.line(within, (MIDDLE - 36, MIDDLE - 30))
+        assert not is_object(studio, *within)
+        assert is_object(studio, *beyond)
+        page.mouse.move(2, 2)
+        page.wait_for_timeout(300)
+        column, row = map(round, studio.on_board(MIDDLE + 40, MIDDLE + 30))
+        tint = studio.screen()[row, column].astype(int)
+        assert tint[2] - tint[0] > 15  # the object is tinted while its mask is painted
+        with studio.repainting():
+            page.keyboard.press("Control+z")
+        assert is_object(studio, *within)
+        with studio.repainting():
+            page.locator("#mask-clear").click()
+        assert not is_object(studio, *beyond)
+
+
+def test_an_open_outline_keeps_its_object_and_is_settled_by_a_dab(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        inside = [(MIDDLE + x, MIDDLE + y) for x, y in ((0, 0), (60, 10), (-60, 0), (0, -60), (0, 60))]
+        page.keyboard.press("e")
+        with studio.repainting():
+            studio.line((MIDDLE + 80, MIDDLE - 14), (MIDDLE + 80, MIDDLE + 14))
+        assert all(is_object(studio, *point) for point in inside)
+        page.keyboard.press("p")
+        ear = [(MIDDLE + 80 * math.cos(a), MIDDLE + 80 * math.sin(a)) for a in (-1.9, -1.2)]
+        with studio.repainting():
+            studio.line(ear[0], (MIDDLE - 10, 30), (MIDDLE + 10, 24))  # half of an ear
+        assert all(is_object(studio, *point) for point in inside)
+        page.keyboard.press("m")
+        with studio.repainting():
+            studio.line((MIDDLE + 80, MIDDLE - 14), (MIDDLE + 80, MIDDLE + 14))
+        assert page.locator("#warning").is_hidden()
+        assert all(is_object(studio, *point) for point in inside)

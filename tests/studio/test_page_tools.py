@@ -1,0 +1,166 @@
+"""The studio's tools: lines are selected, moved, scaled, mirrored, coloured; the paper is resized."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from PIL import Image
+from studio_page import SIDE, Server, Studio, open_studio
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """An empty drawing."""
+    with open_studio(opened, server.url) as page:
+        page.new()
+        yield page
+
+
+def box_of_ink(studio: Studio) -> tuple[float, float, float, float]:
+    """Return left, top, right and bottom of the dark pixels, in pixels of the drawing."""
+    studio.page.mouse.move(2, 2)
+    studio.page.wait_for_timeout(200)
+    (left, top), (right, bottom) = studio.on_board(0, 0), studio.on_board(SIDE, SIDE)
+    picture = studio.screen()[round(top) : round(bottom), round(left) : round(right)].max(-1) < 110
+    rows, columns = np.nonzero(picture)
+    scale = (right - left) / SIDE
+    return (
+        columns.min() / scale,
+        rows.min() / scale,
+        (columns.max() + 1) / scale,
+        (rows.max() + 1) / scale,
+    )
+
+
+def test_lines_are_selected_moved_scaled_and_removed(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.line((40, 40), (80, 40), (80, 80), (40, 80), (40, 40))
+    before = np.array(box_of_ink(studio))
+    page.keyboard.press("s")
+    studio.line((79, 60), (110, 70), (139, 90))  # dragged by its right side
+    page.locator("#select-remove").wait_for()
+    assert page.locator("#select-remove").is_enabled()
+    page.keyboard.press("Escape")
+    moved = np.array(box_of_ink(studio))
+    np.testing.assert_allclose(moved - before, [60, 30, 60, 30], atol=2)
+    page.mouse.click(*studio.on_board(140, 90))
+    left, top, right, bottom = moved
+    studio.line((right, bottom), (right + 20, bottom + 20), (2 * right - left, 2 * bottom - top))
+    page.keyboard.press("Escape")
+    scaled = np.array(box_of_ink(studio))
+    np.testing.assert_allclose(scaled[:2], moved[:2], atol=3)
+    np.testing.assert_allclose((scaled[2:] - scaled[:2]) / (moved[2:] - moved[:2]), 2, atol=0.12)
+    page.keyboard.press("Control+z")
+    np.testing.assert_allclose(box_of_ink(studio), moved, atol=1)  # one step for one drag
+    studio.line((20, 20), (250, 250))  # drawn around: all that is inside
+    page.keyboard.press("Delete")
+    page.wait_for_function("() => !document.getElementById('empty-result').hidden")
+    page.keyboard.press("Control+z")
+    np.testing.assert_allclose(box_of_ink(studio), moved, atol=1)
+
+
+def test_straight_and_mirrored_lines_and_their_colour(studio: Studio) -> None:
+    page = studio.page
+    page.keyboard.down("Shift")
+    studio.line((30, 60), (60, 100), (110, 62))
+    page.keyboard.up("Shift")
+    assert studio.inked(70, 60)  # nearly level is level
+    assert not studio.inked(60, 90)
+    page.locator("#symmetry").click()
+    page.locator("#colour").fill("#2040c0")
+    with studio.repainting():
+        studio.line((30, 150), (30, 200), (90, 200))
+    page.mouse.move(2, 2)
+    page.wait_for_timeout(200)
+    for x, y in ((30, 180), (SIDE - 30, 180), (SIDE - 70, 200)):
+        column, row = map(round, studio.on_board(x, y))
+        np.testing.assert_allclose(studio.screen()[row, column], [0x20, 0x40, 0xC0], atol=6)
+    page.keyboard.press("Control+z")
+    page.wait_for_timeout(200)
+    column, row = map(round, studio.on_board(SIDE - 30, 180))
+    assert studio.screen()[row, column].min() > 250  # both go at once
+
+
+def test_a_pens_other_end_erases_and_brushes_are_remembered(studio: Studio) -> None:
+    page = studio.page
+    studio.line((40, 60), (200, 60))
+    assert studio.inked(120, 60)
+    page.locator("#size").fill("9")
+    page.locator("#smoothing").fill("70")
+    erase = """([from, to]) => {
+      const board = document.getElementById("board");
+      board.setPointerCapture = () => {};
+      const send = (type, [x, y], buttons) => board.dispatchEvent(new PointerEvent(type, { pointerId: 7,
+        pointerType: "pen", pressure: 0.5, clientX: x, clientY: y, button: 5, buttons, bubbles: true }));
+      send("pointerdown", from, 32);
+      send("pointermove", to, 32);
+      send("pointerup", to, 0);
+    }"""
+    page.evaluate(erase, [studio.on_board(120, 40), studio.on_board(120, 80)])
+    assert not studio.inked(120, 60)
+    assert studio.inked(60, 60)
+    assert page.locator("#tool-pen").get_attribute("aria-pressed") == "true"
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    assert page.locator("#size").input_value() == "9"
+    assert page.locator("#smoothing").input_value() == "70"
+
+
+def test_the_paper_is_resized_with_what_is_on_it_or_without(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.line((100, 100), (150, 100), (150, 150), (100, 150), (100, 100))
+
+    def resize(width: int, height: int, *, along: bool) -> None:
+        page.locator("#layer summary").click()
+        page.locator("#paper-resize").click()
+        page.locator("#paper-width").fill(str(width))
+        page.locator("#paper-height").fill(str(height))
+        page.locator("#paper-along").set_checked(along)
+        page.locator("#paper-dialog button.strong").click()
+        page.locator("#layer summary").click()
+        studio.size = width, height
+        page.wait_for_timeout(300)
+
+    resize(512, 512, along=True)
+    assert page.locator("#pixels").inner_text() == "512 × 512"
+    assert studio.inked(200, 250)
+    resize(612, 512, along=False)
+    assert studio.inked(250, 250)
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    studio.size = SIDE, SIDE
+    page.wait_for_timeout(300)
+    assert studio.inked(100, 125)
+
+
+def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_path: Path) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.line((100, 100), (150, 100))
+    before = studio.painted()
+    for name, colour in (("red", (220, 40, 40)), ("green", (40, 160, 60))):
+        Image.new("RGB", (64, 64), colour).save(tmp_path / f"{name}.png")
+        page.set_input_files("#import-file", files=tmp_path / f"{name}.png")
+        page.locator("#choose button[value=traced]").click()
+        studio.wait_for_status(name)
+    page.locator("#layer summary").click()
+    assert page.locator("#layer-list li").count() == 2
+    page.locator("#layer-list input[type=range]").nth(1).fill("100")
+    page.locator("#layer summary").click()
+    page.keyboard.press("s")
+    studio.line((128, 200), (60, 200), (-100, 200))  # beyond the paper's edge
+    page.mouse.move(2, 2)
+    page.keyboard.press("Escape")
+    page.wait_for_timeout(300)
+    column, row = map(round, studio.on_board(-8, 200))
+    np.testing.assert_allclose(studio.screen()[row, column], [40, 160, 60], atol=8)
+    assert studio.painted() == before  # what is looked at is never painted from

@@ -1,0 +1,108 @@
+"""All files of a drawing at once, as programs want them; alpha, mask and ambient occlusion."""
+
+import io
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from starlette.testclient import TestClient
+from studio_client import CENTRE, HEIGHT, RADIUS, WIDTH, asking, away, b64, circle, png, serving
+
+from normalgan.painting.occlusion import occlusion
+
+
+def exported(client: TestClient, **fields: Any) -> tuple[str, bytes]:
+    answer = client.post("/api/export", json=asking(name="fox", **fields))
+    assert answer.status_code == 200, answer.text
+    return answer.headers["content-disposition"].rpartition("''")[2], answer.content
+
+
+def unzipped(content: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        assert archive.testzip() is None
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def pixels(content: bytes) -> NDArray[np.generic]:
+    return np.asarray(Image.open(io.BytesIO(content)))
+
+
+@pytest.mark.parametrize(
+    ("preset", "names"),
+    [
+        (
+            "plain",
+            "fox_normal.png fox_line.png fox_mask.png fox_height.png fox_occlusion.png fox_preview.png",
+        ),
+        (
+            "unity",
+            "fox_Normal.png fox_LineArt.png fox_Mask.png fox_Height.png fox_Occlusion.png fox_Preview.png",
+        ),
+        ("unreal", "T_fox_N.png T_fox_L.png T_fox_M.png T_fox_H.png T_fox_AO.png T_fox_Preview.png"),
+        ("godot", "fox_normal.png fox_line.png fox_mask.png fox_height.png fox_ao.png fox_preview.png"),
+        ("blender", "fox_normal.png fox_line.png fox_mask.png fox_height.tiff fox_ao.png fox_preview.png"),
+    ],
+)
+def test_all_files_come_as_the_program_wants_them(
+    model: Path, tmp_path: Path, preset: str, names: str
+) -> None:
+    art = png(circle())
+    with serving(model, tmp_path) as client:
+        name, content = exported(client, what="all", format=preset, line_art=b64(art))
+        assert exported(client, number=2, what="all", format=preset, line_art=b64(art))[1] == content
+        up = pixels(exported(client, number=3, format="png8", alpha=True)[1])
+    assert name == f"fox_{preset}.zip"
+    files = unzipped(content)
+    assert set(files) == {*names.split(), "README.txt"}
+    normal, line, mask, height, _, preview = (files[each] for each in names.split())
+    assert line == art
+    found = pixels(normal)
+    assert found.shape == (HEIGHT, WIDTH, 4)
+    assert normal[24] == (16 if preset == "blender" else 8)  # the bits in a PNG's head
+    if preset == "unreal":
+        green = np.where(up[..., 3] > 0, 255 - up[..., 1].astype(int), up[..., 1])
+        assert np.abs(found[..., 1].astype(int) - green)[up[..., 3] > 0].max() <= 1
+    elif preset != "blender":
+        assert np.array_equal(found, up)
+    assert np.array_equal(pixels(mask), up[..., 3])
+    assert pixels(height).shape == (HEIGHT, WIDTH)
+    assert pixels(preview).shape == (HEIGHT, WIDTH, 3)
+
+
+def test_the_edge_of_the_alpha_is_smooth(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        alpha = pixels(exported(client, what="mask")[1]).astype(float) / 255
+    # As an edge that is drawn: where a circle's rim passes, a share of the pixel is covered.
+    rim = np.abs(alpha - 0.5) < 0.45
+    assert 0.5 * 2 * np.pi * RADIUS < rim.sum() < 3 * 2 * np.pi * RADIUS
+    assert np.abs(away()[rim] - away()[rim].mean()).max() < 2
+    assert len(np.unique(np.rint(255 * alpha[rim]))) > 20
+    assert alpha[int(CENTRE[1]), int(CENTRE[0])] == 1
+    assert alpha[2, 2] == 0
+
+
+def test_what_is_no_picture_is_no_line_art(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        answer = client.post("/api/export", json=asking(what="all", line_art=b64(b"no picture")))
+    assert answer.status_code == 400
+    assert answer.json()["error"] == "the line art is no PNG."
+
+
+def test_a_groove_is_dark_and_a_ball_is_not() -> None:
+    side = 96
+    y, x = np.mgrid[:side, :side] + 0.5 - side / 2
+    z = np.sqrt(np.clip(40.0**2 - x * x - y * y, 0, None))
+    mask = z > 0
+    ball = np.dstack([x, -y, z]).astype(np.float32) / 40
+    light = occlusion(z.astype(np.float32), ball, mask)
+    assert light[np.hypot(x, y) < 34].min() > 0.9
+    assert (light[~mask] == 1).all()
+    lean = np.dstack([-np.sign(x), 0 * x, np.full_like(x, 0.7)]).astype(np.float32)
+    lean /= np.linalg.norm(lean, axis=-1, keepdims=True)
+    dark = occlusion(np.abs(x).astype(np.float32) / 0.7, lean, np.ones((side, side), bool))
+    assert dark[side // 2, side // 2] < 0.75
+    assert dark[side // 2, side - 4] > 0.95
