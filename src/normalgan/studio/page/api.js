@@ -101,7 +101,7 @@ export async function doubt(request) {
   return { shares, width: number(response, "X-Width"), height: number(response, "X-Height"), known: shares.length > 0 };
 }
 
-/** @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
+/** @param {Request} request @returns {Promise<{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]>} */
 export const suggest = async (request) => (await (await post("/api/suggest", request)).json()).points;
 
 /** Returns a file and what it is called. @param {Request} request @returns {Promise<{blob: Blob, name: string}>} */

@@ -1,5 +1,6 @@
 /** Board: a pane of the drawing or of its result: the sheet, and above it points, suggestions and the tool's nib. */
 
+import { context2d } from "./canvas.js";
 import { Camera } from "./camera.js";
 import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions } from "./marks.js";
 import { drawSelection } from "./selecting.js";
@@ -19,7 +20,7 @@ export class Board {
   constructor(canvas, below, editor, ink, view, focus = canvas) {
     this.canvas = canvas;
     this.focus = focus;
-    this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    this.context = context2d(canvas);
     this.editor = editor;
     this.ink = ink;
     this.view = view;

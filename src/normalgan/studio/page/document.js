@@ -111,6 +111,7 @@ const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
   (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror));
+/** @param {any} value */
 const isNormal = (value) =>
   Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05;
 /** @type {Check} */
@@ -121,9 +122,11 @@ const isArea = (value) =>
   Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
   value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
   (value.size === undefined || (isNumber(value.size) && value.size > 0));
+/** @type {Check} */
 const isMaskStroke = (value) =>
   typeof value.adds === "boolean" && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 2 && value.points.length % 2 === 0 && value.points.every(isNumber);
+/** @type {Check} */
 const isLayer = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";
 /** @param {unknown} list @param {Check} check @param {number} most */
 const isList = (list, check, most) => Array.isArray(list) && list.length <= most && list.every((each) => each && check(each));

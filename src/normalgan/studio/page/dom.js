@@ -6,6 +6,12 @@ import { wordsOf } from "./text.js";
 /** @template {HTMLElement} T @param {string} id @returns {T} */
 export const $ = (id) => /** @type {T} */ (document.getElementById(id));
 
+/** A field of a form. @param {string} id @returns {HTMLInputElement} */
+export const field = (id) => $(id);
+
+/** Lets a button be pressed, or not. @param {string} id @param {boolean} enabled */
+export const enable = (id, enabled) => { /** @type {HTMLButtonElement} */ ($(id)).disabled = !enabled; };
+
 /**
  * Makes an element.
  * @template {keyof HTMLElementTagNameMap} K

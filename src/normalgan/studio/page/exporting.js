@@ -1,10 +1,10 @@
 /** Exporting: the dialog that asks for a file or for all of them, and what comes of it: a download or the clipboard. */
 
 import { exported } from "./api.js";
-import { $, download, make, open } from "./dom.js";
+import { $, download, enable, field, make, open } from "./dom.js";
 import { inkAt } from "./ink.js";
 import { recalled, remember } from "./settings.js";
-import { say, text } from "./text.js";
+import { say, text, wordsOf } from "./text.js";
 
 /** @type {Record<string, string[]>} */
 const FORMATS = {
@@ -55,7 +55,7 @@ export class Exporting {
       this.status.say(text.exportEmpty);
       return;
     }
-    $("export-name").value = this.editor.doc.settings.name;
+    field("export-name").value = this.editor.doc.settings.name;
     const way = await open($("export-dialog"));
     if (!way) return;
     this.#remember();
@@ -105,7 +105,7 @@ export class Exporting {
   }
 
   #wish() {
-    const value = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ ($(`export-${id}`)).value;
+    const value = (/** @type {string} */ id) => field(`export-${id}`).value;
     return {
       name: value("name").trim() || text.untitled.toLowerCase(),
       what: value("what"),
@@ -124,28 +124,28 @@ export class Exporting {
   /** Shows what was chosen the last time. */
   #recall() {
     const before = recalled(KEY) ?? {};
-    if (Object.hasOwn(FORMATS, before.what)) $("export-what").value = before.what;
+    if (Object.hasOwn(FORMATS, before.what)) field("export-what").value = before.what;
     this.#formats();
-    if (FORMATS[$("export-what").value].includes(before.format)) $("export-format").value = before.format;
-    if (["up", "down"].includes(before.y)) $("export-y").value = before.y;
-    if (typeof before.alpha === "boolean") $("export-alpha").checked = before.alpha;
-    if (Number.isInteger(before.size)) $("export-size").value = String(before.size);
+    if (FORMATS[field("export-what").value].includes(before.format)) field("export-format").value = before.format;
+    if (["up", "down"].includes(before.y)) field("export-y").value = before.y;
+    if (typeof before.alpha === "boolean") field("export-alpha").checked = before.alpha;
+    if (Number.isInteger(before.size)) field("export-size").value = String(before.size);
     this.#rows();
   }
 
   #formats() {
-    const what = $("export-what").value;
-    const words = (/** @type {string} */ format) => text[what === "height" && format === "png" ? "png16" : format];
+    const what = field("export-what").value;
+    const words = (/** @type {string} */ format) => wordsOf(what === "height" && format === "png" ? "png16" : format);
     $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: words(format) })));
     this.#rows();
   }
 
   /** Shows only what goes with the kind of file. */
   #rows() {
-    const what = $("export-what").value;
+    const what = field("export-what").value;
     $("export-y-row").hidden = what !== "map";
     $("export-alpha-row").hidden = what !== "map";
     $("export-all-rule").hidden = what !== "all";
-    $("export-copy").disabled = !["png8", "png"].includes($("export-format").value);
+    enable("export-copy", ["png8", "png"].includes(field("export-format").value));
   }
 }

@@ -20,7 +20,7 @@ export function teach(editor, painter, result) {
     { words: text.firstDraw, done: () => painter.whole && painter.painted !== null },
     { words: text.firstLight, done: () => result.view !== "map" },
     { words: text.firstPoint, done: () => editor.doc.hints.length > 0 && editor.chosen < 0 },
-    { words: text.firstExport, done: () => $("export-dialog").open },
+    { words: text.firstExport, done: () => /** @type {HTMLDialogElement} */ ($("export-dialog")).open },
   ];
   const strip = $("first-steps");
   const end = () => {

@@ -41,7 +41,7 @@ export function inkAt(doc, longest) {
   const scale = longest / Math.max(doc.width, doc.height);
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [Math.max(1, Math.round(doc.width * scale)), Math.max(1, Math.round(doc.height * scale))];
-  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d", { willReadFrequently: true }));
+  const context = context2d(canvas, { willReadFrequently: true });
   context.scale(canvas.width / doc.width, canvas.height / doc.height);
   context.imageSmoothingQuality = "high";
   for (const stroke of doc.strokes) drawStroke(context, stroke, decoded);

@@ -17,7 +17,7 @@ export function followKeyboard(board, tool, status) {
   let active = null;
   const touch = () => {
     const { scale } = board.camera;
-    return { ...board.cursor, pressure: 0.5, reach: 14 / scale, scale };
+    return { x: 0, y: 0, ...board.cursor, pressure: 0.5, reach: 14 / scale, scale };
   };
 
   /** @param {[number, number]} way @param {number} step */

@@ -1,7 +1,7 @@
 /** Layers: the paper, and the pictures on it or beside it that are traced or looked at. */
 
 import { withLayers } from "./document.js";
-import { $, label, make, open } from "./dom.js";
+import { $, field, label, make, open } from "./dom.js";
 import { icon } from "./icons.js";
 import { onPaper } from "./moving.js";
 import { say } from "./text.js";
@@ -45,10 +45,10 @@ export function followLayer(editor, importing) {
   $("layer-choose").addEventListener("click", () => importing.pick("traced"));
   $("paper-resize").addEventListener("click", async () => {
     const { width, height } = editor.doc;
-    [$("paper-width").value, $("paper-height").value] = [String(width), String(height)];
-    if (!(await open($("paper-dialog")))) return;
-    const along = $("paper-along").checked;
-    editor.commit(onPaper(editor.doc, $("paper-width").valueAsNumber, $("paper-height").valueAsNumber, along));
+    [field("paper-width").value, field("paper-height").value] = [String(width), String(height)];
+    if (!(await open(/** @type {HTMLDialogElement} */ ($("paper-dialog"))))) return;
+    const along = field("paper-along").checked;
+    editor.commit(onPaper(editor.doc, field("paper-width").valueAsNumber, field("paper-height").valueAsNumber, along));
   });
   editor.addEventListener("change", show);
   show();

@@ -1,6 +1,6 @@
 /** Lights: their colours, which of the two is moved, and a button that lets the light go around. */
 
-import { $, label } from "./dom.js";
+import { $, field, label } from "./dom.js";
 import { recalled, remember } from "./settings.js";
 import { text } from "./text.js";
 import { DEFAULT_LIGHT, lightOver } from "./viewer_input.js";
@@ -26,7 +26,7 @@ function linear(colour) {
 const isColour = (/** @type {unknown} */ value) => typeof value === "string" && /^#[0-9a-f]{6}$/.test(value);
 
 export class Lights {
-  /** @param {import("./viewer.js").Viewer} viewer @param {() => string} view which is on show @param {(view: string) => void} show */
+  /** @param {import("./viewer.js").Viewer} viewer @param {() => string} view which is on show @param {(view: import("./viewer.js").View) => void} show */
   constructor(viewer, view, show) {
     this.viewer = viewer;
     this.view = view;
@@ -113,8 +113,8 @@ export class Lights {
   }
 
   #changed() {
-    for (const i of [0, 1]) $(`light-${i + 1}`).value = this.colours[i];
-    $("light-both").checked = this.both;
+    for (const i of [0, 1]) field(`light-${i + 1}`).value = this.colours[i];
+    field("light-both").checked = this.both;
     $("light-2").hidden = !this.both;
     $("light-moved").hidden = !this.both;
     $("light-help").hidden = this.both; // there is no room for it

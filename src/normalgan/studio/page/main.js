@@ -45,7 +45,7 @@ const overlay = new Board($("overlay"), $("result-sheet"), editor, ink, view, $(
 const painter = new Painter(editor, ink, connection, tab);
 const result = new Result(painter, status);
 const lights = new Lights(result.viewer, () => result.view, (each) => result.show(each));
-result.onLight = (light) => lights.took(light);
+result.onLight = (/** @type {number[]} */ light) => lights.took(light);
 const panes = new Panes(board, overlay, painter, status);
 // Marks would hide the map from whoever only looks at it.
 overlay.marked = () => panes.layout === "result" || ["hint", "region", "brush"].includes(editor.tool);
@@ -65,14 +65,17 @@ const points = new Points([board, overlay], pins, painter, status);
 const mask = new MaskTool(editor, (words) => status.say(words));
 const select = new SelectTool(editor);
 const light = new LightTool((x, y) => lights.move(x, y));
-const tool = () => ({ pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null })[editor.tool];
+/** @type {Record<string, import("./tools.js").Tool | null>} */
+const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null };
+const tool = () => tools[editor.tool];
 const overResult = () => {
   // Beside the drawing, pen and eraser draw there; over the result they move the light, if there is one.
   const drawing = ["pen", "eraser"].includes(editor.tool) && panes.layout !== "result";
   if (drawing || editor.tool === "light") return result.view === "map" ? null : light;
   return tool();
 };
-const pointers = [[board, tool], [overlay, overResult]].map(([each, chosen]) => followPointers(each, chosen, () => points.use(each)));
+const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overResult }].map(({ each, chosen }) =>
+  followPointers(each, chosen, () => points.use(each)));
 followKeyboard(board, tool, status);
 followTools(editor, ink);
 offerSamples((doc, name) => {
@@ -83,6 +86,7 @@ followLayer(editor, importing);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
 const drop = () => pointers.forEach((each) => each.cancel());
+/** @param {"undo" | "redo"} way @param {string} words */
 const step = (way, words) => {
   drop();
   if (editor.step(way)) status.say(words);
@@ -105,10 +109,12 @@ const middle = () => {
   const { camera } = board.visible ? board : overlay;
   return { camera, x: camera.pane.width / 2, y: camera.pane.height / 2 };
 };
+/** @param {number} factor */
 const zoom = (factor) => {
   const { camera, x, y } = middle();
   camera.zoom(x, y, factor);
 };
+/** @param {number} degrees */
 const turn = (degrees) => {
   const { camera, x, y } = middle();
   camera.turn(x, y, (degrees * Math.PI) / 180);

@@ -10,6 +10,8 @@ const RADIUS = 9;
 const NEEDLE = 22;
 const ACCENT = "#5b62e0";
 const ADDED = "#189a5a";
+const PALE = "rgb(255 255 255 / 90%)";
+const DARK = "#33343c";
 const CUT = "#d0342c";
 
 /**
@@ -21,7 +23,7 @@ function drawMark(context, camera, at, normal, chosen) {
   const { x, y } = camera.toPane(at.x, at.y);
   const [cos, sin] = [Math.cos(camera.view.angle), Math.sin(camera.view.angle)];
   const tip = { x: x + (normal[0] * cos + normal[1] * sin) * NEEDLE, y: y + (normal[0] * sin - normal[1] * cos) * NEEDLE };
-  for (const [colour, width] of [["rgb(255 255 255 / 90%)", 5], [chosen ? ACCENT : "#33343c", 2]]) {
+  for (const { colour, width } of [{ colour: PALE, width: 5 }, { colour: chosen ? ACCENT : DARK, width: 2 }]) {
     [context.strokeStyle, context.lineWidth, context.lineCap] = [colour, width, "round"];
     context.beginPath();
     context.moveTo(x, y);

@@ -54,8 +54,8 @@ export class Painter extends EventTarget {
     this.doubt = null;
     /** @type {boolean | null} whether the model says how sure it is; null is not known yet */
     this.unsure = null;
-    editor.addEventListener("change", (event) => this.#changed(event.detail.live ? "pin" : null));
-    editor.addEventListener("drawing", (event) => event.detail.ended || this.#touched("pen"));
+    editor.addEventListener("change", (event) => this.#changed(/** @type {CustomEvent} */ (event).detail.live ? "pin" : null));
+    editor.addEventListener("drawing", (event) => /** @type {CustomEvent} */ (event).detail.ended || this.#touched("pen"));
     connection.addEventListener("back", () => this.refresh());
   }
 
@@ -126,6 +126,7 @@ export class Painter extends EventTarget {
     const { canvas, scale, pixels } = inkAt(doc, longest);
     const { channels, bytes } = pixels();
     const { width, height } = canvas;
+    /** @param {number[]} points */
     const scaled = (points) => points.map((value) => value * scale);
     this.number += 1;
     const fields = {
@@ -139,6 +140,7 @@ export class Painter extends EventTarget {
     return { fields, pixels: [bytes] };
   }
 
+  /** @param {object} more further fields @returns {import("./api.js").Request} */
   #request(more) {
     const { doc } = this.editor;
     const { width, height } = this.ink;

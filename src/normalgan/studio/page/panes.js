@@ -1,5 +1,6 @@
 /** Panes: which of them are on show, and what of the drawing lies over the result. */
 
+import { context2d } from "./canvas.js";
 import { $ } from "./dom.js";
 import { text } from "./text.js";
 
@@ -20,7 +21,7 @@ function veilOf({ shares, width, height }) {
     image.data.set(AMBER, 4 * i);
     image.data[4 * i + 3] = Math.min(235, 2.2 * shares[i]);
   }
-  /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")).putImageData(image, 0, 0);
+  context2d(canvas).putImageData(image, 0, 0);
   return canvas;
 }
 
@@ -37,7 +38,7 @@ function objectOf({ rgba, width, height }) {
     image.data.set(OBJECT, at);
     image.data[at + 3] = Math.round(0.3 * rgba[at + 3]);
   }
-  /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")).putImageData(image, 0, 0);
+  context2d(canvas).putImageData(image, 0, 0);
   return canvas;
 }
 
@@ -106,7 +107,7 @@ export class Panes {
 
   #show() {
     const { layout, divider, lines, painter } = this;
-    document.querySelector("main").dataset.layout = layout;
+    /** @type {HTMLElement} */ (document.querySelector("main")).dataset.layout = layout;
     for (const pane of ["drawing", "result"]) $(`${pane}-large`).setAttribute("aria-pressed", String(layout === pane));
     $("compare").setAttribute("aria-pressed", String(divider !== null));
     $("lines").setAttribute("aria-pressed", String(lines));

@@ -1,6 +1,6 @@
 /** Pointer: mouse, pen and fingers on a board, as strokes, pinches and moves of the view. */
 
-/** @typedef {{down: Function, move: Function, up: Function, cancel: Function}} Tool */
+/** @typedef {import("./tools.js").Tool} Tool */
 
 /** @type {Record<string, number>} */
 const REACH = { mouse: 14, pen: 16, touch: 24 };
@@ -44,6 +44,7 @@ export function followPointers(board, tool, touched) {
   const pinch = (id, from, to) => {
     const [other] = [...down].filter(([key]) => key !== id).map(([, at]) => at);
     const growth = Math.hypot(to.x - other.x, to.y - other.y) / Math.max(1, Math.hypot(from.x - other.x, from.y - other.y));
+    /** @param {{x: number, y: number}} a @param {{x: number, y: number}} b */
     const angle = (a, b) => Math.atan2(b.y - a.y, b.x - a.x);
     const turn = angle(other, to) - angle(other, from);
     turned += Math.atan2(Math.sin(turn), Math.cos(turn));

@@ -23,8 +23,8 @@ export class Points {
    * @param {import("./status.js").Status} status
    */
   constructor(boards, tool, painter, status) {
-    this.boards = boards;
-    [this.board] = boards;
+    /** @type {import("./board.js").Board} */
+    this.board = boards[0];
     this.tool = tool;
     this.painter = painter;
     this.status = status;

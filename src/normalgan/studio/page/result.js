@@ -19,7 +19,7 @@ export class Result {
    * @param {import("./status.js").Status} status
    */
   constructor(painter, status) {
-    /** What is on show. */
+    /** What is on show. @type {View} */
     this.view = "map";
     this.painter = painter;
     this.status = status;

@@ -1,5 +1,6 @@
 /** Samples: drawings to begin with, as lines that can be changed like any others. */
 
+import { context2d } from "./canvas.js";
 import { newDocument } from "./document.js";
 import { $, label, make } from "./dom.js";
 import { drawStroke } from "./strokes.js";
@@ -86,10 +87,10 @@ export function documentOf({ curves }) {
 export function offerSamples(take) {
   const buttons = SAMPLES.map((sample) => {
     const canvas = make("canvas", { width: SMALL, height: SMALL });
-    const context = canvas.getContext("2d");
+    const context = context2d(canvas);
     context.scale(SMALL / SIDE, SMALL / SIDE);
     const doc = documentOf(sample);
-    for (const stroke of doc.strokes) drawStroke(context, { ...stroke, size: 2 * PEN }, () => canvas);
+    for (const curve of sample.curves) drawStroke(context, { ...lineOf(curve), size: 2 * PEN }, () => canvas);
     const button = make("button", { type: "button" }, canvas);
     const name = /** @type {string} */ (text[sample.name]);
     label(button, say("takeSample", { name }));

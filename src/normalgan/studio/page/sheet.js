@@ -28,7 +28,7 @@ export class Sheet {
     this.editor = editor;
     this.ink = ink;
     this.camera = camera;
-    this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    this.context = context2d(canvas);
     this.parts = WHOLE;
     /** @type {HTMLCanvasElement | null} lies over the whole drawing, under its ink */
     this.veil = null;

@@ -1,13 +1,16 @@
 /** Toolbar: which tool, how wide, how smooth; shows what the editor holds. */
 
 import { withSettings } from "./document.js";
-import { $ } from "./dom.js";
+import { $, enable, field } from "./dom.js";
+import { isNothing } from "./selecting.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
 const TOOLS = ["pen", "eraser", "select", "hint", "region", "brush", "mask", "light", "hand"];
 const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
 
+/** @type {("straight" | "symmetry")[]} */
+const SWITCHES = ["straight", "symmetry"];
 const KEY = "normalgan-brushes";
 
 /** Keeps how lines are drawn for the next time. @param {import("./editor.js").Editor} editor */
@@ -21,6 +24,12 @@ function recallBrushes(editor) {
   const colour = /^#[0-9a-f]{6}$/.test(before.colour) ? before.colour : editor.colour;
   editor.set({ widths, smoothing, colour });
 }
+
+/**
+ * Returns the tool if it has a width.
+ * @param {import("./editor.js").Editor} editor
+ */
+const toolOf = ({ tool, widths }) => (tool in widths ? tool : undefined);
 
 /** @param {import("./editor.js").Editor} editor @param {number} step thinner -1, thicker 1 */
 export function widen(editor, step) {
@@ -39,8 +48,6 @@ export function followTools(editor, ink) {
   const smoothing = $("smoothing");
   /** @type {HTMLSelectElement} */
   const source = $("source");
-  /** @param {string} id @param {boolean} enabled */
-  const enable = (id, enabled) => { /** @type {HTMLButtonElement} */ ($(id)).disabled = !enabled; };
   size.max = String(WIDTHS.length - 1);
   size.addEventListener("input", () => {
     editor.set({ widths: { ...editor.widths, [editor.tool]: WIDTHS[size.valueAsNumber] } });
@@ -51,8 +58,9 @@ export function followTools(editor, ink) {
     editor.commit(withSettings(editor.doc, { source: chosen || null }));
   });
   for (const [id, adds] of /** @type {[string, boolean][]} */ ([["mask-add", true], ["mask-cut", false]])) $(id).addEventListener("click", () => editor.set({ adds }));
-  $("colour").addEventListener("input", (event) => editor.set({ colour: event.target.value }));
-  for (const id of ["straight", "symmetry"]) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
+  const colour = field("colour");
+  colour.addEventListener("input", () => editor.set({ colour: colour.value }));
+  for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
   recallBrushes(editor);
   editor.addEventListener("state", () => keepBrushes(editor));
   $("mask-clear").addEventListener("click", () => editor.commit({ ...editor.doc, mask: [] }));
@@ -66,17 +74,17 @@ export function followTools(editor, ink) {
     $("region-options").hidden = tool !== "region";
     $("hand-options").hidden = tool !== "hand";
     $("select-options").hidden = tool !== "select";
-    $("select-remove").disabled = !editor.selection.strokes.length && !editor.selection.layers.length;
-    $("colour").value = editor.colour;
-    $("colour").hidden = tool !== "pen";
-    for (const id of ["straight", "symmetry"]) {
+    enable("select-remove", !isNothing(editor.selection));
+    colour.value = editor.colour;
+    colour.hidden = tool !== "pen";
+    for (const id of SWITCHES) {
       $(id).setAttribute("aria-pressed", String(editor[id]));
       $(id).hidden = !["pen", "eraser"].includes(tool);
     }
     $("mask-options").hidden = tool !== "mask";
     $("mask-add").setAttribute("aria-pressed", String(editor.adds));
     $("mask-cut").setAttribute("aria-pressed", String(!editor.adds));
-    $("mask-clear").disabled = !doc.mask.length;
+    enable("mask-clear", doc.mask.length > 0);
     $("light-options").hidden = tool !== "light";
     if (width) {
       size.value = String(WIDTHS.findIndex((each) => each >= width));

@@ -13,6 +13,14 @@ import { text } from "./text.js";
  *   to be chosen; eraser: whether it is the pen's other end
  */
 
+/**
+ * @typedef {object} Tool what works on the board from the pointer's or the keyboard's press to its end
+ * @property {(touch: Touch) => void} down
+ * @property {(touch: Touch) => void} move
+ * @property {() => void} up
+ * @property {() => void} cancel
+ */
+
 export const MOST_HINTS = 200;
 /** Radians within which a straight line is level, upright or diagonal. */
 const SNAP = 0.06;
@@ -179,6 +187,7 @@ export class HintTool {
   /** Middles of pixels: there the server puts a hint anyway. @param {{x: number, y: number}} at */
   #inside({ x, y }) {
     const { width, height } = this.editor.doc;
+    /** @param {number} value @param {number} side */
     const clamp = (value, side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
     return { x: clamp(x, width), y: clamp(y, height) };
   }

@@ -16,12 +16,14 @@ function checkSize(values, width, height, channels) {
   }
 }
 
+/** @typedef {[number, number, number, number, number, number]} Way as a canvas takes a transform */
 /** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
 /** @typedef {{rgba: Uint8Array, width: number, height: number}} Picture */
 /** @typedef {{heights: Float32Array, width: number, height: number}} Heights in pixels, NaN off the object */
 /**
  * @typedef {{map: Picture | null, heights: Heights | null, view: View, light: number[],
- *   turn: {yaw: number, pitch: number, zoom: number}, ratio: number}} Scene what is to be shown
+ *   turn: {yaw: number, pitch: number, zoom: number}, ratio: number, frame: Frame | null, colour: number[],
+ *   second: Lamp | null}} Scene what is to be shown
  */
 /**
  * @typedef {object} ScenePainter draws the scene, by WebGL or without
@@ -31,8 +33,7 @@ function checkSize(values, width, height, channels) {
  * @property {() => void} dispose
  */
 /**
- * @typedef {{rgba: Uint8Array, width: number, height: number}} Picture
- * @typedef {{transform: number[], angle: number}} Frame where the map lies: from its shares to pixels of the page, and
+ * @typedef {{transform: Way, angle: number}} Frame where the map lies: from its shares to pixels of the page, and
  *   how far it is turned
  * @typedef {{direction: number[], colour: number[]}} Lamp direction towards it; colour: linear red, green, blue
  * @typedef {object} Viewer
@@ -61,6 +62,7 @@ function checkSize(values, width, height, channels) {
  * @returns {Viewer}
  */
 export function createViewer(canvas, { onError = () => {}, text, onMove = () => {} }) {
+/** @type {Scene} */
   const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null };
   const gl = canvas.getContext("webgl2", { antialias: true, depth: true });
   const ending = new AbortController();

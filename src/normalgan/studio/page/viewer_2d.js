@@ -1,5 +1,6 @@
 /** Draws the views without WebGL: shaded by CPU at the map's size, then scaled to the canvas. */
 
+import { context2d } from "./canvas.js";
 import { CHECKER, placeOf } from "./viewer_fit.js";
 import { celShader, clayShader, matcapShader } from "./viewer_shading.js";
 
@@ -12,7 +13,7 @@ const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
  * @param {number[]} light unit vector
  * @param {number[]} [colour] of the light
  * @param {{direction: number[], colour: number[]} | null} [second]
- * @returns {Uint8ClampedArray}
+ * @returns {Uint8ClampedArray<ArrayBuffer>}
  */
 export function shadedPixels({ rgba }, view, light, colour, second) {
   const shade = SHADERS[view](light, colour, second);
@@ -44,17 +45,21 @@ export function createPlainPainter(canvas, text) {
     drawn = "";
   }
 
-  function fillSheet({ map, view, light, colour, second }) {
+  /** @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
+  function fillSheet(map, { view, light, colour, second }) {
+    if (view === "relief") return;
     const wanted = view === "map" ? view : JSON.stringify([view, light, colour, second]);
     if (drawn === wanted) return;
     const pixels = view === "map" ? new Uint8ClampedArray(map.rgba) : shadedPixels(map, view, light, colour, second);
-    sheet.getContext("2d").putImageData(new ImageData(pixels, map.width), 0, 0);
+    context2d(sheet).putImageData(new ImageData(pixels, map.width), 0, 0);
     drawn = wanted;
   }
 
+  /** @param {import("./viewer.js").Way} place @param {number} ratio */
   function drawChecker([a, b, c, d, e, f], ratio) {
     const side = CHECKER.side * ratio;
     const corners = [[e, f], [e + a, f + b], [e + a + c, f + b + d], [e + c, f + d]];
+    /** @param {0 | 1} k @param {number} first @param {number} most */
     const range = (k, first, most) => {
       const values = corners.map((corner) => corner[k]);
       return [Math.floor((Math.max(0, Math.min(...values)) - first) / side), (Math.min(most, Math.max(...values)) - first) / side];

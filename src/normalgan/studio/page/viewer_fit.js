@@ -15,18 +15,18 @@ export function fitted(picture, canvas) {
 /**
  * Returns the way from a picture's shares, from its upper left corner, to pixels of a canvas: as the canvas's own
  * `transform` takes it.
- * @param {{map: import("./viewer.js").Picture | null, frame: import("./viewer.js").Frame | null, ratio: number}} scene
+ * @param {import("./viewer.js").Scene} scene
  * @param {import("./viewer.js").Picture} picture
  * @param {{width: number, height: number}} canvas
- * @returns {number[]}
+ * @returns {import("./viewer.js").Way}
  */
 export function placeOf({ frame, ratio }, picture, canvas) {
-  if (frame) return frame.transform.map((value) => value * ratio);
+  if (frame) return /** @type {import("./viewer.js").Way} */ (frame.transform.map((value) => value * ratio));
   const { x, y, width, height } = fitted(picture, canvas);
   return [width, 0, 0, height, x, y];
 }
 
-/** Returns the way back, column by column as shaders take it. @param {number[]} transform @returns {number[]} */
+/** Returns the way back, column by column as shaders take it. @param {import("./viewer.js").Way} transform @returns {number[]} */
 export function inverted([a, b, c, d, e, f]) {
   const determinant = a * d - b * c;
   return [

@@ -59,8 +59,10 @@ export function createGlPainter(canvas, gl) {
     ballLight = light.join();
   }
 
-  function drawFlat(scene) {
-    const place = placeOf(scene, scene.map, canvas);
+  /** @param {import("./viewer.js").Picture} picture @param {import("./viewer.js").Scene} scene */
+  function drawFlat(picture, scene) {
+    if (scene.view === "relief") return;
+    const place = placeOf(scene, picture, canvas);
     if (scene.view === "matcap") makeBall(scene.light);
     gl.disable(gl.DEPTH_TEST);
     gl.useProgram(flat.program);

@@ -30,7 +30,8 @@ const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 /**
  * Moves scene.light or scene.turn as the user does.
  * @param {HTMLCanvasElement} canvas
- * @param {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number}}} scene
+ * @param {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number},
+ *   frame: import("./viewer.js").Frame | null}} scene
  * @param {(what: "light" | "turn") => void} changed
  * @param {AbortSignal} signal ends it
  * @returns {(x: number, y: number) => number[]} gives a light over a point of the canvas
@@ -69,6 +70,7 @@ export function listen(canvas, scene, changed, signal) {
   }
 
   // The light turns with the drawing, as if it were fixed to the paper.
+  /** @param {number} x @param {number} y */
   function lightAt(x, y) {
     const box = canvas.getBoundingClientRect();
     const radius = Math.min(box.width, box.height) / 2;
@@ -78,6 +80,7 @@ export function listen(canvas, scene, changed, signal) {
   }
 
   // Nearer: a larger relief, or a light that is higher above the surface.
+  /** @param {number} amount */
   function approach(amount) {
     if (isTurning()) {
       scene.turn.zoom = clamp(scene.turn.zoom * Math.exp(amount), 0.3, 5);

@@ -59,7 +59,7 @@ export function createTexture(gl, unit, minFilter) {
 /**
  * Sets the colours of the lights, and where the second one is.
  * @param {WebGL2RenderingContext} gl
- * @param {Record<string, WebGLUniformLocation>} at
+ * @param {Record<string, WebGLUniformLocation | null>} at
  * @param {{light: number[], colour: number[], second: {direction: number[], colour: number[]} | null}} scene
  */
 export function setLamps(gl, at, { light, colour, second }) {
