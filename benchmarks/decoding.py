@@ -1,9 +1,10 @@
 """Times what decoding in a child process adds: to a picture, and to a cold start of `normalgan generate`.
 
 decoding.py [ROUNDS [STARTS]]: how often each picture and each start is timed. The same decoder runs here and
-in the child by turns, so that both meet the same load: "added" is the median of the differences, "ratio" that of the quotients, round by
-round, and "least_added" what the fastest round there takes more than the fastest here. Processor time counts
-all processes. On a busy machine "added" holds the waiting for a processor. Prints JSON.
+in the child by turns, so that both meet the same load: "added" is the median of the differences, "ratio" that
+of the quotients, round by round, and "least_added" what the fastest round there takes more than the fastest
+here. Processor time counts all processes. On a busy machine "added" holds the waiting for a processor.
+Prints JSON.
 """
 
 import io

@@ -70,6 +70,7 @@ def main(
             viewport={"width": 1280, "height": 760}
         )
         page.set_default_timeout(90_000)
+        page.add_init_script("localStorage.setItem('normalgan-first-steps', '4')")
         page.goto(address)
         page.wait_for_selector("html[data-ready]")
         page.wait_for_function(PAINTED)

@@ -115,7 +115,8 @@ export async function exported(request) {
 
 /** Reads an image file of any kind. @param {Blob} file @returns {Promise<{picture: string, width: number, height: number, given: [number, number]}>} */
 export async function imported(file) {
-  const headers = { "Content-Type": file.type || "application/octet-stream" };
+  // What kind a file is, its content tells: what the system calls it may be wrong, or something else than a picture.
+  const headers = { "Content-Type": file.type.startsWith("image/") ? file.type : "application/octet-stream" };
   return (await ask("/api/import", { method: "POST", body: file, headers })).json();
 }
 

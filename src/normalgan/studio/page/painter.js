@@ -78,6 +78,7 @@ export class Painter extends EventTarget {
     this.wantsDoubt = wanted;
     this.doubt = null;
     this.dispatchEvent(new Event("doubt"));
+    if (wanted && this.connection.away) this.#failed(new Away(), false);
     if (!this.running) this.#doubt();
   }
 
