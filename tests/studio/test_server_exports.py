@@ -27,7 +27,7 @@ def unzipped(content: bytes) -> dict[str, bytes]:
         return {name: archive.read(name) for name in archive.namelist()}
 
 
-def pixels(content: bytes) -> NDArray[np.generic]:
+def pixels(content: bytes) -> NDArray[Any]:
     return np.asarray(Image.open(io.BytesIO(content)))
 
 
@@ -97,7 +97,7 @@ def test_a_groove_is_dark_and_a_ball_is_not() -> None:
     y, x = np.mgrid[:side, :side] + 0.5 - side / 2
     z = np.sqrt(np.clip(40.0**2 - x * x - y * y, 0, None))
     mask = z > 0
-    ball = np.dstack([x, -y, z]).astype(np.float32) / 40
+    ball = (np.dstack([x, -y, z]) / 40).astype(np.float32)
     light = occlusion(z.astype(np.float32), ball, mask)
     assert light[np.hypot(x, y) < 34].min() > 0.9
     assert (light[~mask] == 1).all()
