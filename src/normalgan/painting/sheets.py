@@ -199,13 +199,7 @@ def _tiled(seen: Sequence[Floats]) -> Floats:
 
 def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]]) -> str:
     """Return what is to be said of the cells, a part of a sentence; empty if nothing is."""
-    said = [
-        (
-            cell,
-            f"it is left flat, as {str(each).rstrip('.')}" if isinstance(each, InputError) else each.warning,
-        )
-        for cell, each in done
-    ]
+    said = [(cell, _flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
     named = [f"{cell.name}: {words}" for cell, words in said if words]
     more = f"; and so on, in {len(named)} of its {len(done)} drawings" if len(named) > _NAMED else ""
     return "; ".join(named[:_NAMED]) + more
