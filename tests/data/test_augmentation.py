@@ -6,7 +6,6 @@ from normalgan.batch import Batch
 from normalgan.data.augmentation import (
     Augmentation,
     change_width,
-    dilate,
     drop_lines,
     sample_at,
     sampling_grid,
@@ -221,15 +220,6 @@ def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
     middle = moves @ torch.tensor([31.5, 31.5, 1.0])
     assert (middle[:, :2] - 31.5).abs().max() <= 0.1 * 64
     assert (middle[:, :2] - 31.5).abs().max() > 0.09 * 64
-
-
-def test_lines_are_dilated_to_their_four_neighbours() -> None:
-    dot = torch.zeros(1, 1, 5, 5)
-    dot[..., 2, 2] = 1
-    assert dilate(dot).sum() == 5
-    assert dilate(-torch.ones(1, 1, 4, 4)).min() == -1  # nothing comes in from outside
-    thin = change_width(dilate(dot), 0.0)
-    torch.testing.assert_close(thin, dilate(dot))
 
 
 @pytest.mark.parametrize(

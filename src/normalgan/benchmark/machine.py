@@ -10,7 +10,7 @@ import torch
 
 from normalgan import __version__
 
-_PACKAGES = ("torch", "lightning", "numpy", "torchmetrics")
+_PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 
 
 def describe_machine(device: torch.device) -> dict[str, str | int]:
