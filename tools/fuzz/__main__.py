@@ -11,6 +11,8 @@ from seeds import READERS, lay_out_seeds
 HERE = Path(__file__).parent
 TIMEOUT = 60
 """Seconds for one input, that a child of the product's own would have at most too."""
+MOST_BYTES = 2**20
+"""Of an input; longer seeds are cut. A checkpoint that is cut is none, so most must fit."""
 
 
 def main() -> int:
@@ -27,10 +29,10 @@ def main() -> int:
         kept = options.corpus or Path(temporary) / "kept"
         kept.mkdir(parents=True, exist_ok=True)
         seeds = Path(temporary) / "seeds"
-        lay_out_seeds(seeds, options.target)
+        longest = max(path.stat().st_size for path in lay_out_seeds(seeds, options.target))
         script = HERE / f"fuzz_{options.target}.py"
         flags = [f"-max_total_time={options.seconds}", f"-timeout={TIMEOUT}", f"-seed={options.seed}"]
-        flags += ["-rss_limit_mb=4096", "-max_len=65536", "-print_final_stats=1"]
+        flags += [f"-max_len={min(longest, MOST_BYTES)}", "-rss_limit_mb=4096", "-print_final_stats=1"]
         return subprocess.call([sys.executable, str(script), "--fuzz", str(kept), str(seeds), *flags])
 
 
