@@ -80,12 +80,13 @@ def test_what_individuals_share_cannot_be_changed_by_one() -> None:
         ("neck = [0.92, 1.08]", "nek = [0.92, 1.08]", "ranges is 'nek'. Did you mean neck? Known: bone, "),
         ("foot = 0.088", "", "fore.foot is missing."),
         ("z = 0.115", "z = true", "fore.z is a number, not True."),
-        ("z = 0.115", "z = nan", "fore.z is a finite number, not nan."),
+        ("z = 0.115", "z = nan", "fore.z is a number from -10000 to 10000, not nan."),
         (
             'template = "hoofed_fore"',
             'template = "hoofed"',
             "fore.template is 'hoofed'. Did you mean",
         ),
+        ("z = 0.115", "z = -1e300", "fore.z is a number from -10000 to 10000, not -1e+300."),
         ('template = "hoofed_fore"', "template = 3", "fore.template is a table, not 3."),
         (
             'kind = "ears"',
@@ -123,11 +124,22 @@ def test_a_file_that_is_not_there_or_has_no_pose_is_told(tmp_path: Path) -> None
         read_species(path)
 
 
-def test_joints_and_feathers_are_counted(tmp_path: Path) -> None:
+def test_joints_feathers_points_and_sizes_are_checked(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     leg = "{joints = [0, 1, 1, 2], stations = {x = [0.0, 0.0], y = [1.0, 0.0], radius = [0.1, 0.1]}}"
     path.write_text(HORSE.replace('"hoofed_fore"', leg), encoding="utf-8")
     with pytest.raises(InputError, match=r"fore\.template: joints are stations, which go from 0 to 1\."):
+        read_species(path)
+    path.write_text(HORSE.replace("radius = 0.03\n", "radius = 0.0\n"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"head\.ornaments\[1\]: radius and half_width are greater than 0\."):
+        read_species(path)
+    tuna = (FOLDER / "fish" / "tuna.toml").read_text(encoding="utf-8")
+    path.write_text(re.sub("mouth = .*", "mouth = [[1.0, 0.0, 0.0]]", tuna), encoding="utf-8")
+    with pytest.raises(InputError, match=r"mouth is a line of two points or more\."):
+        read_species(path)
+    child = (FOLDER / "bipeds" / "cartoon.toml").read_text(encoding="utf-8")
+    path.write_text(re.sub("spread = .*", "spread = -1.0", child), encoding="utf-8")
+    with pytest.raises(InputError, match=r"spread is 0 to 0\.5, not -1\.0\."):
         read_species(path)
     hen = (FOLDER / "birds" / "hen.toml").read_text(encoding="utf-8")
     assert "feathers = 7" in hen

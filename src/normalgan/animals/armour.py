@@ -1,13 +1,14 @@
 """Armour of quadrupeds: plates and spikes along the line of the back, a frill behind the head."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from normalgan.animals.field import Part
 from normalgan.animals.forms import fuse, tube
 from normalgan.animals.frames import Frame
-from normalgan.animals.plan import Rng
+from normalgan.animals.plan import Between, Rng
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.sweep import Floats, Sweep, smoothed
 
@@ -25,9 +26,9 @@ class Armour:
         frill: reach of a shield behind the head in units of the length of the head; 0 for none.
     """
 
-    plates: int = 0
+    plates: Annotated[int, Between(0, 100)] = 0
     height: float = 0.0
-    spikes: int = 0
+    spikes: Annotated[int, Between(0, 8)] = 0
     frill: float = 0.0
 
     def grow(self, neck: Sweep, skull: Sweep, torso: Sweep, tail: Sweep, rng: Rng) -> list[Part]:

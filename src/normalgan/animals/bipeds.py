@@ -11,7 +11,7 @@ from normalgan.animals.bipeds_heads import robot as robot_head
 from normalgan.animals.field import Part, Ripple
 from normalgan.animals.forms import Shape, ball, block, both, carried, fuse, mirrored, moved, tube
 from normalgan.animals.frames import Frame
-from normalgan.animals.plan import PosedPlan, Rng
+from normalgan.animals.plan import Between, PosedPlan, Rng
 from normalgan.animals.sweep import Floats, Sweep
 
 FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
@@ -109,13 +109,13 @@ class Biped(PosedPlan):
         habits: the poses it is seen in; one named twice is drawn twice as often.
         body: what goes round the bones.
         measures: of the average individual.
-        spread: how much an individual's measures differ, as a fraction.
+        spread: how much an individual's measures differ, as a fraction, at most a half.
     """
 
     habits: tuple[Annotated[str, tuple(STANCES)], ...]
     body: Flesh | Robot
     measures: Measures = field(default_factory=Measures)
-    spread: float = 0.09
+    spread: Annotated[float, Between(0.0, 0.5)] = 0.09
 
     @property
     def poses(self) -> tuple[str, ...]:

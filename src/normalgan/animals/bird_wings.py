@@ -8,7 +8,7 @@ import numpy as np
 from normalgan.animals.field import Part
 from normalgan.animals.forms import carried, fuse, pair, tube
 from normalgan.animals.frames import Frame, about, pitch, roll, yaw
-from normalgan.animals.plan import Rng
+from normalgan.animals.plan import Between, Rng
 from normalgan.animals.stations import Profile
 from normalgan.animals.sweep import Floats, Sweep
 
@@ -33,7 +33,7 @@ class Wing:
 
     span: float
     chord: float
-    primaries: Annotated[int, range(2, 31)] = 9
+    primaries: Annotated[int, Between(2, 30)] = 9
     width: float = 0.85
     pointed: float = 0.4
     folded: float = 0.3
@@ -54,7 +54,7 @@ class Tail:
     """
 
     length: float
-    feathers: Annotated[int, range(2, 31)]
+    feathers: Annotated[int, Between(2, 30)]
     half_width: float
     closed: float
     raised: float

@@ -9,10 +9,11 @@ import numpy as np
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball, fuse, tube
 from normalgan.animals.frames import Frame
-from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
+from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.animals.sweep import Floats, Sweep
+from normalgan.errors import InputError
 
 RANGES: Mapping[str, Range] = {
     "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
@@ -91,7 +92,7 @@ class Gills:
     y: float
     z: float
     height: float
-    slits: int = 0
+    slits: Annotated[int, Between(0, 20)] = 0
     lid: bool = False
 
 
@@ -110,6 +111,9 @@ class Fish(PosedPlan):
         spines: how many spines stand off its skin.
         wave: degrees by which body and tail swing when it swims.
         ranges: ranges of proportions that differ from the general ones.
+
+    Raises:
+        InputError: if the mouth is no line.
     """
 
     habits: tuple[Annotated[str, tuple(POSES)], ...]
@@ -119,9 +123,14 @@ class Fish(PosedPlan):
     mouth: tuple[Point, ...]
     gills: Gills
     tail: Fin | None = None
-    spines: int = 0
+    spines: Annotated[int, Between(0, 500)] = 0
     wave: float = 26.0
     ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the mouth."""
+        if len(self.mouth) < 2:
+            raise InputError("mouth is a line of two points or more.")
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Protocol
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 
@@ -14,6 +14,13 @@ RISING = ("low", "high")  # marks pairs of which the first may not be greater th
 Range = Annotated[tuple[float, float], RISING]
 """The least and the greatest of what is drawn evenly."""
 Point = tuple[float, float, float]
+
+
+class Between(NamedTuple):
+    """Marks a number that may not be less or greater."""
+
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)

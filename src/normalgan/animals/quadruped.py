@@ -167,11 +167,18 @@ class Nostrils:
     Args:
         at: the right one, in units of the head's length.
         radius: of it.
+
+    Raises:
+        InputError: if it has no size.
     """
 
     kind: ClassVar[str] = "nostrils"
     at: Point
     radius: float
+
+    def __post_init__(self) -> None:
+        """Check the sizes, as those of all ornaments."""
+        self.ornament()
 
     def ornament(self) -> Ornament:
         """Return them as what all ornaments are."""
@@ -194,6 +201,9 @@ class Ears:
         swivel: degrees of individual difference.
         pricked: widest at the base instead, as a cat's.
         chance: share of the individuals that have such.
+
+    Raises:
+        InputError: if they have no size.
     """
 
     kind: ClassVar[str] = "ears"
@@ -205,6 +215,10 @@ class Ears:
     swivel: float = 18.0
     pricked: bool = False
     chance: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the sizes, as those of all ornaments."""
+        self.ornament()
 
     def ornament(self) -> Ornament:
         """Return them as what all ornaments are."""

@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball, by, carried, fuse, moved, pair, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
-from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
+from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.animals.sweep import Floats, Sweep
@@ -58,7 +58,7 @@ class Crawler(PosedPlan):
     reach: float
     thick: float
     crest: float = 0.0
-    scutes: int = 0
+    scutes: Annotated[int, Between(0, 10)] = 0
     ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:

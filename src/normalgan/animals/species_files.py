@@ -1,7 +1,6 @@
 """Species as files: TOML, read into the fields of a body plan, whose docstring says what each means."""
 
 import inspect
-import math
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -12,7 +11,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from normalgan.animals.plan import RISING, BodyPlan
+from normalgan.animals.plan import RISING, Between, BodyPlan
 from normalgan.errors import InputError, brief, did_you_mean
 
 FOLDER = Path(__file__).with_name("species")
@@ -28,6 +27,7 @@ PLANS = {
     "turtle": "normalgan.animals.reptiles.Turtle",
 }
 """What a file may name as its ``plan``, and where that is; imported when a species of it is read."""
+GREATEST = 10_000  # sizes are about 1, angles in degrees: what is greater would only overflow
 WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 
 
@@ -98,13 +98,13 @@ def _value(given: object, hint: Any, where: str) -> Any:
     return _value(given, classes[0] if len(classes) == 1 else _of_kind(given, classes, where), where)
 
 
-def _check(value: Any, allowed: tuple[str, ...] | range, where: str) -> None:
+def _check(value: Any, allowed: tuple[str, ...] | Between, where: str) -> None:
     if allowed == RISING:
         if value[0] > value[1]:
             raise InputError(f"{where} is {_shown(list(value))}; the least comes first, then the greatest.")
-    elif isinstance(allowed, range):
-        if value not in allowed:
-            raise InputError(f"{where} is {allowed[0]} to {allowed[-1]}, not {value}.")
+    elif isinstance(allowed, Between):
+        if not allowed.low <= value <= allowed.high:
+            raise InputError(f"{where} is {allowed.low:g} to {allowed.high:g}, not {value}.")
     elif value not in allowed:
         known = ", ".join(sorted(allowed))
         raise InputError(f"{where} is {_shown(value)}.{did_you_mean(value, allowed)} Known: {known}.")
@@ -114,8 +114,8 @@ def _plain(given: object, kind: type, where: str) -> Any:
     right = isinstance(given, int | float if kind is float else kind)
     if not right or (isinstance(given, bool) and kind is not bool):
         raise InputError(f"{where} is {WORDS[kind]}, not {_shown(given)}.")
-    if isinstance(given, float) and not math.isfinite(given):
-        raise InputError(f"{where} is a finite number, not {given}.")
+    if isinstance(given, int | float) and not abs(given) <= GREATEST:
+        raise InputError(f"{where} is a number from -{GREATEST} to {GREATEST}, not {_shown(given)}.")
     return kind(given)
 
 
