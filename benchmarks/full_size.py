@@ -20,7 +20,7 @@ import numpy as np
 from machine import ONE_THREAD, describe
 from numpy.typing import NDArray
 
-from normalgan.normals import encode, read_png
+from normalgan.normals import angles, encode, read_png
 from normalgan.rendering import EmbreeRenderer, Views, find_meshes
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.samples import Recipe, Sample
@@ -81,8 +81,7 @@ def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, floa
     """Return the figures of one drawing; angles are means over the true object, where it was found."""
     mask, found = sample.mask, opacity > 0.5
     truth = sample.normal.astype(np.float32)
-    across = np.linalg.norm(np.cross(normals, truth), axis=-1)
-    angle = np.degrees(np.arctan2(across, (normals * truth).sum(-1)))
+    angle = angles(normals, truth)
     depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) / mask.shape[0]
     both = mask & found
     inside = {"rim": both & (depth <= RIM), "deep": both & (depth > DEEP)}

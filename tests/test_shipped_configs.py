@@ -1,14 +1,18 @@
 """Configurations that come with the package are found by name, from any folder."""
 
+import json
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 
 from normalgan.__main__ import main
 from normalgan.config_files import ConfigCheck
+from normalgan.data.splits import split_by_file
 from normalgan.errors import InputError
+from normalgan.rendering.orientation import read_orientations
 from normalgan.shipped_configs import find_config, shipped_folder, shipped_names
 
 ROOT = Path(__file__).parents[1]
@@ -32,6 +36,24 @@ def test_a_file_of_that_name_wins(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert find_config("papier") == "papier"
     (tmp_path / "paper").write_text("data: {size: 64}")
     assert find_config("paper") == "paper"
+
+
+def test_files_that_a_configuration_names_are_found_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They were looked up in the working directory alone, where a wheel's user has none."""
+    monkeypatch.chdir(tmp_path)
+    named = yaml.safe_load((shipped_folder() / "fourleg" / "meshes.yaml").read_text())["data"]
+    wanted = json.loads((ROOT / "configs" / "fourleg" / "split.json").read_text())
+    names = [name for part in wanted.values() for name in part]
+    assert split_by_file(Path(named["split_file"]), names) == wanted
+    assert read_orientations(named["orientation"])
+    own = tmp_path / named["split_file"]
+    own.parent.mkdir(parents=True)
+    own.write_text('{"train": ["a"], "val": [], "test": []}')
+    assert split_by_file(Path(named["split_file"]), ["a"])["train"] == ["a"]  # a file of that name wins
+    with pytest.raises(InputError, match=r"configs/fourleg/splits\.json"):
+        split_by_file(Path("configs/fourleg/splits.json"), ["a"])
 
 
 @pytest.mark.parametrize(

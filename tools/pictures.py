@@ -13,8 +13,9 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from normalgan.animals import GROUPS, Animal
+from normalgan.files import write_bytes
 from normalgan.hints import CurvatureHints
-from normalgan.normals import encode, flip_green, paint_flat, write_bytes
+from normalgan.normals import encode, flip_green, paint_flat
 from normalgan.rendering import EmbreeRenderer, Maps
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.strokes import rasterise

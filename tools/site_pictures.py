@@ -15,8 +15,9 @@ from pictures import Picture, colours, draw, panels, png, render, sphere
 from PIL import Image
 
 from normalgan.animals import Animal
+from normalgan.files import write_bytes
 from normalgan.hints import CurvatureHints
-from normalgan.normals import decode, encode, flip_green, paint_flat, write_bytes
+from normalgan.normals import decode, encode, flip_green, paint_flat
 from normalgan.painting.height import integrate
 from normalgan.painting.preview import lit
 from normalgan.rendering import EmbreeRenderer, Maps, MeshFile

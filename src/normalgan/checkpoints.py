@@ -11,7 +11,7 @@ from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import ModelCheckpoint
 
 from normalgan.errors import InputError
-from normalgan.normals import write_bytes
+from normalgan.files import write_bytes
 from normalgan.torch_files import load_torch_file
 
 

@@ -13,7 +13,8 @@ from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.normals import Floats, angles, encode, normalize, paint_flat, write_bytes
+from normalgan.files import write_bytes
+from normalgan.normals import Floats, angles, encode, normalize, paint_flat
 
 COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
 MAX_ERROR = 60.0

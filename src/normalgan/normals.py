@@ -4,7 +4,6 @@ Axes are those of the camera, as in OpenGL: x right, y up, z to the viewer. A un
 the colour (n + 1) / 2. Outside the object a map in memory is zero; a file holds flat, (0, 0, 1), there.
 """
 
-import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError, brief
+from normalgan.files import write_bytes as write_bytes  # noqa: PLC0414  # for one release
 
 Bits = Literal[8, 16]
 Green = Literal["up", "down"]
@@ -159,27 +159,6 @@ def _encoded(suffix: str, pixels: NDArray[Any]) -> bytes:
     if not done:
         raise OSError(f"a normal map of {pixels.shape[1]} × {pixels.shape[0]} could not be encoded.")
     return buffer.tobytes()
-
-
-def write_bytes(path: str | Path, content: bytes | memoryview) -> None:
-    """Write a file whole or not at all, making its folder where missing.
-
-    Raises:
-        OSError: if it cannot be written; it names the file.
-    """
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with temporary.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())  # else the name may outlive a power cut, and the content not
-        temporary.replace(path)
-    except OSError as error:  # a full disk does not say which file
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def read_png(path: str | Path) -> tuple[Floats, Floats]:

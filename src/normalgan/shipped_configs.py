@@ -15,6 +15,17 @@ def shipped_names() -> list[str]:
     return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
 
 
+def find_beside(given: str) -> Path:
+    """Return the path of a file that a configuration names: one that is there, else the package's own.
+
+    Args:
+        given: a path, such as ``configs/fourleg/split.json``, from the working directory.
+    """
+    shipped = shipped_folder() / given.removeprefix("configs/")
+    ours = given.startswith("configs/") and not Path(given).exists() and shipped.is_file()
+    return shipped if ours else Path(given)
+
+
 def find_config(given: str) -> str:
     """Return the path of a configuration: a file if there is one of this name, else the package's own.
 

@@ -218,7 +218,7 @@ def test_a_full_disk_leaves_nothing_half_written(
     def full(file: int) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("normalgan.normals.os.fsync", full)
+    monkeypatch.setattr("normalgan.files.os.fsync", full)
     assert generate("fox.png", "-o", "out") == 1
     assert "cannot be written to out/fox_normal.png: No space left" in capsys.readouterr().err
     assert not list(Path("out").iterdir())

@@ -45,7 +45,7 @@ def test_fractions_must_be_shares(fractions: tuple[float, float, float]) -> None
 
 
 def test_too_few_meshes_and_twins_are_refused() -> None:
-    with pytest.raises(InputError, match=r"2 mesh\(es\) cannot be split in 3 parts"):
+    with pytest.raises(InputError, match=r"2 meshes cannot be split in 3 parts"):
         split_by_fractions(["a", "b"], (0.8, 0.1, 0.1))
     with pytest.raises(InputError, match="two meshes are named a;"):
         split_by_fractions(["a", "b", "a"], (0.5, 0.5, 0))

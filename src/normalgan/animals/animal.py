@@ -1,15 +1,13 @@
 """Animals by species and number, and herds of them: the data the package brings along."""
 
 import hashlib
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
 
 from normalgan.animals.species import GROUPS, SPECIES
 from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.mesh import Mesh
+from normalgan.seeds import rng_of
 
 VERSION = 2  # to be raised whenever the same species and seed give another shape
 
@@ -57,7 +55,7 @@ class Animal:
         """Return the mesh, always the same for the same animal; takes about a second."""
         from normalgan.animals.meshing import to_mesh  # takes half a second: only when an animal is made
 
-        rng = np.random.default_rng([zlib.crc32(self.species.encode()), self.seed])
+        rng = rng_of(self.species, self.seed)
         return to_mesh(self.name, SPECIES[self.species].grow(self.pose, rng))
 
 

@@ -33,9 +33,10 @@ from normalgan.benchmark.training import Result, measured_checkpoint
 from normalgan.callbacks.rows import spread
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.items import collate, decode
+from normalgan.files import write_bytes
 from normalgan.gan import SHARE
 from normalgan.hints import hints_at
-from normalgan.normals import Floats, write_bytes
+from normalgan.normals import Floats
 from normalgan.weights.checkpoint import read_checkpoint
 
 _BATCH = 16  # of all methods alike: noise that is kept at test depends on it

@@ -18,8 +18,8 @@ from normalgan.benchmark.table import markdown
 from normalgan.benchmark.training import Result, read_result, write_json
 from normalgan.callbacks.rows import batch_row
 from normalgan.errors import InputError
+from normalgan.files import write_bytes
 from normalgan.hints import hints_at
-from normalgan.normals import write_bytes
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from normalgan.benchmark.methods import Method
 from normalgan.benchmark.points import hint_order
 from normalgan.drawings import read_pixels, to_unit
 from normalgan.errors import InputError, brief
+from normalgan.files import write_bytes
 from normalgan.hints import NoHints, UniformHints
-from normalgan.normals import write_bytes
 
 SUBMISSION = "submission.json"
 

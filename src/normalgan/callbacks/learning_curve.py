@@ -8,8 +8,8 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
+from normalgan.files import write_bytes
 from normalgan.gan import SHARE, NormalGAN
-from normalgan.normals import write_bytes
 
 
 class LearningCurve(Callback):

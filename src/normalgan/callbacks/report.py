@@ -13,10 +13,10 @@ from normalgan.callbacks.rows import batch_row, spread
 from normalgan.callbacks.table import results_table
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
+from normalgan.files import write_bytes
 from normalgan.gallery import Row, write_gallery
 from normalgan.gan import NormalGAN
 from normalgan.metrics import StageMetrics
-from normalgan.normals import write_bytes
 
 
 class TestReport(Callback):

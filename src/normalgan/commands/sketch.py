@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from normalgan.animals import SPECIES, Animal
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, did_you_mean, unwritable
-from normalgan.normals import paint_flat, write_bytes, write_png
+from normalgan.files import write_bytes
+from normalgan.normals import paint_flat, write_png
 from normalgan.parser_errors import refusal
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
@@ -24,7 +25,7 @@ from normalgan.rendering.media import Medium
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.renderers import RENDERERS
-from normalgan.rendering.strokes import rasterise
+from normalgan.rendering.samples import draw_ink, draw_strokes
 from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
@@ -105,16 +106,15 @@ def draw(settings: Namespace) -> None:
     camera = framed(seen, rotation, settings.field_of_view, settings.margin)
     settings.renderer.check()
     view = View(mesh, camera, settings.renderer, settings.size)
-    style, hand, paper = np.random.default_rng(settings.seed).spawn(3)
-    strokes, maps = settings.lines.trace(view, style), view.maps()
-    if settings.hand is not None:
-        strokes, maps = settings.hand.draw(strokes, maps, hand)
+    steps = ("lines", "hand", "medium")
+    rngs = dict(zip(steps, np.random.default_rng(settings.seed).spawn(len(steps)), strict=True))
+    strokes, maps = draw_strokes(view, settings.lines, settings.hand, rngs.__getitem__)
     try:
         if kind == ".svg":
             write_bytes(settings.output, to_svg(strokes, settings.size).encode())
         else:
-            ink = rasterise(strokes, settings.size)
-            write_bytes(settings.output, _png(settings.medium.apply(ink, paper) if settings.medium else ink))
+            ink = draw_ink(strokes, settings.size, settings.medium, rngs.__getitem__)
+            write_bytes(settings.output, _png(ink))
         if settings.normal is not None:
             write_png(settings.normal, paint_flat(maps.normal, maps.mask))
     except OSError as error:

@@ -12,6 +12,7 @@ from pathlib import Path
 from filelock import FileLock
 
 from normalgan.errors import InputError, unwritable
+from normalgan.files import write_bytes
 
 BUCKETS = 16
 """A cache is shared out by hash among so many folders, each with its own lock and share of the size."""
@@ -97,12 +98,7 @@ class LocalCache:
             path.parent.mkdir(parents=True, exist_ok=True)
             with FileLock(path.parent / _LOCK, poll_interval=0.01):
                 _make_room(path.parent, share - len(content))
-                partial = path.parent / f"{uuid.uuid4().hex}{_PARTIAL}"
-                try:
-                    partial.write_bytes(content)
-                    partial.replace(path)
-                finally:
-                    partial.unlink(missing_ok=True)
+                write_bytes(path, content, path.parent / f"{uuid.uuid4().hex}{_PARTIAL}", durable=False)
         except OSError as error:
             raise unwritable(
                 f"cannot write to the local cache {self.folder}: {error.strerror}; make room there or name "

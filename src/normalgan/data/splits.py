@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from normalgan.errors import InputError, brief
+from normalgan.shipped_configs import find_beside
 
 SPLITS = ("train", "val", "test")
 """The names of the splits, in the order in which fractions are given."""
@@ -69,7 +70,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
     Meshes the file does not name are left out, with a warning.
 
     Args:
-        path: the file.
+        path: the file, or one of the configurations of the package, such as ``configs/fourleg/split.json``.
         names: the meshes there are.
         noun: what messages call one of them.
 
@@ -77,7 +78,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
         InputError: if the file cannot be read as such, names a mesh that is not there, or names a mesh twice.
     """
     _refuse_twins(names, noun)
-    split = _read(path)
+    split = _read(find_beside(str(path)))
     named = [name for part in split.values() for name in part]
     unknown = [name for name in named if name not in set(names)]
     if unknown:

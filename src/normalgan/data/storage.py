@@ -9,6 +9,7 @@ from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 from normalgan.data.partials import abandoned, partial_name
 from normalgan.data.remote import connect, no_bucket, reason
 from normalgan.errors import InputError, brief, unwritable
+from normalgan.files import write_bytes
 
 _PARTIAL = ".partial"
 
@@ -152,12 +153,5 @@ class Storage:
 
 
 def _write_atomically(root: Path, path: str, content: bytes) -> None:
-    target, partial = root / path, root / _PARTIAL / partial_name()
-    target.parent.mkdir(parents=True, exist_ok=True)
-    partial.parent.mkdir(exist_ok=True)
-    try:
-        partial.write_bytes(content)
-        partial.replace(target)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+    # Not durable: what a power cut spoils its checksum finds.
+    write_bytes(root / path, content, root / _PARTIAL / partial_name(), durable=False)

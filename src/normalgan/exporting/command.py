@@ -8,7 +8,7 @@ from jsonargparse import Namespace
 
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, RunError, unwritable
-from normalgan.normals import write_bytes
+from normalgan.files import write_bytes
 from normalgan.warning_filters import filter_warnings
 
 SUFFIXES = {"onnx": ".onnx", "safetensors": ".safetensors", "torchscript": ".pt", "pt2": ".pt2"}

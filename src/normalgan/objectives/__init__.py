@@ -3,11 +3,10 @@
 from normalgan.objectives.angular_likelihood import AngularLikelihood
 from normalgan.objectives.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
 from normalgan.objectives.cross_entropy import CrossEntropy
-from normalgan.objectives.gradient_penalty import WassersteinGradientPenalty
 from normalgan.objectives.l1_and_hints import L1AndHints
 from normalgan.objectives.pixel_losses import hint_loss, l1_loss
 from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
-from normalgan.objectives.wasserstein import Wasserstein
+from normalgan.objectives.wasserstein import Wasserstein, WassersteinGradientPenalty
 from normalgan.predictions import Predictions
 
 __all__ = [

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
+from normalgan.files import write_bytes
 from normalgan.normals import (
     Bits,
     Floats,
@@ -19,7 +20,6 @@ from normalgan.normals import (
     encode_tiff,
     flip_green,
     paint_flat,
-    write_bytes,
 )
 
 Format = Literal["png", "exr", "tiff"]

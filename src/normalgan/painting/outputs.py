@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.normals import Bits, Floats, Green, encode_grey, write_bytes
+from normalgan.files import write_bytes
+from normalgan.normals import Bits, Floats, Green, encode_grey
 from normalgan.painting.jobs import Job
 from normalgan.painting.normal_map import Format, NormalMap
 

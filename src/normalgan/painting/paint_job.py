@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from normalgan.decoding import decode_frames
 from normalgan.drawings import LARGEST, MOST_BYTES, SMALLEST, read_pixels
 from normalgan.errors import InputError
+from normalgan.files import write_bytes
 from normalgan.limits import read_bounded
-from normalgan.normals import write_bytes
 from normalgan.painting.animation import encode_animation, kind_of, moving_kind
 from normalgan.painting.inputs import as_hints
 from normalgan.painting.jobs import DrawingFiles, Job

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.normals import Floats, write_bytes
+from normalgan.files import write_bytes
+from normalgan.normals import Floats
 from normalgan.painting.outline import Corners, corners_of
 
 Backing = Literal["open", "flat", "plate"]

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError, brief
+from normalgan.rendering.gltf import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import buffer_file, check_limits, gltf_tree
+from normalgan.rendering.mesh_limits import buffer_file, check_limits
 from normalgan.warning_filters import quiet_loggers
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def _linked(path: Path) -> dict[str, bytes]:
     """Return what trimesh gets of the files that a mesh file refers to: buffers of a .gltf, by URI."""
     if path.suffix.lower() != ".gltf":
         return {}
-    uris = [buffer.get("uri", "") for buffer in gltf_tree(path).get("buffers", [])]
+    uris = [buffer.get("uri", "") for buffer in read_gltf(path)[0].get("buffers", [])]
     return {uri: mesh_bytes(buffer_file(path, uri)) for uri in uris if uri and not uri.startswith("data:")}
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
+from normalgan.rendering.gltf import read_gltf
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import gltf_tree, linked_buffers
+from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 
@@ -159,7 +160,7 @@ def _buffers(path: Path) -> list[Path]:
     if path.suffix.lower() != ".gltf":
         return []
     try:
-        return linked_buffers(path, gltf_tree(path))
+        return linked_buffers(path, read_gltf(path)[0])
     except InputError:
         raise
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError, OSError, struct.error):

@@ -1,15 +1,14 @@
 """Limits of mesh files: what a header says, held against what it can hold, before a parser believes it."""
 
-import json
 import os
 import re
-import struct
 from collections import Counter
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from normalgan.errors import InputError
+from normalgan.rendering.gltf import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 
 HEADER = 2**16
@@ -43,7 +42,7 @@ def check_limits(path: Path) -> None:
             _check_header(path, mesh_bytes(path))
         case ".glb" | ".gltf":
             try:
-                tree = gltf_tree(path)
+                tree, _ = read_gltf(path)
             except RecursionError:
                 raise InputError(f"{path} is nested more deeply than any mesh file.") from None
             held = len(mesh_bytes(path)) + sum(
@@ -51,22 +50,6 @@ def check_limits(path: Path) -> None:
             )
             _check_views(path, tree, held)
             _check_counts(path, tree, held)
-
-
-def gltf_tree(path: Path) -> dict[str, Any]:
-    """Return the JSON of a glTF file (glTF 2.0, sections 3 and 4.4).
-
-    Raises:
-        InputError: if it is too large.
-        ValueError, struct.error, RecursionError: if it is none.
-    """
-    data = mesh_bytes(path)
-    if path.suffix.lower() == ".glb":
-        data = data[20 : 20 + struct.unpack_from("<I", data, 12)[0]]
-    tree = json.loads(data)
-    if not isinstance(tree, dict):
-        raise ValueError("its JSON is no object")
-    return tree
 
 
 def name_in_folder(uri: str) -> str | None:

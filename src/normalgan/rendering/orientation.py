@@ -1,12 +1,12 @@
 """Orientation files: for each mesh of a folder, how it stands and whether it is inside out."""
 
 import json
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from normalgan.errors import InputError, brief
+from normalgan.shipped_configs import find_beside
 
 Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
@@ -28,7 +28,7 @@ def read_orientations(path: str) -> dict[str, Orientation]:
         InputError: if the file cannot be read, is not of that form, or a matrix is no rotation.
     """
     try:
-        table = json.loads(Path(path).read_text(encoding="utf-8"))
+        table = json.loads(find_beside(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"the orientation file {path} cannot be read as JSON: {brief(error)}") from error
     if not isinstance(table, dict):

@@ -3,7 +3,9 @@
 import dataclasses
 import hashlib
 import json
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,9 +14,11 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
+from normalgan.rendering.maps import Floats, Maps
 from normalgan.rendering.media import Medium
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
+from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.strokes.raster import rasterise
 from normalgan.rendering.view import View
 from normalgan.rendering.views import Views
@@ -86,17 +90,14 @@ class Recipe:
             InputError: if the style gets no lines from it: a blank sheet is no drawing of anything.
         """
         view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
-        maps, strokes = view.maps(), self.lines.trace(view, self._rng(mesh, index, "lines"))
+        rng = partial(self._rng, mesh, index)
+        strokes, maps = draw_strokes(view, self.lines, self.hand, rng)
         if not strokes:
             raise InputError(
                 f"{type(self.lines).__name__} gets no lines from {mesh.name}, view {index}; seen so, it is "
                 f"thinner than a pixel of {self.size}, or no line is as long as the style asks for."
             )
-        if self.hand is not None:
-            strokes, maps = self.hand.draw(strokes, maps, self._rng(mesh, index, "hand"))
-        ink = rasterise(strokes, self.size)
-        if self.medium is not None:
-            ink = self.medium.apply(ink, self._rng(mesh, index, "medium"))
+        ink = draw_ink(strokes, self.size, self.medium, rng)
         return Sample(
             sketch=np.rint(255 * ink).astype(np.uint8),
             normal=maps.normal.astype(np.float16),
@@ -113,6 +114,39 @@ class Recipe:
             TypeError: if a plug-in is not a dataclass of plain values, so that its settings cannot be told.
         """
         return {**_plain(self), "rendering_version": RENDERING_VERSION}
+
+
+def draw_strokes(
+    view: View, lines: LineDrawing, hand: Hand | None, rng: Callable[[str], np.random.Generator]
+) -> tuple[list[Stroke], Maps]:
+    """Return the strokes of a drawing and the maps that go with them, which follow the hand.
+
+    Args:
+        view: what is drawn.
+        lines: in which style.
+        hand: who draws; None draws the exact lines.
+        rng: the source of randomness of a step, ``lines`` or ``hand``.
+
+    Returns:
+        No strokes, where the style gets none from the view.
+    """
+    strokes, maps = lines.trace(view, rng("lines")), view.maps()
+    return hand.draw(strokes, maps, rng("hand")) if hand is not None and strokes else (strokes, maps)
+
+
+def draw_ink(
+    strokes: Sequence[Stroke], size: int, medium: Medium | None, rng: Callable[[str], np.random.Generator]
+) -> Floats:
+    """Return strokes as ink, (size, size) from 0 to 1.
+
+    Args:
+        strokes: of the drawing.
+        size: H and W.
+        medium: pen, paper and scanner; None is clean ink.
+        rng: the source of randomness of a step, ``medium``.
+    """
+    ink = rasterise(strokes, size)
+    return ink if medium is None else medium.apply(ink, rng("medium"))
 
 
 def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generator:

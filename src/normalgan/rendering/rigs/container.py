@@ -2,20 +2,19 @@
 
 import base64
 import binascii
-import json
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError, brief
+from normalgan.rendering.gltf import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import name_in_folder
 
 RIG_SUFFIXES = (".glb", ".gltf")
 """The file formats that can hold a skin."""
 
-GLB_MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 """Extensions that keep the numbers where only their own decoders find them."""
 
@@ -92,34 +91,16 @@ def read_container(path: Path) -> Container:
 
 def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
     """Return the JSON of a file and the binary chunk of a .glb."""
-    data = mesh_bytes(path)
-    binary = None
     try:
-        text = data
-        if path.suffix.lower() == ".glb":
-            chunks = _chunks(data)
-            text, binary = chunks[JSON_CHUNK], chunks.get(BINARY_CHUNK)
-        tree = json.loads(text)
+        tree, binary = read_gltf(path)
         version = str(tree["asset"]["version"])
+    except InputError:
+        raise
     except (ValueError, LookupError, TypeError, struct.error, RecursionError) as error:
         raise bad_rig(path, f"it is no glTF file: {brief(error)}") from error
     if not version.startswith("2"):
         raise bad_rig(path, f"it is glTF {version}; export it as 2.0")
     return tree, binary
-
-
-def _chunks(data: bytes) -> dict[int, bytes]:
-    """Return the chunks of a .glb by their type (specification, section 4)."""
-    magic, _, length = struct.unpack_from("<III", data)
-    if magic != GLB_MAGIC or length > len(data):
-        raise ValueError("wrong header, or cut short")
-    chunks: dict[int, bytes] = {}
-    start = 12
-    while start + 8 <= length:
-        size, kind = struct.unpack_from("<II", data, start)
-        chunks.setdefault(kind, data[start + 8 : start + 8 + size])
-        start += 8 + size
-    return chunks
 
 
 def _linked(path: Path, uri: str) -> bytes:

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from normalgan.rendering.families import pose_name
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, finish
 from normalgan.rendering.rigs.container import bad_rig, has_skin
+from normalgan.seeds import rng_of
 
 RIG_VERSION = 2
 """Part of every fingerprint; raise it when the same pose comes to be another."""
@@ -66,7 +66,7 @@ class RiggedFile:
         from normalgan.rendering.rigs.skinning import posed_surface
 
         rig = read_rig(Path(self.file.path))
-        rng = np.random.default_rng([zlib.crc32(self.file.name.encode()), self.pose])
+        rng = rng_of(self.file.name, self.pose)
         with np.errstate(over="ignore", invalid="ignore"):
             try:
                 vertices, faces = posed_surface(rig, draw_pose(rig, rng))

@@ -2,16 +2,14 @@
 
 import hashlib
 import json
-import zlib
 from dataclasses import asdict, dataclass, replace
-
-import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.rendering.families import variation_name
 from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.variation.variation import Variation
 from normalgan.rendering.variation.vary import vary
+from normalgan.seeds import rng_of
 
 VARIATION_VERSION = 1
 """Part of every fingerprint; raise it when the same number comes to be another individual."""
@@ -59,5 +57,5 @@ class Varied:
         Raises:
             InputError: if the source cannot be used.
         """
-        rng = np.random.default_rng([zlib.crc32(self.source.name.encode()), self.number])
+        rng = rng_of(self.source.name, self.number)
         return replace(vary(self.source.load(), self.variation, rng), name=self.name)
