@@ -133,6 +133,17 @@ def last(folder: Path) -> Path:
     return folder / "checkpoints" / "last.ckpt"
 
 
+def test_batches_asked_for_after_training_are_tensors_to_use(
+    meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    module = data(meshes, cache)
+    during = seen_in(module, tmp_path).validation[0]
+    after = next(iter(module.val_dataloader()))
+    for name in ("sketch", "normal", "mask"):
+        assert torch.equal(after[name], during[name])
+        assert after[name].dtype == torch.float32
+
+
 @pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")
 @pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")
 @pytest.mark.parametrize("workers", [0, 1, 4])  # Lightning makes the iterator before it sets the epoch

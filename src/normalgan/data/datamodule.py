@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from lightning.pytorch import LightningDataModule
+from lightning.pytorch.trainer.states import TrainerStatus
 from torch import Tensor
 from torch.utils.data import DataLoader
 
@@ -348,8 +349,9 @@ class MeshDataModule(LightningDataModule):
 
     def _loaders(self) -> Loaders:
         replicas, rank = (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)
-        # A trainer has its batches decoded by `on_after_batch_transfer`; others are given tensors to use.
-        as_stored = self.trainer is not None
+        # A trainer at work has its batches decoded by `on_after_batch_transfer`; who asks without one, or
+        # after it, is given tensors to use.
+        as_stored = self.trainer is not None and self.trainer.state.status == TrainerStatus.RUNNING
         return Loaders(self.batch_size, self.workers, replicas, rank, as_stored)
 
     def on_after_batch_transfer(self, batch: Batch, dataloader_idx: int) -> Batch:
