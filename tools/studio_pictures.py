@@ -11,9 +11,11 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 ROOT = Path(__file__).parents[1]
@@ -60,6 +62,71 @@ def shoot(page: Page, path: Path) -> None:
     page.screenshot(path=path)
 
 
+def film(page: Page, path: Path) -> None:
+    """Write six pictures of the window in one, from the first stroke to the export."""
+    page.locator("#new").click()
+    page.locator("#choose button[value=drop]").click()
+    page.locator("#new-dialog button.strong").click()
+    page.locator("#view-map").click()
+    box = page.locator("#board").bounding_box()
+    assert box is not None
+    x, y, radius = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, 0.3 * box["height"]
+    frames = []
+
+    def stroke(*points: tuple[float, float]) -> None:
+        page.mouse.move(x + points[0][0] * radius, y + points[0][1] * radius)
+        page.mouse.down()
+        for right, down in points[1:]:
+            page.mouse.move(x + right * radius, y + down * radius, steps=3)
+        page.mouse.up()
+
+    def shot(*, painted: bool = True) -> None:
+        if painted:
+            page.wait_for_function(PAINTED)
+        page.wait_for_timeout(1000)
+        frames.append(Image.open(BytesIO(page.screenshot())).convert("RGB"))
+
+    page.keyboard.press("p")
+    page.locator("#symmetry").click()
+    stroke((0, -0.9), (0.35, -0.86), (0.72, -0.6), (0.9, -0.1), (0.86, 0.4), (0.6, 0.8), (0, 0.92))
+    shot()
+    stroke((0.1, -0.1), (0.3, -0.3), (0.55, -0.2), (0.5, 0.02), (0.25, 0.06), (0.1, -0.1))
+    stroke((0, 0.45), (0.25, 0.5), (0.45, 0.36))
+    shot()
+    page.keyboard.press("2")
+    page.keyboard.press("h")
+    page.mouse.click(x, y + 0.22 * radius)
+    drag(page, "#ball", (0, -0.3))
+    shot()
+    page.keyboard.press("Escape")
+    page.keyboard.press("m")
+    stroke((0.85, 0), (1.25, -0.3), (1.3, -0.6))
+    stroke((-0.85, 0), (-1.25, -0.3), (-1.3, -0.6))
+    shot()
+    page.keyboard.press("l")
+    page.locator("#light-both").check()
+    page.locator("#light-2").fill("#ff5030")
+    page.keyboard.press("c")
+    shot()
+    page.keyboard.press("c")
+    page.locator("#export").click()
+    page.locator("#export-what").select_option("all")
+    page.locator("#export-format").select_option("unity")
+    shot(painted=False)
+    page.keyboard.press("Escape")
+    tiled(frames).save(path, optimize=True)
+
+
+def tiled(frames: list[Image.Image]) -> Image.Image:
+    """Return pictures of half their size, two in a row."""
+    width, height = frames[0].width // 2, frames[0].height // 2
+    strip = Image.new("RGB", (2 * width + 8, 3 * height + 16), "white")
+    for i, frame in enumerate(frames):
+        small = frame.resize((width, height), Image.Resampling.LANCZOS)
+        strip.paste(small, ((i % 2) * (width + 8), (i // 2) * (height + 8)))
+    return strip
+
+
 def main(
     folder: Path = ROOT / "docs" / "pictures", drawing: Path = ROOT / "examples/sketches/fox.png"
 ) -> None:
@@ -86,6 +153,8 @@ def main(
         drag(page, "#viewer", (0.15, 0.05))
         shoot(page, folder / "studio_dark.png")
         page.emulate_media(color_scheme="light")
+        film(page, folder / "studio_film.png")
+        page.locator("#undo").focus()
         page.set_viewport_size({"width": 420, "height": 860})
         page.keyboard.press("2")
         shoot(page, folder / "studio_narrow.png")

@@ -112,10 +112,16 @@ def test_every_output_holds_the_same_normals(here: Path, arguments: list[str], n
     colours, depth = read_any(Path("out") / name)
     assert colours.shape == (200, 300, 4 if "--alpha" in arguments else 3)
     truth = read_any(Path("plain/fox_normal.png"))[0]
-    assert np.abs(colours[..., :3] - truth).max() <= (0.51 if depth > 8 else 0) / 255
+    same = np.abs(colours[..., :3] - truth).max(-1) <= (0.51 if depth > 8 else 0) / 255
     if "--alpha" in arguments:
-        assert overlap(colours[..., 3], np.maximum(FILLED, INK > 0.5)) > 0.94
-        assert set(np.unique(colours[..., 3])) == {0.0, 1.0}
+        alpha = colours[..., 3]
+        assert overlap(alpha, np.maximum(FILLED, INK > 0.5)) > 0.94
+        # The edge is soft, and has normals as far as it is seen.
+        rim = (alpha > 0) & (alpha < 1)
+        assert 0 < rim.mean() < 0.06
+        assert np.unique(alpha[rim]).size > 10
+        same |= rim
+    assert same.all()
 
 
 def read_any(path: Path) -> tuple[NDArray[np.float32], int]:

@@ -91,7 +91,7 @@ def test_a_project_is_not_overwritten_unseen(client: TestClient) -> None:
     [
         ({"a": 1}, "that is no project of the studio"),
         ({**document(), "format": "psd"}, "that is no project of the studio"),
-        (document(version=3), "the project is of another version; this studio knows 1 to 2"),
+        (document(version=4), "the project is of another version; this studio knows 1 to 3"),
         (document(width=2), "width is 2; it is to be a whole number from 16 to 2048."),
         (document(height="9"), 'height is "9"'),
         (document(strokes=None), "the project has no strokes; the file is damaged."),
