@@ -14,6 +14,8 @@ from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
 from normalgan.training_help import COMMANDS as TRAINING
 from normalgan.training_help import asked_for, overview
 
+__all__ = ["COMMANDS", "OTHERS", "USAGE", "main"]
+
 USAGE = """\
 normalgan: from a line sketch to a surface normal map
 

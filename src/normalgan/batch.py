@@ -4,6 +4,8 @@ from typing import NotRequired, TypedDict
 
 from torch import Tensor
 
+__all__ = ["Batch", "Sketches"]
+
 
 class Sketches(TypedDict):
     """What the generator needs to draw: sketches, and hints if the user gave any."""

@@ -14,6 +14,19 @@ from normalgan.errors import InputError
 from normalgan.files import write_bytes
 from normalgan.torch_files import load_torch_file
 
+__all__ = [
+    "AtomicCheckpointIO",
+    "LastCheckpoint",
+    "best_checkpoint",
+    "check_size",
+    "check_sizes",
+    "check_unused",
+    "checkpoint_folder",
+    "named_checkpoint",
+    "run_folder",
+    "stopped_checkpoint",
+]
+
 
 class LastCheckpoint(ModelCheckpoint):
     """Keeps ``last.ckpt`` in step with training, so that a run that was killed loses part of an epoch only.

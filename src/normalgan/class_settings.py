@@ -15,6 +15,8 @@ from typing import Any
 
 from jsonargparse import ArgumentParser, Namespace, _typehints
 
+__all__ = ["OwnDefaultsParser", "classes_first"]
+
 _ours: ContextVar[bool] = ContextVar("_ours", default=False)
 _carry_over = _typehints.discard_init_args_on_class_path_change  # raises if it is not called so any more
 

@@ -44,6 +44,18 @@ from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
 
+__all__ = [
+    "INSTEAD",
+    "SAFE_CONFIG",
+    "NormalGANCLI",
+    "RenderingTrainer",
+    "SaveConfig",
+    "check_trainer",
+    "resolved_settings",
+    "run",
+    "training_parsers",
+]
+
 SAFE_CONFIG = "--safe-config"
 """The option under which a configuration may name but what cannot run a program."""
 

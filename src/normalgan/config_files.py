@@ -13,6 +13,8 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.shipped_configs import shipped_folder, shipped_names
 
+__all__ = ["ConfigCheck", "load_bounded"]
+
 _DOTTED = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)+")
 _STRUCTURE = re.compile(r"[\[{:\n]")  # what a text in YAML has that stands for more than itself
 _YAML = (".yaml", ".yml")

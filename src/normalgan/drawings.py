@@ -12,6 +12,23 @@ from normalgan.errors import InputError
 from normalgan.limits import read_bounded
 from normalgan.normals import Green, flip_green, normalize, read_exr, vectors
 
+__all__ = [
+    "LARGEST",
+    "MOST_BYTES",
+    "SMALLEST",
+    "SUFFIXES",
+    "SVG_SIDE",
+    "Floats",
+    "find_companion",
+    "find_drawings",
+    "read_drawing",
+    "read_hints",
+    "read_normals",
+    "read_pixels",
+    "to_unit",
+    "without_companions",
+]
+
 Floats = NDArray[np.float32]
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg")

@@ -4,6 +4,8 @@ import difflib
 import errno
 from collections.abc import Iterable
 
+__all__ = ["InputError", "RunError", "brief", "did_you_mean", "named", "one_line", "unwritable"]
+
 
 class InputError(ValueError):
     """Bad input from outside: a file, a folder, a setting.

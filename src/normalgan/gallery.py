@@ -16,6 +16,8 @@ from normalgan.errors import InputError
 from normalgan.files import write_bytes
 from normalgan.normals import Floats, angles, encode, normalize, paint_flat
 
+__all__ = ["COLUMNS", "MAX_ERROR", "Row", "colours", "draw_gallery", "write_gallery"]
+
 COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
 MAX_ERROR = 60.0
 """Degrees at the top of the error scale; larger errors have its last colour."""

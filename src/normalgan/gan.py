@@ -24,6 +24,8 @@ from normalgan.painter import NormalPainter
 from normalgan.seeds import derive_seed
 from normalgan.weights.checkpoint import settings_to_save
 
+__all__ = ["SHARE", "NormalGAN"]
+
 SHARE = "train/adversarial_share"
 """Length of the adversarial gradient beside that of the reconstruction, at the generator's weights."""
 

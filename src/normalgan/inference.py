@@ -5,6 +5,8 @@ import warnings
 from importlib import import_module
 from types import ModuleType
 
+__all__ = []
+
 warnings.warn(
     "normalgan.inference is now normalgan.painting; the old name goes with the next release.",
     DeprecationWarning,

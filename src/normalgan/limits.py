@@ -9,6 +9,16 @@ import yaml
 
 from normalgan.errors import InputError
 
+__all__ = [
+    "MOST_BYTES",
+    "MOST_DEPTH",
+    "MOST_NODES",
+    "MOST_SETTINGS",
+    "load_yaml",
+    "read_bounded",
+    "yaml_excess",
+]
+
 MOST_BYTES = 2**30
 """Larger files are refused; the largest scans in use have a tenth of it."""
 MOST_SETTINGS = 2**18

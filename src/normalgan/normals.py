@@ -12,7 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError, brief
-from normalgan.files import write_bytes as write_bytes  # noqa: PLC0414  # for one release
+from normalgan.files import write_bytes
+
+__all__ = [
+    "Bits",
+    "Floats",
+    "Green",
+    "angles",
+    "decode",
+    "encode",
+    "encode_exr",
+    "encode_grey",
+    "encode_png",
+    "encode_tiff",
+    "flip_green",
+    "normalize",
+    "paint_flat",
+    "read_exr",
+    "read_png",
+    "vectors",
+    "write_bytes",  # in normalgan.files; here for one release
+    "write_png",
+]
 
 Bits = Literal[8, 16]
 Green = Literal["up", "down"]

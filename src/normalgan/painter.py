@@ -13,6 +13,8 @@ from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Generator
 from normalgan.models.condition import make_condition
 
+__all__ = ["NormalPainter"]
+
 
 class NormalPainter(LightningModule, ABC):
     """The half of the module that validates, tests and predicts; how it learns is for a subclass to say.

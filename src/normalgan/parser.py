@@ -15,6 +15,8 @@ from normalgan.parser_errors import explain
 from normalgan.plugins import SETTINGS, described, namable
 from normalgan.shipped_configs import find_config
 
+__all__ = ["Parser", "help_of", "with_shipped_configs"]
+
 _section: ContextVar[str | None] = ContextVar("_section", default=None)
 
 

@@ -7,6 +7,8 @@ from typing import Any
 from normalgan.errors import brief, did_you_mean
 from normalgan.registry import Registry
 
+__all__ = ["explain", "refusal"]
+
 _KINDS = {
     "int": "a whole number",
     "float": "a number",

@@ -16,6 +16,17 @@ from normalgan.registry import LeftOut, Registry, offerer, summary
 from normalgan.rendering.lines import LINE_DRAWINGS
 from normalgan.rendering.renderers import RENDERERS
 
+__all__ = [
+    "REGISTRIES",
+    "SETTINGS",
+    "described",
+    "is_safe",
+    "load_plugins",
+    "misplaced",
+    "namable",
+    "settings_of_classes",
+]
+
 REGISTRIES: dict[str, Registry[Any]] = {
     "renderer": RENDERERS,
     "lines": LINE_DRAWINGS,

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
+__all__ = ["Predictions"]
+
 
 class Predictions(NamedTuple):
     """What a generator says of every pixel, in float32 whatever the precision of the network."""

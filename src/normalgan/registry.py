@@ -16,6 +16,8 @@ from typing import Any, Generic, TypeVar
 
 from normalgan.errors import brief, did_you_mean
 
+__all__ = ["LeftOut", "Registry", "find_imported", "offered", "offerer", "summary"]
+
 T = TypeVar("T")
 C = TypeVar("C", bound=type[Any])
 

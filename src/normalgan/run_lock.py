@@ -9,6 +9,8 @@ from filelock import FileLock, Timeout
 
 from normalgan.errors import InputError, brief
 
+__all__ = ["NAME", "check_writable", "one_run_in"]
+
 NAME = ".running"
 
 

@@ -7,6 +7,8 @@ from normalgan.painting.backend import Backend
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.painter import Painter
 
+__all__ = ["SHIPPED_NAME", "load"]
+
 SHIPPED_NAME = "shipped"
 """What the model that comes with the package is called."""
 

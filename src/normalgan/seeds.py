@@ -5,6 +5,8 @@ import zlib
 
 import numpy as np
 
+__all__ = ["derive_seed", "rng_of"]
+
 
 def derive_seed(*parts: int | str) -> int:
     """Return a seed that depends on every part and on nothing else, the same on every machine.

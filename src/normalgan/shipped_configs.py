@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+__all__ = ["find_beside", "find_config", "shipped_folder", "shipped_names"]
+
 
 def shipped_folder() -> Path:
     """Return where the configurations of this package lie: in the package, or in the clone it runs from."""

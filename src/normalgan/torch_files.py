@@ -14,6 +14,8 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 
+__all__ = ["MOST_OBJECTS", "MOST_PARTS", "load_torch_file"]
+
 MOST_OBJECTS = 2**24
 """Larger pickles are refused, in bytes: the names and shapes of ten thousand tensors have a tenth of it."""
 MOST_PARTS = 100_000

@@ -9,6 +9,8 @@ from typing import Any
 
 from normalgan.errors import one_line
 
+__all__ = ["NOT_SAID", "filter_warnings", "quiet_loggers"]
+
 NOT_SAID = (
     r".*does not have many workers.*",  # a small data set lies in memory, where workers only cost
     r".*is smaller than the logging interval.*",

@@ -9,6 +9,8 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.mesh import Mesh
 from normalgan.seeds import rng_of
 
+__all__ = ["VERSION", "Animal", "herd", "members"]
+
 VERSION = 2  # to be raised whenever the same species and seed give another shape
 
 

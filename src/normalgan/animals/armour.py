@@ -12,6 +12,8 @@ from normalgan.animals.plan import Between, Rng
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.sweep import Floats, Sweep, smoothed
 
+__all__ = ["LEAF", "Armour", "back"]
+
 LEAF = ((-0.42, -0.15), (-0.50, 0.30), (-0.26, 0.72), (0.02, 1.0), (0.26, 0.70), (0.50, 0.28), (0.40, -0.15))
 
 

@@ -14,6 +14,8 @@ from normalgan.animals.frames import Frame
 from normalgan.animals.plan import Between, PosedPlan, Rng
 from normalgan.animals.sweep import Floats, Sweep
 
+__all__ = ["FLAT_HAND", "Biped", "Flesh", "Robot", "trunk"]
+
 FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
 
 

@@ -9,6 +9,8 @@ from normalgan.animals.frames import Frame, bend, pitch, roll, yaw
 from normalgan.animals.plan import Rng
 from normalgan.animals.sweep import Floats
 
+__all__ = ["STANCES", "Arm", "Girth", "Leg", "Limb", "Measures", "Skeleton", "Stance", "skeleton", "vary"]
+
 
 @dataclass(frozen=True)
 class Girth:

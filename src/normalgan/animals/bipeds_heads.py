@@ -9,6 +9,8 @@ from normalgan.animals.forms import ball, block, fuse, pair, tube
 from normalgan.animals.frames import pitch, roll, yaw
 from normalgan.animals.plan import Rng
 
+__all__ = ["HAIR", "HEADS", "bear", "gorilla", "human", "monkey", "robot", "toon"]
+
 
 def _eyes(x: float, y: float, z: float, radius: float, socket: float = 1.5) -> list[Part]:
     dug = ball([x + 0.6 * radius, y, z], [socket * radius, 0.9 * socket * radius, socket * radius])

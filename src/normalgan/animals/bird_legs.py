@@ -11,6 +11,8 @@ from normalgan.animals.plan import Point, Rng
 from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.sweep import Floats, Sweep, smoothed
 
+__all__ = ["TOES", "Legs"]
+
 TOES = (-34.0, 0.0, 34.0, 180.0)
 
 

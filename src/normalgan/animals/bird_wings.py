@@ -12,6 +12,8 @@ from normalgan.animals.plan import Between, Rng
 from normalgan.animals.stations import Profile
 from normalgan.animals.sweep import Floats, Sweep
 
+__all__ = ["STEP", "THIN", "Tail", "Wing", "folded", "opened", "tail_fan"]
+
 STEP = 0.010  # height by which a feather lies over its neighbour
 THIN = 0.012
 

@@ -16,6 +16,22 @@ from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Stations
 from normalgan.animals.sweep import Sweep
 
+__all__ = [
+    "CHICK",
+    "FACES",
+    "POSES",
+    "RANGES",
+    "TRAINS",
+    "YOUNG_SHARE",
+    "Bird",
+    "Extra",
+    "brow",
+    "comb",
+    "plume",
+    "sickles",
+    "tufts",
+]
+
 Extra = Callable[[Rng, float], list[Part]]
 
 

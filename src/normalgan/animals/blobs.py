@@ -26,6 +26,8 @@ from normalgan.animals.objects import (
 from normalgan.animals.plan import BodyPlan, Form, Rng
 from normalgan.animals.sweep import Floats
 
+__all__ = ["BLOBS", "INNER", "KINDS", "STILL", "Piece", "blob", "creature"]
+
 KINDS = ("ball", "ball", "rod", "rod", "cone", "block", "ring", "worm")
 INNER = 0.5  # share of its radii within which others may grow out of a piece; dents do not reach so deep
 

@@ -9,6 +9,8 @@ import numpy as np
 from normalgan.animals.solids import Solid
 from normalgan.animals.sweep import Floats, Sweep, Volume, reach, segment_distance
 
+__all__ = ["FAR", "MARGIN", "Grid", "Part", "Ripple", "Window", "sample", "smooth_minimum"]
+
 FAR = np.float32(10.0)  # value of the field where no part is near
 Window = tuple[slice, slice, slice]
 MARGIN = 4  # grid cells round a part in which its field is right

@@ -15,6 +15,8 @@ from normalgan.animals.stations import Profile, Spine
 from normalgan.animals.sweep import Floats, Sweep
 from normalgan.errors import InputError
 
+__all__ = ["POSES", "RANGES", "Fin", "Finlet", "Fish", "Gills", "plates"]
+
 RANGES: Mapping[str, Range] = {
     "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
     "eye": (0.85, 1.25),

@@ -10,6 +10,22 @@ from normalgan.animals.frames import Frame
 from normalgan.animals.solids import MIRROR, Box, Ellipsoid, Ring, Solid
 from normalgan.animals.sweep import Cut, Floats, Sweep
 
+__all__ = [
+    "SIDE",
+    "Shape",
+    "ball",
+    "block",
+    "both",
+    "by",
+    "carried",
+    "fuse",
+    "mirrored",
+    "moved",
+    "pair",
+    "ring",
+    "tube",
+]
+
 Shape = Sweep | Solid
 SIDE = (0.0, 0.0, 1.0)
 

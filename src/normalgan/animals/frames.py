@@ -7,6 +7,8 @@ import numpy as np
 
 from normalgan.animals.sweep import Floats
 
+__all__ = ["Frame", "about", "bend", "fold", "hinge", "pitch", "roll", "yaw"]
+
 
 def pitch(degrees: float) -> Floats:
     """Return the (3, 3) rotation about z that turns +x towards +y.

@@ -13,6 +13,34 @@ from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.plate import Plate
 from normalgan.animals.sweep import Floats, Sweep
 
+__all__ = [
+    "BLADE",
+    "FORE",
+    "HIND",
+    "INSECTS",
+    "LONG",
+    "OUT",
+    "LegRow",
+    "ant",
+    "bee",
+    "beetle",
+    "butterfly",
+    "caterpillar",
+    "dragonfly",
+    "eyes",
+    "feelers",
+    "fly",
+    "grasshopper",
+    "held",
+    "ladybird",
+    "legs",
+    "mantis",
+    "ringed",
+    "scorpion",
+    "spider",
+    "wing",
+]
+
 OUT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # columns: to the right, ahead, up
 
 

@@ -12,6 +12,19 @@ from normalgan.animals.field import MARGIN, Grid, Part, sample
 from normalgan.animals.sweep import Floats, Volume, area, smoothed
 from normalgan.rendering.mesh import Mesh
 
+__all__ = [
+    "COARSER",
+    "CRUMB",
+    "FACES",
+    "OVERLAP",
+    "THINNEST",
+    "TRUSTED",
+    "drop_crumbs",
+    "fill_voids",
+    "to_mesh",
+    "unit_sphere",
+]
+
 FACES = 32_000  # about the number aimed at
 THINNEST = 1.35  # grid cells: a thinner radius would break up into beads
 COARSER = 4  # times fewer faces than aimed at, when the skin is measured

@@ -7,6 +7,25 @@ from normalgan.animals.forms import Shape, ball, block, both, by, fuse, pair, ri
 from normalgan.animals.frames import pitch, roll, yaw
 from normalgan.animals.plan import Rng, factors
 
+__all__ = [
+    "SHAPES",
+    "boat",
+    "cactus",
+    "car",
+    "fir",
+    "house",
+    "level",
+    "mug",
+    "mushroom",
+    "plane",
+    "rocket",
+    "snowman",
+    "teapot",
+    "tree",
+    "turned",
+    "vase",
+]
+
 SHAPES = ("belly", "bottle", "flute", "goblet", "bowl")
 
 

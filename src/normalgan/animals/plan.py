@@ -9,6 +9,21 @@ import numpy as np
 
 from normalgan.animals.field import Part
 
+__all__ = [
+    "RISING",
+    "Between",
+    "BodyPlan",
+    "Eyeball",
+    "Form",
+    "Point",
+    "PosedPlan",
+    "Range",
+    "Rng",
+    "drawn_pose",
+    "factors",
+    "proportions",
+]
+
 Rng = np.random.Generator
 RISING = ("low", "high")  # marks pairs of which the first may not be greater than the second
 Range = Annotated[tuple[float, float], RISING]

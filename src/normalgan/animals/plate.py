@@ -9,6 +9,8 @@ from normalgan.animals.frames import Frame
 from normalgan.animals.solids import MIRROR
 from normalgan.animals.sweep import Floats, Volume
 
+__all__ = ["BAND", "Plate", "outline_distance", "rounded"]
+
 BAND = 0.15
 
 

@@ -13,6 +13,28 @@ from normalgan.animals.insects import wing
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.sweep import Floats, Sweep
 
+__all__ = [
+    "HABITS",
+    "PLUSH",
+    "SKULL",
+    "Toy",
+    "bunny",
+    "buttons",
+    "cat",
+    "dragon",
+    "elephant",
+    "frog",
+    "octopus",
+    "on_skull",
+    "penguin",
+    "pig",
+    "seam",
+    "sewn",
+    "skull",
+    "smile",
+    "teddy",
+]
+
 HABITS = ("sit", "sit", "stand", "hug", "cheer")
 SKULL = np.array([1.0, 0.93, 1.08])  # radii of a head in its own unit
 

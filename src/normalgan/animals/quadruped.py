@@ -15,6 +15,43 @@ from normalgan.animals.stations import Profile, Stations
 from normalgan.animals.sweep import Cut, Floats, Sweep
 from normalgan.errors import InputError
 
+__all__ = [
+    "BELOW_BELLY",
+    "FACE",
+    "LIP",
+    "NECK",
+    "PROUD",
+    "RANGES",
+    "SEATED",
+    "SKULL",
+    "TAIL",
+    "TORSO",
+    "YOUNG",
+    "YOUNG_SHARE",
+    "Build",
+    "Ears",
+    "Eye",
+    "Head",
+    "LegTemplate",
+    "Limb",
+    "Mane",
+    "Mouth",
+    "Nostrils",
+    "Ornament",
+    "Quadruped",
+    "assemble",
+    "eyes",
+    "ground",
+    "hang",
+    "leg",
+    "mouth",
+    "on_skull",
+    "ornament",
+    "shoulder_blade",
+    "skull",
+    "stretch",
+]
+
 SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
 YOUNG_SHARE = 0.12
 FACE = 0.4  # share of the head's length, from the poll, behind which the muzzle's length changes nothing

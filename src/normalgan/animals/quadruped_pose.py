@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+__all__ = ["GALLOP", "POSES", "TROT", "WALK", "Angles", "Gait", "Pose"]
+
 Angles = tuple[float, float, float, float]
 
 

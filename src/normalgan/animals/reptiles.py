@@ -14,6 +14,18 @@ from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.animals.sweep import Floats, Sweep
 
+__all__ = [
+    "COILED",
+    "CRAWLING",
+    "RANGES",
+    "SHELLED",
+    "SNAKE_HEAD",
+    "TURTLE_HEAD",
+    "Crawler",
+    "Snake",
+    "Turtle",
+]
+
 RANGES: Mapping[str, Range] = {
     "girth": (0.88, 1.18), "tail": (0.8, 1.15), "head": (0.9, 1.18), "legs": (0.88, 1.15),
     "crest": (0.7, 1.3),

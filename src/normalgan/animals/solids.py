@@ -8,6 +8,8 @@ import numpy as np
 from normalgan.animals.frames import Frame
 from normalgan.animals.sweep import Floats, Volume
 
+__all__ = ["MIRROR", "TINY", "Box", "Ellipsoid", "Ring", "Solid"]
+
 TINY = np.float32(1e-9)
 MIRROR = np.array([1.0, 1.0, -1.0])  # what a point is multiplied by to get its image
 

@@ -10,6 +10,8 @@ from normalgan.animals.plan import BodyPlan
 from normalgan.animals.plush import PLUSH
 from normalgan.animals.species_files import FOLDER, read_species
 
+__all__ = ["GROUPS", "SPECIES"]
+
 # What a herd of a given seed holds follows from the order: new names go last.
 _FILES: Mapping[str, tuple[str, ...]] = {
     "quadrupeds": (

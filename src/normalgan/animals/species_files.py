@@ -14,6 +14,8 @@ import numpy as np
 from normalgan.animals.plan import RISING, Between, BodyPlan
 from normalgan.errors import InputError, brief, did_you_mean
 
+__all__ = ["FOLDER", "GREATEST", "PLANS", "SHARED", "WORDS", "read_species"]
+
 FOLDER = Path(__file__).with_name("species")
 SHARED = FOLDER / "shared.toml"
 PLANS = {

@@ -9,6 +9,8 @@ from normalgan.animals.frames import Frame, yaw
 from normalgan.animals.sweep import Floats, Sweep
 from normalgan.errors import InputError
 
+__all__ = ["Profile", "Spine", "Stations"]
+
 
 @dataclass(frozen=True, eq=False)
 class Stations:

@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Cut", "Floats", "Sweep", "Volume", "area", "reach", "segment_distance", "smoothed"]
+
 Floats = NDArray[np.float64]
 Volume = NDArray[np.float32]
 

@@ -15,6 +15,8 @@ from normalgan.animals.plate import Plate, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
 from normalgan.animals.sweep import Sweep
 
+__all__ = ["POSES", "RANGES", "YOUNG", "YOUNG_SHARE", "Arm", "Theropod"]
+
 RANGES: Mapping[str, Range] = {
     "girth": (0.88, 1.15), "tail": (0.85, 1.12), "neck": (0.88, 1.12), "head": (0.88, 1.15),
     "arm": (0.85, 1.2), "legs": (0.9, 1.08), "sail": (0.75, 1.2),

@@ -14,6 +14,8 @@ from normalgan.metrics import angular_error, normal_map_metrics, without_hints
 from normalgan.metrics.calibration import Calibration, expected_angle
 from normalgan.metrics.relief import depth_difference, total_variation
 
+__all__ = ["DEEP", "EDGES", "PICTURE", "RIM", "Accumulator", "Figure", "Sums", "mesh_of"]
+
 PICTURE = 170
 """The side of a picture in the units in which distances from the contour are also given."""
 RIM, DEEP = 1, 10

@@ -9,6 +9,17 @@ from numpy.typing import NDArray
 
 from normalgan.benchmark.training import Result
 
+__all__ = [
+    "DRAWS",
+    "LEVEL",
+    "Interval",
+    "Table",
+    "difference_interval",
+    "draws_of",
+    "mesh_interval",
+    "pooled",
+]
+
 DRAWS = 10_000
 LEVEL = 0.95
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:  # they import torch
     from normalgan.benchmark.evaluation import Evaluation
     from normalgan.benchmark.methods import Method
 
+__all__ = ["build_parser", "check", "compare", "evaluate", "run", "score", "write_test_inputs"]
+
 
 def run(arguments: list[str]) -> int:
     """Do what the arguments ask for and return the exit code: 1 if a run failed.

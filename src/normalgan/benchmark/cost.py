@@ -11,6 +11,8 @@ from normalgan.batch import Batch
 from normalgan.benchmark.measure import moved, true_float32
 from normalgan.benchmark.methods import Method
 
+__all__ = ["flops", "images_per_second", "parameters"]
+
 
 def parameters(network: nn.Module) -> int:
     """Return how many numbers a network learns.

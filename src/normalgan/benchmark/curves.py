@@ -13,6 +13,8 @@ from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.table import Results
 from normalgan.benchmark.training import Result
 
+__all__ = ["VALIDATION", "draw_curves", "hint_curve", "learning_curve"]
+
 VALIDATION = "val/hints/angular_mean"
 _REFERENCE = "0.25"  # grey
 

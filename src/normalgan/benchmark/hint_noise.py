@@ -9,6 +9,8 @@ from torch import Tensor
 
 from normalgan.seeds import derive_seed
 
+__all__ = ["noisy_hints", "turn"]
+
 _TRIES = 16  # directions in which a hint is moved before it stays where it is
 
 

@@ -9,6 +9,8 @@ from scipy.sparse.linalg import spsolve
 
 from normalgan.normals import Floats, normalize
 
+__all__ = ["Mask", "inflate", "inflated_normals"]
+
 Mask = NDArray[np.bool_]
 _SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))  # (rows, columns) to the four neighbours
 

@@ -10,6 +10,8 @@ import torch
 
 from normalgan import __version__
 
+__all__ = ["commit", "describe_machine", "describe_versions"]
+
 _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 
 

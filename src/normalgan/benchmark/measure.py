@@ -18,6 +18,8 @@ from normalgan.hints.draw import draw_hints_by_name
 from normalgan.metrics import angular_error
 from normalgan.metrics.contour import distance_from_contour
 
+__all__ = ["OWN", "HintTests", "Measured", "measure", "moved", "true_float32"]
+
 OWN = "own"
 """Stands for the hints of the method's own sampler."""
 

@@ -14,6 +14,16 @@ from normalgan.objectives import Wasserstein
 from normalgan.seeds import derive_seed
 from normalgan.weights.file import Weights
 
+__all__ = [
+    "Method",
+    "Paint",
+    "constant_method",
+    "inflation_method",
+    "mean_method",
+    "model_method",
+    "weights_method",
+]
+
 Paint = Callable[[Batch, Tensor | None], Tensor]
 """From a batch and hints (N, 4, H, W), or none, to normals (N, 3, H, W), or with confidence (N, 4, H, W)."""
 

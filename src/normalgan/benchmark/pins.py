@@ -14,6 +14,8 @@ from normalgan.hints import hints_at
 from normalgan.metrics import angular_error, without_hints
 from normalgan.painting.suggestion import suggest
 
+__all__ = ["STRATEGIES", "Strategy", "pin_curve", "pin_one_by_one"]
+
 Strategy = Literal["worst", "suggested"]
 """Where the next pin goes: where the error is greatest, as an oracle knows; or where the studio suggests."""
 STRATEGIES: tuple[Strategy, ...] = ("worst", "suggested")

@@ -10,6 +10,8 @@ from normalgan.hints import (
     WorstErrorHints,
 )
 
+__all__ = ["placements"]
+
 _SAMPLERS: dict[str, Callable[[int], HintSampler]] = {
     "uniform": lambda count: UniformHints(count, count),
     "curvature": lambda count: CurvatureHints(count=count),

@@ -15,6 +15,8 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.parser_errors import refusal
 from normalgan.shipped_configs import find_config
 
+__all__ = ["PLACEMENTS", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
+
 Settings = dict[str, Any]
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
 """See `normalgan.benchmark.placements`, which needs torch."""

@@ -8,6 +8,8 @@ from torch import Tensor
 
 from normalgan.seeds import derive_seed
 
+__all__ = ["hint_order", "hint_points"]
+
 
 def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
     """Return the flat numbers of a sample's hinted pixels, the first hint first.

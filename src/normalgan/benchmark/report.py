@@ -21,6 +21,8 @@ from normalgan.errors import InputError
 from normalgan.files import write_bytes
 from normalgan.hints import hints_at
 
+__all__ = ["Report"]
+
 
 @dataclass(frozen=True)
 class Report:

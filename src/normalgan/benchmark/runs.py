@@ -13,6 +13,17 @@ from normalgan.class_settings import OwnDefaultsParser
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 
+__all__ = [
+    "OWN_DATA",
+    "Run",
+    "build_data",
+    "check_shared",
+    "plan_runs",
+    "row_settings",
+    "shared_settings",
+    "timed",
+]
+
 OWN_DATA = (
     *("augmentation", "batch_size", "extra_animals", "local_cache", "local_cache_size", "memory"),
     *("on_the_fly", "render_workers", "variants", "variation", "workers"),

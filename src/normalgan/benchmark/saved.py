@@ -16,6 +16,8 @@ from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SUFFIX, find_weights, read_weights
 from normalgan.weights.part import Part
 
+__all__ = ["saved_method"]
+
 
 def saved_method(name: str, size: int, device: torch.device) -> Method:
     """Return a model as a method; all kinds of file of one model give the same figures.

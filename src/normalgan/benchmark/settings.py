@@ -12,6 +12,8 @@ import yaml
 from normalgan.benchmark.plan import Settings
 from normalgan.errors import InputError
 
+__all__ = ["MACHINE", "compose", "differences", "digest", "flatten", "nest", "part", "without"]
+
 MACHINE = (
     *("data.cache", "data.local_cache", "data.local_cache_size", "data.meshes", "data.memory"),
     *("data.render_workers", "data.workers", "trainer.default_root_dir", "trainer.enable_progress_bar"),

@@ -9,6 +9,8 @@ from normalgan.benchmark.settings import digest
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 
+__all__ = ["Specification", "check_specification", "specify"]
+
 Specification = dict[str, str | int]
 
 _RULE = "uniform on the object, in the order of a permutation by numpy's default_rng, seeded by the name"

@@ -21,6 +21,8 @@ from normalgan.errors import InputError, brief
 from normalgan.files import write_bytes
 from normalgan.hints import NoHints, UniformHints
 
+__all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
+
 SUBMISSION = "submission.json"
 
 

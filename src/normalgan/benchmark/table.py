@@ -12,6 +12,20 @@ from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.training import Result
 from normalgan.gan import SHARE
 
+__all__ = [
+    "FIGURES",
+    "RELIEF",
+    "Cell",
+    "Results",
+    "figure_cell",
+    "interval_cell",
+    "interval_table",
+    "large",
+    "markdown",
+    "mesh_table",
+    "spread_of",
+]
+
 Results = Mapping[str, Sequence[Result]]
 """The results of each row, a seed each, by the row's name."""
 

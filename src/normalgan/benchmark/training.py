@@ -15,6 +15,17 @@ from normalgan.checkpoints import best_checkpoint
 from normalgan.errors import InputError, RunError, brief
 from normalgan.files import write_bytes
 
+__all__ = [
+    "Result",
+    "State",
+    "fit",
+    "measured_checkpoint",
+    "read_result",
+    "read_state",
+    "run_all",
+    "write_json",
+]
+
 Result = dict[str, Any]
 """What a run ends with; see `normalgan.benchmark.evaluation`."""
 

@@ -11,6 +11,8 @@ from normalgan.batch import Batch
 from normalgan.files import write_bytes
 from normalgan.gan import SHARE, NormalGAN
 
+__all__ = ["LearningCurve"]
+
 
 class LearningCurve(Callback):
     """Writes ``curve.json`` in the folder of the run, a record for each validation.

@@ -14,6 +14,8 @@ from normalgan.errors import InputError
 from normalgan.gallery import draw_gallery
 from normalgan.gan import NormalGAN
 
+__all__ = ["PictureLogger"]
+
 
 class PictureLogger(Callback):
     """Logs a gallery of the first samples of the validation split.

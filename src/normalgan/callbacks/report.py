@@ -18,6 +18,8 @@ from normalgan.gallery import Row, write_gallery
 from normalgan.gan import NormalGAN
 from normalgan.metrics import StageMetrics
 
+__all__ = ["TestReport"]
+
 
 class TestReport(Callback):
     """Measures two baselines that see no sketch beside the generator; prints the table, draws the gallery.

@@ -6,6 +6,8 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.gallery import Row
 
+__all__ = ["batch_row", "spread"]
+
 
 def spread(total: int, count: int) -> list[int]:
     """Return ``count`` positions spread evenly over ``total`` samples, all of them if they are fewer.

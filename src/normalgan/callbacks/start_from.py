@@ -12,6 +12,8 @@ from normalgan.models.growth import grow
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED_NAME, SUFFIX, find_weights, read_weights
 
+__all__ = ["StartFrom"]
+
 
 class StartFrom(Callback):
     """Gives a new run the generator's weights of another run; all else, the optimiser too, begins anew.

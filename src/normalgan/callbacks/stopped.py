@@ -12,6 +12,8 @@ from lightning.pytorch.utilities.exceptions import SIGTERMException
 from normalgan.checkpoints import stopped_checkpoint
 from normalgan.objectives.finite import LossError
 
+__all__ = ["StoppedCheckpoint"]
+
 
 class StoppedCheckpoint(Callback):
     """Saves ``stopped.ckpt`` where a job is preempted (SIGTERM) or a loss is no longer finite.

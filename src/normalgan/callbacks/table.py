@@ -8,6 +8,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+__all__ = ["FIGURES", "HEADINGS", "NOTE", "Results", "results_table"]
+
 Results = Mapping[str, Mapping[str, float]]
 """Figures by what was measured and by their own name, such as ``results["hints"]["angular_mean"]``."""
 

@@ -9,6 +9,8 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 
+__all__ = ["WallClockSchedule", "cosine_factor"]
+
 
 def cosine_factor(progress: float, warmup: float) -> float:
     """Return what a learning rate is multiplied by: up a straight line, then down half a cosine to 0.

@@ -11,6 +11,8 @@ from torch.optim.swa_utils import get_ema_multi_avg_fn
 from normalgan.errors import InputError
 from normalgan.models.statistics import average_statistics
 
+__all__ = ["WarmAverage"]
+
 
 class WarmAverage(WeightAveraging):
     """Measures and saves an exponential moving average of the weights in their place.

@@ -20,6 +20,8 @@ from normalgan.painting.outputs import Outputs
 from normalgan.painting.pipeline import finish
 from normalgan.painting.torch_backend import channels_last
 
+__all__ = ["NormalMapWriter"]
+
 
 class NormalMapWriter(BasePredictionWriter):
     """Writes ``<name>_normal.png`` for each sketch, at the sketch's own size; flat off the object.

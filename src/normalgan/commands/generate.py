@@ -35,6 +35,8 @@ from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
 from normalgan.painting.watching import Watcher
 
+__all__ = ["LOOK", "generate", "run"]
+
 LOOK = 0.5
 """Seconds between two looks at what is watched."""
 

@@ -8,6 +8,8 @@ from typing import Literal
 from normalgan.commands.light_parser import LightParser
 from normalgan.painting.outputs import Outputs
 
+__all__ = ["as_shell_means", "build_parser"]
+
 _FLAGS = {
     "alpha": "write the object's mask as alpha channel",
     "show_input": "write what the model saw, <sketch>_input.png",

@@ -8,6 +8,8 @@ from normalgan.errors import InputError
 from normalgan.parser_errors import explain
 from normalgan.registry import Registry
 
+__all__ = ["LightParser"]
+
 
 class LightParser(OwnDefaultsParser):
     """Says a mistake in one sentence, and names what a typo may have meant."""

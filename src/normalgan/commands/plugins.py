@@ -9,6 +9,8 @@ from jsonargparse import Namespace
 from normalgan.commands.light_parser import LightParser
 from normalgan.registry import LeftOut, Registry, summary
 
+__all__ = ["Kind", "build_parser", "run", "show"]
+
 Kind = Literal[
     "renderer", "lines", "hint_sampler", "generator", "discriminator", "objective", "reconstruction", "source"
 ]

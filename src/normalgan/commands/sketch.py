@@ -30,6 +30,8 @@ from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
 
+__all__ = ["PLUGINS", "build_parser", "draw", "find_source", "run"]
+
 PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS, "styles": LINE_DRAWINGS}
 """The registry behind each setting that names a plug-in."""
 

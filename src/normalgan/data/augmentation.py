@@ -13,6 +13,17 @@ from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics import unit_vectors
 
+__all__ = [
+    "Augmentation",
+    "change_width",
+    "drop_lines",
+    "sample_at",
+    "sampling_grid",
+    "smooth_shifts",
+    "turn_normals",
+    "wobble",
+]
+
 
 def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
     """Turn the vectors of a normal map as its pixels were moved.

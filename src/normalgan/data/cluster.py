@@ -17,6 +17,8 @@ from normalgan.data.cluster_worker import Unfit, flaws, order
 from normalgan.data.pool import Killed, unrelated
 from normalgan.errors import InputError, RunError
 
+__all__ = ["Cluster"]
+
 T = TypeVar("T")
 R = TypeVar("R")
 

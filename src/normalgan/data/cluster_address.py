@@ -17,6 +17,8 @@ from normalgan.errors import InputError
 from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.warning_filters import quiet_loggers
 
+__all__ = ["CLUSTERS", "TIMEOUT", "connect", "read_cluster"]
+
 TIMEOUT = 10.0
 """Seconds in which a scheduler must answer."""
 

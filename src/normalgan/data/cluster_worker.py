@@ -10,6 +10,8 @@ from typing import Any
 from normalgan.data.versions import difference, versions
 from normalgan.errors import InputError, brief
 
+__all__ = ["Unfit", "flaws", "order", "perform"]
+
 _DO = "__import__('normalgan.data.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
 _ASK = "__import__('normalgan.data.versions', fromlist=['versions']).versions()"
 

@@ -37,6 +37,8 @@ from normalgan.rendering.samples import Recipe
 from normalgan.rendering.variation import Variation
 from normalgan.seeds import derive_seed
 
+__all__ = ["MeshDataModule"]
+
 
 class MeshDataModule(LightningDataModule):
     """Makes sketches, normal maps and masks of meshes, or reads pairs; serves them, and drawings to predict.

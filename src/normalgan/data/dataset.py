@@ -13,6 +13,8 @@ from normalgan.data.layout import ARRAYS, array_names
 from normalgan.data.shards import ShardedSamples
 from normalgan.errors import InputError
 
+__all__ = ["SampleDataset", "bytes_per_sample"]
+
 
 class SampleDataset(Dataset[Item]):
     """Samples of one split, from memory if they fit, else from the store one by one.

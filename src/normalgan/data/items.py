@@ -11,6 +11,8 @@ from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics import unit_vectors
 
+__all__ = ["AsStored", "Item", "SampleError", "StoredSamples", "collate", "decode", "decode_item", "to_item"]
+
 
 class SampleError(InputError):
     """A sample that cannot be read or made; tells it in one sentence from a worker process too.

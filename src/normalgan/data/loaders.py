@@ -14,6 +14,8 @@ from normalgan.data.shares import EqualShare
 from normalgan.data.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
 from normalgan.data.workers import one_thread_each
 
+__all__ = ["DeferredLoader", "Loaders", "Samples"]
+
 Samples = SampleDataset | StreamDataset
 
 

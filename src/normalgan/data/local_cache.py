@@ -14,6 +14,8 @@ from filelock import FileLock
 from normalgan.errors import InputError, unwritable
 from normalgan.files import write_bytes
 
+__all__ = ["BUCKETS", "LocalCache"]
+
 BUCKETS = 16
 """A cache is shared out by hash among so many folders, each with its own lock and share of the size."""
 

@@ -15,6 +15,8 @@ from normalgan.data.storage import Storage
 from normalgan.data.tasks import fingerprint
 from normalgan.errors import InputError
 
+__all__ = ["FORMAT_VERSION", "Manifest", "dataset_key", "fingerprints", "views_by_split"]
+
 FORMAT_VERSION = 1
 """Raise it when samples are stored in another way: those stored before are then made anew."""
 

@@ -9,6 +9,8 @@ from normalgan.batch import Batch
 from normalgan.data.items import decode
 from normalgan.metrics import unit_vectors
 
+__all__ = ["ENOUGH", "evenly", "mean_of_maps"]
+
 ENOUGH = 1024
 """Samples of an endless split that its mean is taken over; at each pixel its error is about 1/32."""
 

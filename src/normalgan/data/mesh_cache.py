@@ -7,6 +7,8 @@ from typing import Any
 from normalgan.data.recipe import Loadable
 from normalgan.rendering.mesh import Mesh
 
+__all__ = ["MeshCache"]
+
 
 class MeshCache:
     """Loads meshes, and keeps those used last; each process fills a mesh_cache of its own.

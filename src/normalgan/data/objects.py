@@ -16,6 +16,8 @@ from zarr.core.buffer.core import default_buffer_prototype
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.storage import Storage
 
+__all__ = ["ObjectStore"]
+
 _METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr asks which of them there are
 
 

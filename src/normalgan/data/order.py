@@ -7,6 +7,8 @@ import numpy as np
 
 from normalgan.seeds import derive_seed
 
+__all__ = ["LANES", "VIEWS_AT_ONCE", "Ticket", "order_of_epoch"]
+
 VIEWS_AT_ONCE = 16
 """A mesh comes back for up to so many views, and may be forgotten after them."""
 

@@ -8,6 +8,8 @@ import uuid
 from functools import cache
 from pathlib import Path
 
+__all__ = ["abandoned", "partial_name"]
+
 _LONG = 3600.0
 """Seconds; nothing takes an hour to write."""
 

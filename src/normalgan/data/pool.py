@@ -4,6 +4,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+__all__ = ["Killed", "Pool", "alone", "unrelated"]
+
 T = TypeVar("T")
 R = TypeVar("R")
 

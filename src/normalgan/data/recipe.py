@@ -4,6 +4,8 @@ from typing import Any, Protocol
 
 from normalgan.rendering.samples import Sample
 
+__all__ = ["Loadable", "SampleRecipe"]
+
 
 class Loadable(Protocol):
     """A mesh, a pair, or anything else that samples are made of; cheap to hold and to hand to a worker."""

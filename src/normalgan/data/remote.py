@@ -9,6 +9,8 @@ from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 
 from normalgan.errors import brief
 
+__all__ = ["connect", "no_bucket", "options", "reason"]
+
 _ATTEMPTS = 3
 """Attempts of botocore at a request, the first included."""
 _ROUNDS = 2

@@ -12,6 +12,8 @@ from normalgan.data.storage import Storage
 from normalgan.data.tasks import MeshTask, check_recipe
 from normalgan.errors import InputError, RunError
 
+__all__ = ["Sources", "lay_out", "locate"]
+
 Sources = Mapping[str, Sequence[Loadable]]
 
 

@@ -7,6 +7,8 @@ from normalgan.data.pool import Killed, Pool, alone
 from normalgan.data.tasks import MeshTask, ShardTask, look_at, render_shard, try_mesh
 from normalgan.errors import RunError
 
+__all__ = ["DEADLY", "find_troubles", "render_shards"]
+
 DEADLY = "it kills the process that works on it, most likely for want of memory."
 
 _NOBODY = (

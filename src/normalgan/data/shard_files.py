@@ -9,6 +9,18 @@ from normalgan.data.layout import Shard, array_names, blank, chunk_path, encode
 from normalgan.data.storage import Storage
 from normalgan.rendering.samples import Sample
 
+__all__ = [
+    "FAILED",
+    "ZARR",
+    "damaged",
+    "paths",
+    "read_failures",
+    "read_sums",
+    "same_bytes",
+    "same_sizes",
+    "write_shard",
+]
+
 ZARR = "samples.zarr"
 """The folder of the arrays."""
 

@@ -8,6 +8,8 @@ from torch.utils.data import Sampler
 from normalgan.data.shards import ShardedSamples
 from normalgan.seeds import derive_seed
 
+__all__ = ["ABREAST", "ShardOrder"]
+
 ABREAST = 64
 """Shards whose samples are mixed: at 32 a shard, a batch is drawn from 2048 samples."""
 

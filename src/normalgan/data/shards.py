@@ -19,6 +19,8 @@ from normalgan.data.storage import Storage
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 
+__all__ = ["ShardedSamples"]
+
 
 class ShardedSamples:
     """The stored samples of one split, to be written a shard at a time and read one by one.

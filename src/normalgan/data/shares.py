@@ -7,6 +7,8 @@ from torch.utils.data import Dataset, DistributedSampler
 
 from normalgan.data.items import Item
 
+__all__ = ["EqualShare"]
+
 
 class EqualShare(Dataset[Item]):
     """One process's share of a split: every n-th sample, and as many as every other process has.

@@ -17,6 +17,8 @@ from normalgan.painting.jobs import DrawingFiles
 from normalgan.painting.parallel import stream
 from normalgan.painting.preparation import Prepared
 
+__all__ = ["SketchDataset", "SketchSample", "collate_sketches"]
+
 _KEPT = 2**29
 """Bytes of prepared drawings that are kept; others are prepared anew when they are asked for."""
 

@@ -12,6 +12,8 @@ import numpy as np
 from normalgan.errors import InputError, brief
 from normalgan.shipped_configs import find_beside
 
+__all__ = ["SPLITS", "Split", "plural", "split_by_file", "split_by_fractions"]
+
 SPLITS = ("train", "val", "test")
 """The names of the splits, in the order in which fractions are given."""
 

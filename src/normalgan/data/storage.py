@@ -11,6 +11,8 @@ from normalgan.data.remote import connect, no_bucket, reason
 from normalgan.errors import InputError, brief, unwritable
 from normalgan.files import write_bytes
 
+__all__ = ["Storage"]
+
 _PARTIAL = ".partial"
 
 

@@ -13,6 +13,8 @@ from normalgan.data.order import Ticket, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.errors import InputError, brief
 
+__all__ = ["FreshViews", "StreamDataset", "leave_ctrl_c_to_the_parent"]
+
 
 class StreamDataset(Dataset[Item]):
     """Renders the sample that is asked for; the same one as the shards hold under its mesh and view.

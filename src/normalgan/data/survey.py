@@ -10,6 +10,8 @@ from normalgan.data.storage import Storage
 from normalgan.data.tasks import CheckTask, find_damage
 from normalgan.errors import RunError
 
+__all__ = ["outstanding"]
+
 _AT_ONCE = 64  # shards a task: a few seconds of reading
 
 

@@ -13,6 +13,20 @@ from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import read_once
 from normalgan.rendering.samples import Sample
 
+__all__ = [
+    "ChangedMeshError",
+    "CheckTask",
+    "MeshTask",
+    "ShardTask",
+    "check_recipe",
+    "error_text",
+    "find_damage",
+    "fingerprint",
+    "look_at",
+    "render_shard",
+    "try_mesh",
+]
+
 
 @dataclass(frozen=True)
 class MeshTask:

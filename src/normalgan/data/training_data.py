@@ -5,6 +5,8 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+__all__ = ["changes", "describe_training_data"]
+
 _SHORT = 40  # characters of a value that are told
 
 

@@ -13,6 +13,8 @@ from normalgan.data.workers import Workers
 from normalgan.errors import InputError
 from normalgan.rendering.samples import RENDERING_VERSION
 
+__all__ = ["find_unusable", "leave_out"]
+
 
 def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
     """Return why meshes cannot be used, by name; those that can be are not in it.

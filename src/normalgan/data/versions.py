@@ -7,6 +7,8 @@ from importlib.metadata import PackageNotFoundError, version
 
 from normalgan.rendering import samples
 
+__all__ = ["difference", "versions"]
+
 _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex", "zarr", "numcodecs")
 
 

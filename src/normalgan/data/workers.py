@@ -15,6 +15,8 @@ from typing import Self, TypeVar
 from normalgan.data.pool import unrelated
 from normalgan.errors import InputError, RunError
 
+__all__ = ["Workers", "one_thread_each"]
+
 T = TypeVar("T")
 R = TypeVar("R")
 

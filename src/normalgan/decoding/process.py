@@ -33,6 +33,19 @@ from normalgan.decoding.worker import (
 )
 from normalgan.errors import InputError, RunError
 
+__all__ = [
+    "MEMORY",
+    "PATIENCE",
+    "SECONDS",
+    "Decoded",
+    "Part",
+    "Parts",
+    "Pixels",
+    "decode",
+    "decode_frames",
+    "start",
+]
+
 T = TypeVar("T")
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
 """(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits; as

@@ -20,6 +20,37 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+__all__ = [
+    "EXACT",
+    "FRAMES",
+    "MODES",
+    "MOST_DEPTH",
+    "MOST_PARTS",
+    "MOST_PIXELS",
+    "MOST_TEXT",
+    "PART",
+    "PARTS",
+    "PICTURE",
+    "PIXEL_BYTES",
+    "READY",
+    "REFUSED",
+    "REPLY",
+    "REQUEST",
+    "RefusedError",
+    "decode",
+    "draw_svg",
+    "exact_levels",
+    "harmless",
+    "is_svg",
+    "limit",
+    "limit_time",
+    "loses_levels",
+    "main",
+    "send",
+    "send_frames",
+    "send_levels",
+]
+
 REQUEST = struct.Struct("<QIIIIBB")
 """Bytes that follow, least and greatest side, of an SVG, longest to reduce to or 0, whether grey, what."""
 PICTURE, FRAMES, EXACT = 0, 1, 2

@@ -1,1 +1,3 @@
 """From a checkpoint to a file that other programs run: ONNX, TorchScript, torch.export."""
+
+__all__ = []

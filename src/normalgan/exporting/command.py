@@ -11,6 +11,8 @@ from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files import write_bytes
 from normalgan.warning_filters import filter_warnings
 
+__all__ = ["HALVED", "SUFFIXES", "TOLERANCE", "build_parser", "export", "run"]
+
 SUFFIXES = {"onnx": ".onnx", "safetensors": ".safetensors", "torchscript": ".pt", "pt2": ".pt2"}
 HALVED = ("onnx", "safetensors")
 TOLERANCE = 1e-3

@@ -10,6 +10,8 @@ from normalgan.normals import angles
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.strokes.stroke import Stroke
 
+__all__ = ["Floats", "examples", "largest_difference", "paint", "turn_in_degrees"]
+
 Floats = NDArray[np.float32]
 
 _STROKES, _HINTS = 12, 15

@@ -11,6 +11,8 @@ from normalgan.models.condition import make_condition
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.notes import Notes
 
+__all__ = ["Deployed", "load"]
+
 
 class Deployed(nn.Module):
     """Sketch and hints in, normals and perhaps their confidence out; dropout off, statistics fixed.

@@ -19,6 +19,22 @@ from normalgan.warning_filters import quiet_loggers
 from normalgan.weights.file import Weights, parse_weights
 from normalgan.weights.notes import Notes
 
+__all__ = [
+    "FORMATS",
+    "Floats",
+    "Format",
+    "Run",
+    "halve_onnx",
+    "read_onnx",
+    "read_program",
+    "read_safetensors",
+    "read_torchscript",
+    "write_onnx",
+    "write_program",
+    "write_safetensors",
+    "write_torchscript",
+]
+
 Floats = NDArray[np.float32]
 Run = Callable[[Floats, Floats], Sequence[Floats]]
 

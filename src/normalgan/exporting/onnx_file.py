@@ -6,6 +6,8 @@ import numpy as np
 import onnx
 from onnx import ModelProto, NodeProto, TensorProto, helper, numpy_helper
 
+__all__ = ["finish", "halve"]
+
 _SMALL = 64
 """Tensors of fewer elements stay as they are: shapes, scales and the like weigh nothing."""
 

@@ -7,6 +7,8 @@ from torch import Tensor
 
 from normalgan.registry import Registry
 
+__all__ = ["HINT_SAMPLERS", "ErrorHintSampler", "HintSampler"]
+
 
 class HintSampler(ABC):
     """Base of the hint samplers, which play the designer in training and testing."""

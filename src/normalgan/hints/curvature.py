@@ -11,6 +11,8 @@ from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.hints.divergence import Estimator, curvature_map
 
+__all__ = ["Comparison", "CurvatureHints", "Normalisation", "Rounding"]
+
 Comparison = Literal["greater", "greater_equal"]
 Normalisation = Literal["none", "minmax"]
 Rounding = Literal["round", "floor"]

@@ -9,6 +9,8 @@ from normalgan.hints.base import ErrorHintSampler, HintSampler
 from normalgan.hints.encode import hints_at
 from normalgan.seeds import derive_seed
 
+__all__ = ["draw_hints", "draw_hints_by_name"]
+
 
 def draw_hints(
     sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, error: Tensor | None = None

@@ -3,6 +3,8 @@
 import torch
 from torch import Tensor
 
+__all__ = ["hints_at"]
+
 
 def hints_at(normal: Tensor, where: Tensor) -> Tensor:
     """Return the hints that give away ``normal`` at the pixels ``where``.

@@ -8,6 +8,8 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 
+__all__ = ["FarthestPointHints"]
+
 
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)

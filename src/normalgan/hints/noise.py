@@ -7,6 +7,8 @@ from torch import Tensor
 
 from normalgan.metrics import unit_vectors
 
+__all__ = ["turn_hints"]
+
 
 def turn_hints(hints: Tensor, degrees: float, seed: int) -> Tensor:
     """Return hints (N, 4, H, W) whose normals are each turned at random; where they are stays.

@@ -9,6 +9,8 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler
 
+__all__ = ["WorstErrorHints"]
+
 _CROWDED = 1e4  # more than any error
 
 

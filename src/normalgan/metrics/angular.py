@@ -8,6 +8,14 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.metrics.base import BINS_PER_DEGREE, NormalMapMetric
 
+__all__ = [
+    "MeanAngularError",
+    "MeanAngularErrorPerImage",
+    "MedianAngularError",
+    "RootMeanSquareAngularError",
+    "ShareBelow",
+]
+
 
 class MeanAngularError(NormalMapMetric):
     """Mean angle in degrees over all pixels in the masks.

@@ -10,6 +10,8 @@ from torchmetrics import Metric
 from normalgan.errors import InputError
 from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors
 
+__all__ = ["BINS_PER_DEGREE", "NormalMapMetric"]
+
 BINS_PER_DEGREE = 100
 
 # Sums are whole numbers of these fractions: exact, the same in any order and on any number of processes,

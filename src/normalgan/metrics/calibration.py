@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import torch
 from torch import Tensor
 
+__all__ = ["BIN", "Calibration", "expected_angle"]
+
 BIN = 2.0
 """Degrees of predicted error that share a bin of the curve."""
 _BINS = math.ceil(90 / BIN)

@@ -11,6 +11,8 @@ from normalgan.metrics.angular import (
 )
 from normalgan.metrics.distance import MeanL1, MeanL2
 
+__all__ = ["THRESHOLDS", "normal_map_metrics"]
+
 THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
 """Degrees of the usual shares: Bae and Davison, DSINE, CVPR 2024, and before it Fouhey et al., ICCV 2013."""
 

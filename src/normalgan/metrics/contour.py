@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from torch import Tensor
 
+__all__ = ["distance_from_contour"]
+
 
 def distance_from_contour(mask: Tensor) -> Tensor:
     """Return how far inside the object each pixel lies, in pixels; 0 off the object.

@@ -4,6 +4,8 @@ from torch import Tensor
 
 from normalgan.metrics.base import NormalMapMetric
 
+__all__ = ["MeanL1", "MeanL2"]
+
 
 class MeanL1(NormalMapMetric):
     """Mean over all pixels in the masks of Σ|Δ| over the three coordinates, on [-1, 1]."""

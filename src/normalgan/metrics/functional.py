@@ -5,6 +5,8 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 
+__all__ = ["angular_error", "l1_distance", "l2_distance", "unit_vectors", "without_hints"]
+
 
 def angular_error(preds: Tensor, target: Tensor) -> Tensor:
     """Return the angle between two maps of vectors in degrees, 0…180.

@@ -5,6 +5,8 @@ from torch import Tensor
 
 from normalgan.metrics.functional import unit_vectors
 
+__all__ = ["depth_difference", "total_variation"]
+
 
 def depth_difference(preds: Tensor, target: Tensor) -> Tensor:
     """Return n_z painted - true, (N, 1, H, W): above 0 what is painted is too flat.

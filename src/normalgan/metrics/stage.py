@@ -8,6 +8,8 @@ from torchmetrics import MetricCollection
 
 from normalgan.metrics.collection import normal_map_metrics
 
+__all__ = ["StageMetrics"]
+
 
 class StageMetrics(nn.Module):
     """The collections of one stage, such as validation with hints and without.

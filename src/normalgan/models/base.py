@@ -9,6 +9,8 @@ from torch import Tensor, nn
 from normalgan.predictions import Predictions
 from normalgan.registry import Registry
 
+__all__ = ["DISCRIMINATORS", "GENERATORS", "INPUT_CHANNELS", "Discriminator", "Generator", "Network"]
+
 INPUT_CHANNELS = 4
 """Sketch as RGB with the hint normals painted in, and the mask of the hints: the paper's "four-dimensional"
 input, in the reading of Su et al. 2018, Fig. 2."""

@@ -4,6 +4,8 @@ from typing import Literal
 
 from torch import nn
 
+__all__ = ["Norm", "down", "init_weights", "norm_layer", "up"]
+
 Norm = Literal["batch", "instance", "none"]
 
 

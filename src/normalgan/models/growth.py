@@ -8,6 +8,8 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.residual_generator import ResidualUNetGenerator
 
+__all__ = ["grow"]
+
 _HEARD = torch.tensor([0.25, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean, a hint lies in one pixel
 
 

@@ -4,6 +4,8 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+__all__ = ["hint_pyramid"]
+
 
 def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:
     """Return the hints halved again and again, ``levels`` tensors (N, 4, H / 2^l, W / 2^l), l from 1.

@@ -7,6 +7,8 @@ from normalgan.errors import InputError
 from normalgan.models.base import DISCRIMINATORS, INPUT_CHANNELS, Discriminator
 from normalgan.models.blocks import Norm, init_weights, norm_layer
 
+__all__ = ["PatchDiscriminator"]
+
 
 @DISCRIMINATORS.register
 class PatchDiscriminator(Discriminator):

@@ -3,6 +3,8 @@
 import torch
 from torch import Tensor, nn
 
+__all__ = ["float32_output"]
+
 
 def float32_output(layer: nn.Module, features: Tensor) -> Tensor:
     """Return what a layer makes of features (N, C, H, W), computed in float32 under autocast too.

@@ -4,6 +4,8 @@ from torch import Tensor, nn
 
 from normalgan.models.blocks import Norm, norm_layer
 
+__all__ = ["ResidualBlock", "residual_blocks"]
+
 
 class ResidualBlock(nn.Module):
     """Adds to its input what two convolutions make of it: x + conv(SiLU(norm(conv(SiLU(norm(x)))))).

@@ -14,6 +14,8 @@ from normalgan.models.precision import float32_output
 from normalgan.models.residual import residual_blocks
 from normalgan.predictions import Predictions
 
+__all__ = ["ResidualUNetGenerator"]
+
 _HEADS = 5  # a direction, the presence of an object, the confidence
 _DETAIL = 16  # channels between the two last layers, which take up the lines' exact place
 

@@ -4,6 +4,8 @@ from typing import Any, Protocol
 
 from torch import Tensor, nn
 
+__all__ = ["Processes", "average_statistics"]
+
 
 class Processes(Protocol):
     """What takes means over the processes that train: a strategy of Lightning."""

@@ -6,6 +6,8 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.blocks import Norm, down, init_weights, norm_layer, up
 
+__all__ = ["UNet", "full_depth"]
+
 
 def full_depth(size: int) -> int:
     """Return how often a picture of ``size`` pixels can be halved until one is left.

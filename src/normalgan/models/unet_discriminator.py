@@ -7,6 +7,8 @@ from normalgan.models.base import DISCRIMINATORS, INPUT_CHANNELS, Discriminator
 from normalgan.models.blocks import Norm, init_weights
 from normalgan.models.unet import UNet, full_depth
 
+__all__ = ["UNetDiscriminator"]
+
 
 @DISCRIMINATORS.register
 class UNetDiscriminator(Discriminator):

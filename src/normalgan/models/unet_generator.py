@@ -7,6 +7,8 @@ from normalgan.models.base import GENERATORS, INPUT_CHANNELS, Generator
 from normalgan.models.blocks import Norm
 from normalgan.models.unet import UNet, full_depth
 
+__all__ = ["UNetGenerator"]
+
 
 @GENERATORS.register
 class UNetGenerator(Generator):

@@ -11,6 +11,8 @@ from normalgan.errors import InputError
 from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.predictions import Predictions
 
+__all__ = ["AngularLikelihood", "angular_nll", "relief_error", "smooth_angle"]
+
 _TINY = 1e-6  # of a length or its square: at a right or an opposite direction the angle has no gradient
 
 

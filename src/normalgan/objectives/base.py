@@ -8,6 +8,8 @@ from torch import Tensor, nn
 
 from normalgan.registry import Registry
 
+__all__ = ["ADVERSARIAL_OBJECTIVES", "AdversarialObjective", "Critic", "Scores", "mean_over_heads"]
+
 Scores = tuple[Tensor, ...]
 """Raw scores of a discriminator, a tensor a head; see `Discriminator.forward`."""
 

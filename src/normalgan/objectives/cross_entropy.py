@@ -8,6 +8,8 @@ from torch import Tensor
 
 from normalgan.objectives.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
 
+__all__ = ["CrossEntropy"]
+
 
 def _cross_entropy(scores: Scores, target: float) -> Tensor:
     full = [score.float() for score in scores]  # under autocast they may be bfloat16

@@ -11,6 +11,8 @@ from torch import Tensor
 
 from normalgan.errors import RunError
 
+__all__ = ["FEW", "LossError", "loss_error", "not_finite", "read_behind"]
+
 FEW = 8
 """More names of samples than this no one reads."""
 

@@ -10,6 +10,8 @@ from normalgan.objectives.pixel_losses import hint_loss, l1_loss
 from normalgan.objectives.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.predictions import Predictions
 
+__all__ = ["L1AndHints"]
+
 
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ from torch import Tensor
 from normalgan.predictions import Predictions
 from normalgan.registry import Registry
 
+__all__ = ["RECONSTRUCTIONS", "Reconstruction", "Term"]
+
 
 class Term(NamedTuple):
     """A part of a loss."""

@@ -14,6 +14,8 @@ from normalgan.objectives.base import (
     mean_over_heads,
 )
 
+__all__ = ["Wasserstein", "WassersteinGradientPenalty"]
+
 
 class _DistanceObjective(AdversarialObjective):
     """The losses of a critic that estimates the Wasserstein distance, however it is held Lipschitz."""

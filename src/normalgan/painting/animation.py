@@ -13,6 +13,8 @@ from normalgan.drawings import MOST_BYTES
 from normalgan.errors import InputError
 from normalgan.limits import read_bounded
 
+__all__ = ["SUFFIXES", "Kind", "encode_animation", "kind_of", "moving_kind"]
+
 Kind = Literal["gif", "webp", "png"]
 """Of an animation; a PNG that moves is an APNG."""
 SUFFIXES = (".gif", ".webp", ".png", ".apng")

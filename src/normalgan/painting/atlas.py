@@ -10,6 +10,8 @@ from normalgan.errors import InputError, brief
 from normalgan.limits import read_bounded
 from normalgan.painting.sheets import MOST_CELLS, Cell
 
+__all__ = ["ENDINGS", "MOST_BYTES", "read_atlas"]
+
 MOST_BYTES = 2**24
 """Larger atlases are refused; each sprite takes some three hundred bytes."""
 ENDINGS = (".json", "_atlas.json")

@@ -4,6 +4,8 @@ from typing import Protocol
 
 from normalgan.normals import Floats
 
+__all__ = ["Backend"]
+
 
 class Backend(Protocol):
     """A network that is shown one sketch at a time; safe to be called by several threads."""

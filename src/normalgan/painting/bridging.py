@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats
 from normalgan.painting.stroke_ends import Ends
 
+__all__ = ["Bridge", "Mark", "bridges"]
+
 _FAN = np.deg2rad(np.arange(-45, 46, 15))
 """Ways in which a line may go on to meet another."""
 _ONTO = 1.3

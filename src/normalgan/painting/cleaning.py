@@ -13,6 +13,8 @@ from normalgan.painting.picture import Picture
 from normalgan.painting.polarity import is_light_on_dark
 from normalgan.painting.silhouette import contour, is_silhouette, over_own_colour
 
+__all__ = ["Cleaned", "clean", "without_specks"]
+
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
 
 

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
 
+__all__ = ["MOST_PINS", "REACH", "brush", "hold_pins", "paint_mask", "polygon", "stroke", "tilt"]
+
 REACH = 0.05
 """How far a pin has an effect that says nothing else, as a share of the map's longer side."""
 MOST_PINS = 200

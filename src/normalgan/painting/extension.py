@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats
 from normalgan.painting.vectors import unit
 
+__all__ = ["extend"]
+
 _SWEEPS = 6
 _MEAN = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32) / 4
 

@@ -10,6 +10,8 @@ from normalgan.painting.line_width import line_width
 from normalgan.painting.silhouette import enclosed_by
 from normalgan.painting.stroke_ends import stroke_ends
 
+__all__ = ["MARGIN", "Filling", "Mark"]
+
 _STEPS = (
     *((0.0, 0.0), (0.005, 0.0), (0.012, 0.0)),
     *((0.005, 0.08), (0.005, 0.16), (0.005, 0.25)),

@@ -9,6 +9,8 @@ from pathlib import Path
 from normalgan.drawings import SUFFIXES, without_companions
 from normalgan.errors import InputError
 
+__all__ = ["search"]
+
 
 def search(
     words: Sequence[str],

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
 
+__all__ = ["Bounds", "Frame", "bounds_of", "united"]
+
 Bounds = tuple[int, int, int, int]
 """First row, row after the last, first column, column after the last."""
 

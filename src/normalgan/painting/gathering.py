@@ -5,6 +5,8 @@ import numpy as np
 
 from normalgan.normals import Floats
 
+__all__ = ["spread"]
+
 _FADED = 0.005
 """What has faded to less is left out."""
 _COLUMNS = 128

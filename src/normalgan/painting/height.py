@@ -9,6 +9,8 @@ from normalgan.normals import Floats
 from normalgan.painting.height_pyramid import double, halve
 from normalgan.painting.surface import Surface
 
+__all__ = ["integrate"]
+
 _SMALL = 16000
 """Pixels up to which a map is solved at once."""
 _REFINED = 4

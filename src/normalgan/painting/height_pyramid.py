@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Mask", "Vectors", "double", "halve"]
+
 _STEEPEST = 0.2
 """Least nz that a slope within a pixel is taken from: it only places the start of the next search."""
 

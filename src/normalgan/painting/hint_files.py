@@ -13,6 +13,8 @@ from normalgan.errors import InputError
 from normalgan.limits import read_bounded
 from normalgan.normals import Floats, normalize
 
+__all__ = ["ENDINGS", "MOST_LISTED", "Hints", "load_hints", "parse_hints"]
+
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 """What the hints of a drawing are named, after its stem, in the order in which they are looked for."""
 MOST_LISTED = 2**24

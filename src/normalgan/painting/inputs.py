@@ -18,6 +18,17 @@ from normalgan.painting.masks import load_mask, mask_of
 from normalgan.painting.picture import Picture, read_picture, to_picture
 from normalgan.painting.preparation import Mark, Prepared, prepare
 
+__all__ = [
+    "AnyHints",
+    "AnyMask",
+    "AnyPicture",
+    "as_hints",
+    "as_mask",
+    "as_picture",
+    "check_size",
+    "prepare_any",
+]
+
 AnyPicture = str | Path | Image.Image | NDArray[Any] | Picture
 AnyMask = str | Path | Image.Image | NDArray[Any] | None
 AnyHints = str | Path | Sequence[dict[str, Any]] | NDArray[Any] | Hints | None

@@ -13,6 +13,8 @@ from normalgan.painting.preparation import Mark
 from normalgan.painting.sheets import MOST_CELLS, Cell
 from normalgan.painting.silhouette import enclosed_by
 
+__all__ = ["find_islands"]
+
 _GAP = 0.004
 """Half the gap across which parts hang together, as a share of the sheet's longer side."""
 _INK, _FAINT = 0.35, 8

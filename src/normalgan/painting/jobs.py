@@ -12,6 +12,24 @@ from normalgan.painting.folders import search
 from normalgan.painting.hint_files import ENDINGS as HINT_ENDINGS
 from normalgan.painting.masks import ENDINGS as MASK_ENDINGS
 
+__all__ = [
+    "COMPANIONS",
+    "FILES",
+    "MODEL",
+    "OUTLINE",
+    "STDIN",
+    "STDOUT",
+    "DrawingFiles",
+    "Job",
+    "check_writable",
+    "find_files",
+    "find_many",
+    "format_of",
+    "is_file_name",
+    "plan",
+    "plan_file",
+]
+
 STDIN = STDOUT = "-"
 FILES: dict[str, Literal["png", "exr", "tiff"]] = {
     **{".png": "png", ".apng": "png", ".gif": "png", ".webp": "png"},

@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats
 
+__all__ = ["Levels"]
+
 _BINS = 4097
 """Odd, so that the middle of the range is one of them."""
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.normals import Floats
 
+__all__ = ["CLAY_FILE", "Clay", "Colour", "lamp_direction", "shade", "to_srgb"]
+
 Colour = tuple[float, float, float]
 
 CLAY_FILE = Path(__file__).with_name("clay.json")

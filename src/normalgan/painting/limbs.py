@@ -4,6 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Mark", "limbs"]
+
 _SHORTEST, _APART = 0.12, 0.03
 """How long they are, and how far from the object they may begin, as shares of what the drawing spans."""
 _THINNEST = 2.5

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats
 from normalgan.painting.framing import Frame
 
+__all__ = ["KNOWN_WIDTH", "Mark", "areas", "line_width", "middle", "show"]
+
 KNOWN_WIDTH = 1.25
 """Pixels of the model that the lines of training samples are wide."""
 _LEFT_ALONE = (0.8, 1.9)

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.painting.picture import Picture, read_picture
 
+__all__ = ["ENDINGS", "load_mask", "mask_of"]
+
 ENDINGS = ("_mask.png", ".png")
 """What the mask of a drawing is named, after its stem, in the order in which they are looked for."""
 

@@ -5,6 +5,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, cg
 
+__all__ = ["Solver"]
+
 _Vector = NDArray[np.float64]
 _SLOW = 8
 """Steps from which a new multigrid pays: the old one was built for other weights."""

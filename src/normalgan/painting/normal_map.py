@@ -22,6 +22,8 @@ from normalgan.normals import (
     paint_flat,
 )
 
+__all__ = ["Format", "NormalMap"]
+
 Format = Literal["png", "exr", "tiff"]
 _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
 

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats
 from normalgan.painting.picture import fitted, resize
 
+__all__ = ["occlusion"]
+
 _SIDE = 512
 """Longest side at which it is worked out; occlusion is smooth."""
 _WAYS = 12

@@ -14,6 +14,8 @@ from normalgan.limits import read_bounded
 from normalgan.normals import Floats
 from normalgan.painting.onnx_graph import check_graph
 
+__all__ = ["LARGEST", "MEMORY", "PATIENCE", "SHIPPED", "SMALLEST", "OnnxBackend", "find_model"]
+
 SHIPPED = Path(__file__).parents[1] / "weights" / "ours.onnx"
 """The model that comes with the package."""
 PATIENCE = 300.0

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 
 from normalgan.errors import InputError
 
+__all__ = ["MOST_NODES", "check_graph"]
+
 MOST_NODES = 20_000
 """More operators than any generator has; a large one has some hundreds."""
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+__all__ = ["Corners", "corners_of"]
+
 _ROUNDS = 4
 """Times that the rim is smoothed; more would eat thin legs and ears."""
 

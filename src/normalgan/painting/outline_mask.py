@@ -10,6 +10,8 @@ from normalgan.normals import Floats
 from normalgan.painting.filling import MARGIN, Filling
 from normalgan.painting.picture import fitted, resize
 
+__all__ = ["Mark", "Outline", "fill_outline"]
+
 _SIDE = 512
 """Longest side at which areas are filled, and twice the shortest."""
 _FAILED = 0.5

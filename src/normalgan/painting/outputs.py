@@ -13,6 +13,8 @@ from normalgan.normals import Bits, Floats, Green, encode_grey
 from normalgan.painting.jobs import Job
 from normalgan.painting.normal_map import Format, NormalMap
 
+__all__ = ["Outputs", "encode_height"]
+
 
 @dataclass(frozen=True)
 class Outputs:

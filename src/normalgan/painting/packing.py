@@ -10,6 +10,8 @@ from normalgan.painting.atlas import ENDINGS, read_atlas
 from normalgan.painting.islands import find_islands
 from normalgan.painting.sheets import Cell, grid_cells, parse_grid
 
+__all__ = ["Packing"]
+
 
 @dataclass(frozen=True)
 class Packing:

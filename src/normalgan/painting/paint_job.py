@@ -26,6 +26,8 @@ from normalgan.painting.preparation import Mark
 from normalgan.painting.series import Member, flat_map, paint_series
 from normalgan.painting.sheets import paint_sheet
 
+__all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPainter", "target_of"]
+
 Framing = Literal["own", "shared"]
 MOST_TOGETHER = 2**26
 """Pixels of all drawings that share a frame: they are in memory together."""

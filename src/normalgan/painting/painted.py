@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats
 from normalgan.painting.levels import Levels
 
+__all__ = ["Mark", "darkest", "painted_areas", "paper_colour", "steps", "surroundings"]
+
 _PAINTED = 0.8
 """What is wide and darker than this share of the sheet, in its darkest channel, is painted or shaded."""
 _STEP = 0.12

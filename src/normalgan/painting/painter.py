@@ -6,6 +6,8 @@ from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.pipeline import paint
 from normalgan.painting.upsampling import Upsampler, fill_and_sharpen
 
+__all__ = ["Painter"]
+
 
 class Painter:
     """Paints drawings. It may be called by several threads.

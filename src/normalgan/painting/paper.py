@@ -9,6 +9,8 @@ from normalgan.painting.levels import Levels
 from normalgan.painting.painted import darkest, painted_areas, paper_colour, steps, surroundings
 from normalgan.painting.picture import fitted, resize
 
+__all__ = ["Mark", "ink_on_paper"]
+
 _SIDE = 512
 """Longest side at which the paper is estimated; it has no finer structure."""
 _WINDOW = 0.07

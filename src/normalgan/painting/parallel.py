@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
+__all__ = ["stream", "workers"]
+
 J = TypeVar("J")
 R = TypeVar("R")
 

@@ -10,6 +10,8 @@ from normalgan.decoding import Decoded
 from normalgan.drawings import SVG_SIDE, read_pixels, to_unit
 from normalgan.normals import Floats
 
+__all__ = ["MOST_WORKED", "Picture", "fitted", "read_picture", "resize", "to_picture"]
+
 MOST_WORKED = 2048
 """Longest side in pixels at which a drawing is worked on; maps of larger ones are enlarged to their size."""
 

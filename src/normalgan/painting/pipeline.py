@@ -17,6 +17,8 @@ from normalgan.painting.preparation import Mark, Prepared
 from normalgan.painting.upsampling import Coarse, Upsampler, fill_and_sharpen
 from normalgan.painting.vectors import lengths, unit
 
+__all__ = ["CLOSED", "finish", "paint"]
+
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
 _LEAST = 0.02

@@ -7,6 +7,8 @@ from normalgan.normals import Floats
 from normalgan.painting.levels import Levels
 from normalgan.painting.picture import fitted, resize
 
+__all__ = ["is_light_on_dark"]
+
 _SIDE, _WINDOWS = 256, (3, 5, 7, 11, 17)
 
 

@@ -15,6 +15,8 @@ from normalgan.painting.line_width import show
 from normalgan.painting.outline_mask import fill_outline
 from normalgan.painting.picture import MOST_WORKED, Picture, fitted, resize
 
+__all__ = ["Mark", "Prepared", "hinted", "prepare", "reframed"]
+
 Mark = NDArray[np.bool_]
 
 

@@ -11,6 +11,8 @@ from normalgan.errors import InputError
 from normalgan.normals import Floats, normalize
 from normalgan.painting.lighting import lamp_direction, shade, to_srgb
 
+__all__ = ["Opacity", "Pixels", "lit", "preview_gif", "preview_png", "sheet", "turn"]
+
 Pixels = NDArray[np.uint8]
 Opacity = NDArray[np.bool_] | Floats
 

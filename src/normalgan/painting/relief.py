@@ -11,6 +11,8 @@ from normalgan.files import write_bytes
 from normalgan.normals import Floats
 from normalgan.painting.outline import Corners, corners_of
 
+__all__ = ["SUFFIXES", "Backing", "check_relief_path", "relief_mesh", "write_relief"]
+
 Backing = Literal["open", "flat", "plate"]
 SUFFIXES = (".glb", ".obj")
 

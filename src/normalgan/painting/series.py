@@ -18,6 +18,8 @@ from normalgan.painting.picture import Picture, fitted
 from normalgan.painting.pipeline import finish
 from normalgan.painting.preparation import Mark, Prepared, hinted, prepare, reframed
 
+__all__ = ["Member", "flat_map", "paint_series", "steadied"]
+
 _REACH = 4
 """Frames before and after that a frame is averaged with, as far as they show the same."""
 _AROUND = 1 / 32

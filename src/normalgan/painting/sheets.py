@@ -21,6 +21,8 @@ from normalgan.painting.picture import to_picture
 from normalgan.painting.preparation import Mark
 from normalgan.painting.series import Member, paint_series
 
+__all__ = ["MOST_CELLS", "Cell", "grid_cells", "paint_sheet", "parse_grid"]
+
 T = TypeVar("T", bound=np.generic)
 MOST_CELLS = 4096
 """Drawings in one sheet; the largest atlases in use have some hundreds."""

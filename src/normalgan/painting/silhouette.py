@@ -7,6 +7,8 @@ from scipy import ndimage
 
 from normalgan.normals import Floats
 
+__all__ = ["contour", "enclosed_by", "is_silhouette", "over_own_colour"]
+
 _THICK = 0.04
 """Half the width of an object at its widest, as a share of its extent; lines have less."""
 _THICK_PARTS = ((0.12, 0.15), (0.16, 0.1))

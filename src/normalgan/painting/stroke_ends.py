@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats
 
+__all__ = ["Ends", "Mark", "stroke_ends"]
+
 Mark = NDArray[np.bool_]
 
 

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats, normalize
 from normalgan.painting.picture import fitted, resize
 
+__all__ = ["Point", "doubt", "suggest"]
+
 _SIDE = 256
 """Longest side at which points are looked for."""
 _RIM = 0.02

@@ -8,6 +8,8 @@ from scipy import sparse
 
 from normalgan.painting.multigrid import Solver
 
+__all__ = ["Links", "Surface", "link"]
+
 _STEEPEST = 0.05
 """Least nz that is believed (a slope of 20): at a contour the slope itself is infinite."""
 _SURE = 12.0

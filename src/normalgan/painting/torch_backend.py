@@ -7,6 +7,8 @@ from torch import Tensor, nn
 from normalgan.models.condition import make_condition
 from normalgan.normals import Floats
 
+__all__ = ["TorchBackend", "channels_last"]
+
 
 class TorchBackend:
     """A generator in torch: sketches and hints in, normals and perhaps confidence out. A `Backend`.

@@ -12,6 +12,8 @@ from normalgan.painting.extension import extend
 from normalgan.painting.gathering import spread
 from normalgan.painting.preparation import Prepared
 
+__all__ = ["Coarse", "Mark", "Upsampler", "fill_and_sharpen", "sharpen"]
+
 _BARRIER = 6.0
 """What crossing a line costs, in reaches."""
 _FINEST = 3.0

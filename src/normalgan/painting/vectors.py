@@ -5,6 +5,8 @@ import numpy as np
 
 from normalgan.normals import Floats
 
+__all__ = ["lengths", "unit"]
+
 _NONE = np.float32(1e-8)
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from pathlib import Path
 
+__all__ = ["Stamp", "Watcher"]
+
 Stamp = tuple[int, int]
 
 

@@ -4,6 +4,8 @@ import sys
 import warnings
 from importlib import import_module
 
+__all__ = []
+
 warnings.warn(
     "normalgan.rendering.animals is now normalgan.animals; the old name goes with the next release.",
     DeprecationWarning,

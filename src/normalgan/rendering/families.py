@@ -1,5 +1,7 @@
 """Names of what is made of a mesh: its poses and its variations bear its own name and a number."""
 
+__all__ = ["POSE", "VARIATION", "family", "pose_name", "variation_name"]
+
 POSE, VARIATION = "@", "~"
 
 

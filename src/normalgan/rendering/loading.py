@@ -20,6 +20,8 @@ from normalgan.warning_filters import quiet_loggers
 if TYPE_CHECKING:
     from trimesh import Scene, Trimesh
 
+__all__ = ["SUFFIXES", "WITH_MATERIALS", "Triangles", "read_triangles"]
+
 Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")

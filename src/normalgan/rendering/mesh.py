@@ -6,6 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Mesh", "MeshSource"]
+
 
 @dataclass(frozen=True)
 class Mesh:

@@ -20,6 +20,8 @@ from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 
+__all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish"]
+
 LOADER_VERSIONS = {".obj": 2}
 """Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` comes to return another mesh."""
 

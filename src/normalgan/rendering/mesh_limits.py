@@ -11,6 +11,20 @@ from normalgan.errors import InputError
 from normalgan.rendering.gltf import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 
+__all__ = [
+    "FREE_NUMBERS",
+    "FREE_VERTICES",
+    "HEADER",
+    "MOST_PARTS",
+    "REPEATED",
+    "SIZES",
+    "WIDTHS",
+    "buffer_file",
+    "check_limits",
+    "linked_buffers",
+    "name_in_folder",
+]
+
 HEADER = 2**16
 """Bytes of a file in which it has to say what it holds."""
 FREE_NUMBERS = 2**22

@@ -8,6 +8,8 @@ import numpy as np
 from normalgan.errors import InputError, brief
 from normalgan.shipped_configs import find_beside
 
+__all__ = ["Orientation", "Rotation", "checked_rotation", "read_orientations"]
+
 Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 

@@ -5,6 +5,8 @@ from numpy.typing import NDArray
 
 from normalgan.rendering.topology import bodies, neighbours, seams
 
+__all__ = ["GRID", "Doubles", "Indices", "face_vectors", "shade", "weld", "wind"]
+
 Doubles = NDArray[np.float64]
 Indices = NDArray[np.int64]
 

@@ -23,6 +23,8 @@ from normalgan.rendering.strokes.raster import rasterise
 from normalgan.rendering.view import View
 from normalgan.rendering.views import Views
 
+__all__ = ["RENDERING_VERSION", "Recipe", "Sample", "draw_ink", "draw_strokes", "sample_rng"]
+
 RENDERING_VERSION = 2
 """Raise it when a change to the code changes what a recipe renders: stored samples are then made anew."""
 

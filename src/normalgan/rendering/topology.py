@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Indices", "bodies", "components", "neighbours", "seams"]
+
 Indices = NDArray[np.int64]
 
 

@@ -5,6 +5,8 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.views import Camera
 
+__all__ = ["View"]
+
 
 class View:
     """An object seen from one place.

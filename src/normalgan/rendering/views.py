@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.rendering.mesh import Mesh
 
+__all__ = ["Camera", "Doubles", "Views", "framed", "look_at_origin"]
+
 Doubles = NDArray[np.float64]
 
 

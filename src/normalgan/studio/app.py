@@ -31,6 +31,8 @@ from normalgan.studio.rate_limit import TokenBucket
 from normalgan.studio.refusals import TooManyError
 from normalgan.studio.responses import ResponseMiddleware, failed, refused
 
+__all__ = ["PAGE", "build_app"]
+
 PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
 _WAITING = 4

@@ -6,6 +6,8 @@ from starlette.requests import Request
 
 from normalgan.studio.refusals import TooLargeError, TooSlowError, WrongTypeError
 
+__all__ = ["MOST_AT_ONCE", "MOST_BYTES", "PATIENCE", "check_type", "gone", "read_body", "read_json"]
+
 MOST_BYTES = 20 * 2**20
 """Longest body of a request."""
 MOST_AT_ONCE = 16

@@ -16,6 +16,8 @@ from normalgan.studio.opening import find_opened
 from normalgan.studio.painter import Painter
 from normalgan.studio.serving import listen, serve
 
+__all__ = ["build_parser", "run", "studio"]
+
 
 def run(arguments: list[str]) -> int:
     """Serve the studio until it is ended, and return the exit code.

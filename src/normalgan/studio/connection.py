@@ -9,6 +9,8 @@ from uvicorn.config import Config
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.server import ServerState
 
+__all__ = ["MOST_AT_ONCE", "PATIENCE", "Connection"]
+
 PATIENCE = 20.0
 """Seconds for the request line and the headers; from the same machine they take a part of one."""
 MOST_AT_ONCE = 128

@@ -10,6 +10,8 @@ from normalgan.studio.bodies import read_json
 from normalgan.studio.document_store import ANYTHING, DocumentStore, Expected
 from normalgan.studio.documents import check_document
 
+__all__ = ["DocumentRoutes"]
+
 
 class DocumentRoutes:
     """Responses for the documents of a store.

@@ -18,6 +18,8 @@ from normalgan.files import write_bytes
 from normalgan.studio.names import check_name, is_name
 from normalgan.studio.refusals import ChangedError, MissingError
 
+__all__ = ["ANYTHING", "SUFFIX", "Anything", "DocumentStore", "Expected", "tag_of"]
+
 SUFFIX = ".normalgan"
 
 

@@ -4,6 +4,8 @@ from normalgan.errors import InputError
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.fields import Fields, parse_fields, take_integer
 
+__all__ = ["FORMAT", "VERSION", "check_document"]
+
 FORMAT, VERSION = "normalgan-studio", 3
 
 

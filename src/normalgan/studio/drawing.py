@@ -29,6 +29,22 @@ from normalgan.painting.masks import mask_of
 from normalgan.painting.picture import Picture, read_picture
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_text
 
+__all__ = [
+    "LEAST_SIDE",
+    "MOST_AREAS",
+    "MOST_HINTS",
+    "MOST_MASK_STROKES",
+    "MOST_POINTS",
+    "MOST_SIDE",
+    "Area",
+    "Drawing",
+    "check_sides",
+    "read_areas",
+    "read_png",
+    "take_drawing",
+    "to_picture",
+]
+
 LEAST_SIDE, MOST_SIDE = 16, 2048
 """Least and greatest side of a drawing in pixels."""
 MOST_HINTS = MOST_PINS

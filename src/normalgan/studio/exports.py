@@ -19,6 +19,8 @@ from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
 
+__all__ = ["FORMATS", "PRESETS", "Preset", "Wish", "take_wish"]
+
 FORMATS = {
     "map": ("png8", "png16", "exr", "tiff"),
     "preview": ("png", "gif"),

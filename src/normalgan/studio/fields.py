@@ -8,6 +8,8 @@ from typing import Any
 
 from normalgan.errors import InputError
 
+__all__ = ["Fields", "parse_fields", "take_bytes", "take_choice", "take_integer", "take_text"]
+
 Fields = dict[str, Any]
 
 

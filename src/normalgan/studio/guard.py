@@ -7,6 +7,8 @@ from normalgan.studio.rate_limit import TokenBucket
 from normalgan.studio.refusals import ForeignError, RefusedError, TooManyError
 from normalgan.studio.responses import refused
 
+__all__ = ["Guard"]
+
 _MOST_AT_ONCE = 64
 
 

@@ -12,6 +12,8 @@ from normalgan.studio.names import check_name, to_name
 from normalgan.studio.pictures import import_picture
 from normalgan.studio.refusals import MissingError
 
+__all__ = ["Opened", "find_opened"]
+
 Opened = dict[str, Any]
 
 

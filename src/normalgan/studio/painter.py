@@ -16,6 +16,8 @@ from normalgan.painting.pipeline import CLOSED, paint
 from normalgan.painting.preparation import Mark, Prepared, hinted, prepare
 from normalgan.studio.drawing import Drawing
 
+__all__ = ["Painter"]
+
 T = TypeVar("T")
 
 _REMEMBERED = 2

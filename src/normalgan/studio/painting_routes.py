@@ -25,6 +25,8 @@ from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.refusals import RefusedError
 from normalgan.studio.request_queue import RequestQueue
 
+__all__ = ["PaintingRoutes"]
+
 T = TypeVar("T")
 _LARGEST = 2**53
 """Whole numbers up to here are exact in JavaScript."""

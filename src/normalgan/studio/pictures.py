@@ -10,6 +10,8 @@ from PIL import Image
 from normalgan.painting.picture import fitted, read_picture
 from normalgan.studio.drawing import MOST_SIDE, check_sides
 
+__all__ = ["Imported", "import_picture"]
+
 Imported = dict[str, str | int | list[int]]
 
 

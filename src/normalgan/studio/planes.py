@@ -15,6 +15,8 @@ from normalgan.studio.drawing import check_sides
 from normalgan.studio.fields import Fields, parse_fields, take_choice, take_integer
 from normalgan.studio.refusals import BehindError
 
+__all__ = ["CHANNELS", "CONTENT_TYPE", "KeptPlanes", "Pixels", "Planes", "split_body"]
+
 Pixels = NDArray[np.uint8]
 Planes = Mapping[str, Pixels]
 

@@ -3,6 +3,8 @@
 import time
 from collections.abc import Callable
 
+__all__ = ["TokenBucket"]
+
 
 class TokenBucket:
     """Lets ``rate`` requests a second pass, and ``burst`` at once.

@@ -2,6 +2,18 @@
 
 from normalgan.errors import InputError
 
+__all__ = [
+    "BehindError",
+    "ChangedError",
+    "ForeignError",
+    "MissingError",
+    "RefusedError",
+    "TooLargeError",
+    "TooManyError",
+    "TooSlowError",
+    "WrongTypeError",
+]
+
 
 class RefusedError(InputError):
     """A request that is not served; its message is one sentence for the user."""

@@ -9,6 +9,8 @@ from typing import Any, Generic, TypeVar
 
 from normalgan.studio.refusals import TooManyError
 
+__all__ = ["RequestQueue"]
+
 T = TypeVar("T")
 
 _TABS = 256

@@ -12,6 +12,8 @@ from starlette.types import ASGIApp
 from normalgan.errors import InputError
 from normalgan.studio.connection import Connection
 
+__all__ = ["listen", "serve"]
+
 _GRACE = 10
 """Seconds that requests have to be finished when the server is ended."""
 

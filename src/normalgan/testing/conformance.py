@@ -12,6 +12,16 @@ import torch
 
 from normalgan.errors import brief
 
+__all__ = [
+    "Check",
+    "ConformanceError",
+    "called",
+    "demand",
+    "device_list",
+    "global_randomness_untouched",
+    "hold",
+]
+
 T = TypeVar("T")
 
 

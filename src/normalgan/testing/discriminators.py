@@ -10,6 +10,8 @@ from normalgan.testing.conformance import Check, called, demand, hold
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
+__all__ = ["check_discriminator", "discriminator_checks"]
+
 _SCORES = "forward must take the condition and the normals and return a tuple of scores, one tensor a head"
 
 

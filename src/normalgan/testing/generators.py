@@ -11,6 +11,8 @@ from normalgan.testing.conformance import Check, called, demand, hold
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
+__all__ = ["check_generator", "generator_checks"]
+
 _PAINTED = "forward must take (N, 4, H, W) and return (N, 3, H, W), or a fourth channel of confidence"
 _PREDICTED = "predict must return Predictions whose channels() are what forward returns, in float32"
 

@@ -15,6 +15,8 @@ from normalgan.testing.conformance import (
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
+__all__ = ["check_hint_sampler", "hint_sampler_checks"]
+
 _WHERE = "sample must return (N, 1, H, W), 1 at a hinted pixel and 0 elsewhere"
 
 

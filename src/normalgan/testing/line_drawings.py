@@ -15,6 +15,8 @@ from normalgan.testing.conformance import Check, called, demand, global_randomne
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
 
+__all__ = ["check_line_drawing", "line_drawing_checks"]
+
 _STROKES = "trace must return a list of Stroke in pixels of the sketch"
 _SIZE = 96
 _SLACK = 2.0  # pixels that a line may go beyond the frame: what lies outside is cut off

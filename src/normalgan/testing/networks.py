@@ -11,6 +11,8 @@ from normalgan.models.condition import make_condition
 from normalgan.testing.conformance import Check, demand, device_list
 from normalgan.testing.pictures import batch
 
+__all__ = ["Answer", "given", "network_checks"]
+
 N = TypeVar("N", bound=nn.Module)
 Answer = Callable[[N, Tensor, Tensor], tuple[Tensor, ...]]
 """Runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W) and returns what it says."""

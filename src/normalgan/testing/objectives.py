@@ -11,6 +11,8 @@ from normalgan.testing.conformance import Check, called, demand, hold
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
+__all__ = ["check_objective", "objective_checks"]
+
 _LOSSES = "both losses must be scalars made of scores, a tensor a head"
 
 

@@ -5,6 +5,8 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 
+__all__ = ["batch", "pictures"]
+
 
 def pictures(count: int, height: int = 32, width: int = 32) -> tuple[Tensor, Tensor]:
     """Return normals (N, 3, H, W), 0 off the object, and masks (N, 1, H, W) of objects; no two are alike.

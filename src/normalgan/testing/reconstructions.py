@@ -10,6 +10,8 @@ from normalgan.testing.conformance import Check, called, demand, hold
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
+__all__ = ["check_reconstruction", "reconstruction_checks"]
+
 _TERMS = "terms must return the parts of the loss by name, each a Term of a scalar and a weight"
 _TAKEN = {"adversarial", "discriminator"}
 """What training logs itself."""

@@ -10,6 +10,8 @@ from normalgan.testing.conformance import Check, called, demand, global_randomne
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import RADII, away, bowl, camera, degrees, ellipsoid, exact_ellipsoid
 
+__all__ = ["check_renderer", "renderer_checks"]
+
 _MAPS = "render must return Maps of size × size pixels"
 _SIZE = 96
 _VIEWS = (None, 40.0)

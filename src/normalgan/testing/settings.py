@@ -15,6 +15,8 @@ from torch import nn
 from normalgan.registry import summary
 from normalgan.testing.conformance import Check, demand
 
+__all__ = ["as_config", "class_path", "frozen_check", "settings_checks", "settings_of"]
+
 T = TypeVar("T")
 
 

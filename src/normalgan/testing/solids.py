@@ -11,6 +11,8 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.views import Camera, framed, look_at_origin
 
+__all__ = ["RADII", "Doubles", "away", "bowl", "camera", "degrees", "ellipsoid", "exact_ellipsoid"]
+
 Doubles = NDArray[np.float64]
 RADII = (1.0, 0.6, 0.4)
 """Half the axes of the ellipsoid that renderers are checked with: another one along x, y and z."""

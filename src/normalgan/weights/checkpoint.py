@@ -25,6 +25,8 @@ from normalgan.weights.network import check_fit
 from normalgan.weights.notes import Notes
 from normalgan.weights.part import ANY_NUMBER, LARGEST, Part, is_plain
 
+__all__ = ["Checkpoint", "read_checkpoint", "settings_to_save"]
+
 _REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
     "generator": (GENERATORS, LARGEST),
     "discriminator": (DISCRIMINATORS, LARGEST),

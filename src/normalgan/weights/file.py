@@ -16,6 +16,8 @@ from normalgan.models import GENERATORS, Generator
 from normalgan.weights.network import build_generator, check_fit
 from normalgan.weights.notes import Notes
 
+__all__ = ["SHIPPED", "SHIPPED_NAME", "SUFFIX", "Weights", "find_weights", "parse_weights", "read_weights"]
+
 SUFFIX = ".safetensors"
 SHIPPED = Path(__file__).parent / f"ours{SUFFIX}"
 """The weights that come with the package."""

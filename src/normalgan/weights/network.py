@@ -13,6 +13,8 @@ from normalgan.models import GENERATORS, Generator
 from normalgan.registry import Registry
 from normalgan.weights.part import Part
 
+__all__ = ["Tensors", "build_generator", "check_fit"]
+
 Tensors = Mapping[str, Tensor]
 T = TypeVar("T", bound=nn.Module)
 _FLOATS = {torch.float16, torch.bfloat16, torch.float32, torch.float64}

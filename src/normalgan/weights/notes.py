@@ -10,6 +10,8 @@ from normalgan.hints import HINT_SAMPLERS
 from normalgan.models import GENERATORS
 from normalgan.weights.part import LARGEST, Part
 
+__all__ = ["Notes"]
+
 
 @dataclass(frozen=True)
 class Notes:

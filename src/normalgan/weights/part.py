@@ -13,6 +13,8 @@ from normalgan.limits import MOST_DEPTH, MOST_NODES
 from normalgan.models.base import Network
 from normalgan.registry import Registry
 
+__all__ = ["ANY_NUMBER", "LARGEST", "Part", "is_plain"]
+
 T = TypeVar("T")
 
 LARGEST = 4096

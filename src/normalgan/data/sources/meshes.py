@@ -11,6 +11,8 @@ from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 
+__all__ = ["Animals", "MeshGroup", "Meshes", "join_variants", "pose", "split_meshes"]
+
 
 @dataclass(frozen=True)
 class MeshGroup:

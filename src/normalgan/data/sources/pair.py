@@ -15,6 +15,8 @@ from normalgan.painting.picture import resize
 from normalgan.painting.preparation import prepare
 from normalgan.rendering.samples import Sample
 
+__all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "outwardness"]
+
 PAIRS_VERSION = 1
 """Raise it when a change to the code changes the samples that are made of pairs: they are then made anew."""
 

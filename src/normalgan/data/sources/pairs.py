@@ -25,6 +25,8 @@ from normalgan.normals import Green, flip_green
 from normalgan.painting.hint_files import load_hints
 from normalgan.painting.picture import read_picture
 
+__all__ = ["COLUMNS", "NORMAL_SUFFIXES", "PairFiles", "Pairs"]
+
 NORMAL_SUFFIXES = (".png", ".exr", ".tif", ".tiff", ".webp", ".jpg", ".jpeg", ".bmp")
 """What a normal map's file may end in, in the order in which it is looked for."""
 COLUMNS = ("sketch", "normal", "mask", "hints", "group", "split", "name")

@@ -4,6 +4,8 @@ import numpy as np
 
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["begin_at", "piece", "resample", "turning"]
+
 
 def resample(stroke: Stroke, step: float) -> Stroke:
     """Return the stroke with points at most ``step`` pixels apart, evenly, at least three; its ends stay.

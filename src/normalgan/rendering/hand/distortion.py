@@ -7,6 +7,8 @@ import numpy as np
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["CELLS", "KNOTS", "Distortion", "random_distortion"]
+
 CELLS = 4
 """Cells of the spline on a side of the frame: displacements vary over about half of it."""
 _AROUND = 1  # cells around the frame: beyond them the displacement stays as it is at their border

@@ -5,6 +5,8 @@ import numpy as np
 from normalgan.rendering.hand.curves import piece
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["miss_ends"]
+
 _MOST = 0.25  # of the stroke: neither error of an end is longer
 _LOOK = 6  # points over which the direction and the bend of an end are taken
 _BEND = np.deg2rad(40)  # the most that an overshoot turns

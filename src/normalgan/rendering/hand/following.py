@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from normalgan.rendering.hand.distortion import Distortion
 from normalgan.rendering.maps import Floats, Maps
 
+__all__ = ["Indices", "follow"]
+
 _ALIKE = 0.5  # neighbours whose normals differ more in one component are taken to be of different surfaces
 Indices = NDArray[np.intp]
 

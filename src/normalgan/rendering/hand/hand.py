@@ -19,6 +19,8 @@ from normalgan.rendering.hand.wobble import round_off, stray
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Stroke
 
+__all__ = ["Hand"]
+
 _STEP = 1 / 320  # of the side: between points; four to a wave of the tremor, and finer than a line is wide
 _HABITS = (0.3, 1.7)  # by what factor a drawing has more or less of each effect than the mean
 _LIMITS = {"missed": 1.0, "repeats": 1.0, "taper": 0.95, "proportion": 0.3, "pressure": 1.0, "fade": 2.0}

@@ -7,6 +7,8 @@ import numpy as np
 from normalgan.rendering.hand.curves import piece
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["forget", "skip_parts"]
+
 _OUTLINE, _INSIDE = 0.05, 0.4  # of the side: strokes so long are forgotten e times less often than short ones
 _GAP = 0.05  # of the side: mean length of a part that is not drawn
 _SHORTEST = 0.012  # of the side: what is left of a stroke and shorter is not drawn either

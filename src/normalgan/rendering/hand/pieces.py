@@ -10,6 +10,8 @@ from normalgan.rendering.hand.curves import begin_at, piece, turning
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["cut", "in_order", "inside"]
+
 _CORNER = 0.012  # of the side: how far apart one looks to see that a line turns
 _SHORTEST = 0.04  # of the side: nobody lifts the pen so soon again
 _ANYWHERE = 0.02  # radians²: the weight of a straight piece, so that the pen is lifted there too, seldom

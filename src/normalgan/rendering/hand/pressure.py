@@ -8,6 +8,8 @@ from normalgan.rendering.hand.curves import turning
 from normalgan.rendering.hand.noise import smooth_noise
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["press"]
+
 _WAVELENGTH = 0.35  # of the side: pressure changes slowly
 _TAPER = 0.07  # of the side: how long it takes to set the pen down or lift it, on a long stroke
 _START = 0.5  # how much of the taper there is where the pen is set down, compared with where it is lifted

@@ -5,6 +5,8 @@ import numpy as np
 from normalgan.rendering.hand.curves import piece
 from normalgan.rendering.strokes.stroke import Stroke
 
+__all__ = ["second_pass"]
+
 _LEAST = 0.4  # of the stroke: a second pass is no shorter
 _OFFSET = 0.005  # of the side: how far it lies beside the first (standard deviation)
 

@@ -8,6 +8,8 @@ from scipy.ndimage import gaussian_filter1d
 from normalgan.rendering.hand.noise import smooth_noise
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["DRIFT", "TREMOR", "WOBBLE", "round_off", "stray"]
+
 DRIFT, WOBBLE, TREMOR = 0.6, 0.14, 0.025
 """The wavelengths as fractions of the frame's side: aim, arm and fingers."""
 

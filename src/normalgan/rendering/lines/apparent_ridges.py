@@ -7,6 +7,8 @@ from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.lines.surface_lines import EdgeMarks
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["apparent_curvature", "extremes"]
+
 _GRAZING = 0.1  # the least n·v: beyond, foreshortening would know no bounds
 
 

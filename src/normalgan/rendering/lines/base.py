@@ -8,6 +8,8 @@ from normalgan.registry import Registry
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["LINE_DRAWINGS", "LineDrawing"]
+
 
 class LineDrawing(ABC):
     """Base of the line styles.

@@ -16,6 +16,8 @@ from normalgan.rendering.strokes.curves import resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["Brush", "facing_ratio", "sharpened"]
+
 _SPACING = 1.0  # pixels of the sketch from point to point of a stroke
 _RATIO = (
     1.6  # of the two blurs: with it their difference comes nearest to a Laplacian's (Marr, Hildreth 1980)

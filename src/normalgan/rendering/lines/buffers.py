@@ -11,6 +11,8 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Doubles
 from normalgan.rendering.view import View
 
+__all__ = ["Buffers"]
+
 _MARGIN = 4  # pixels kept about the object, so that filters meet the background before the border
 
 

@@ -5,6 +5,8 @@ from typing import Any
 
 from normalgan.errors import InputError
 
+__all__ = ["check_settings"]
+
 
 def check_settings(style: Any, positive: tuple[str, ...]) -> None:
     """Raise `InputError` if a setting of a style is negative, or 0 and among those named ``positive``."""

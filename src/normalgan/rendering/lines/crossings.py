@@ -11,6 +11,8 @@ from normalgan.rendering.strokes.chain import Indices, chain
 from normalgan.rendering.strokes.stroke import Doubles
 from normalgan.rendering.topology import components
 
+__all__ = ["PAIRS", "Crossed", "Crossings", "Index", "Line", "Pair", "crossings", "places"]
+
 Index = NDArray[np.intp]
 Pair = tuple[tuple[slice, slice], tuple[slice, slice]]
 

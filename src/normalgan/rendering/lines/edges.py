@@ -7,6 +7,8 @@ from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, cross
 from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.maps import Floats, Maps
 
+__all__ = ["Index", "creases", "depth_gaps"]
+
 Index = NDArray[np.intp]
 
 _GRAZING = 0.1  # the least cosine a tangent plane is trusted with: beyond, it would explain any gap

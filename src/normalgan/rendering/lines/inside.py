@@ -13,6 +13,8 @@ from normalgan.rendering.strokes.curves import resample, smooth
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["Inside"]
+
 _SPACING = 1.0  # pixels of the sketch from point to point of a stroke
 _FINE = 0.25  # the same while smoothing
 _FAINTEST = 0.4  # share of its width that a stroke keeps where it is weakest

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from normalgan.rendering.lines.crossings import Line
 from normalgan.rendering.maps import Floats
 
+__all__ = ["Mark", "distance_to", "mark"]
+
 Mark = NDArray[np.bool_]
 
 

@@ -17,6 +17,8 @@ from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["ObjectSpaceSuggestive", "radial_curvature"]
+
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)

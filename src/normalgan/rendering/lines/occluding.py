@@ -14,6 +14,8 @@ from normalgan.rendering.lines.pens import draw_border
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["OccludingContours", "occluding_contours"]
+
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@ from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["OutlinedDrawing"]
+
 
 class OutlinedDrawing(LineDrawing):
     """Draws the occluding contours, and leaves the lines inside to a style."""

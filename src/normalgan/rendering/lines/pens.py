@@ -5,6 +5,8 @@ from normalgan.rendering.lines.crossings import Line
 from normalgan.rendering.strokes.curves import resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 
+__all__ = ["draw_border", "draw_curve"]
+
 _SPACING = 1.0  # pixels of the sketch from point to point of a stroke
 _STAIRS = 4.0  # points over which a line known only to pass between two pixels is smoothed
 _SLACK = 0.5  # pixels from the border of two pixels to their centres: there, or nearer, it passes

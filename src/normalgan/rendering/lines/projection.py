@@ -5,6 +5,8 @@ import numpy as np
 from normalgan.rendering.strokes.stroke import Doubles
 from normalgan.rendering.views import Camera
 
+__all__ = ["project", "towards_eye"]
+
 
 def project(camera: Camera, points: Doubles, size: int) -> tuple[Doubles, Doubles]:
     """Return where points (N, 3) lie in a sketch of ``size`` pixels, (N, 2), and their depths (N,).

@@ -17,6 +17,8 @@ from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["RidgesAndValleys", "apparent_ridges"]
+
 _FACING = 0.15  # n·v below which a ridge is as good as a contour
 
 

@@ -5,6 +5,8 @@ from numpy.typing import NDArray
 
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["Mark", "worthy_runs"]
+
 Mark = NDArray[np.bool_]
 
 

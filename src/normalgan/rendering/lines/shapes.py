@@ -7,6 +7,8 @@ from normalgan.rendering.lines.surface_curvature import shape_operators, smooth_
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["Shape", "shape_of"]
+
 
 @dataclass(frozen=True)
 class Shape:

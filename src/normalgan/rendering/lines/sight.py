@@ -7,6 +7,8 @@ import numpy as np
 from normalgan.rendering.maps import Floats, Maps
 from normalgan.rendering.views import Camera
 
+__all__ = ["Sight", "sight"]
+
 
 @dataclass(frozen=True)
 class Sight:

@@ -13,6 +13,8 @@ from normalgan.rendering.lines.pens import draw_border
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["Silhouette", "borders"]
+
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)

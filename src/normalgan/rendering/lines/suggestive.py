@@ -16,6 +16,8 @@ from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
+__all__ = ["SuggestiveContours"]
+
 _BAND = 0.003  # of the frame's side: normals so near a contour are half seen, and of two surfaces
 
 

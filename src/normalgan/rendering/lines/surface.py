@@ -10,6 +10,8 @@ from scipy import sparse
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["Indices", "Operator", "Surface"]
+
 Indices = NDArray[np.int64]
 Operator = Any  # a sparse matrix; SciPy's types for it are not generic over what one multiplies it by
 

@@ -5,6 +5,8 @@ import numpy as np
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["shape_operators", "smooth_normals"]
+
 
 def smooth_normals(surface: Surface, smoothing: float) -> Doubles:
     """Return the unit normals (V, 3) of a mesh smoothed over ``smoothing`` units of it."""

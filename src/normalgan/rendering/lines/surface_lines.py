@@ -13,6 +13,8 @@ from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.strokes.stroke import Doubles
 from normalgan.rendering.view import View
 
+__all__ = ["EdgeMarks", "Indices", "Mark", "paths", "seen", "zero_marks"]
+
 Indices = NDArray[np.int64]
 Mark = NDArray[np.bool_]
 

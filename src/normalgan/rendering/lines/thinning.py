@@ -8,6 +8,8 @@ from normalgan.rendering.lines.marks import Mark
 from normalgan.rendering.strokes.chain import Indices, chain
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["thin", "without_specks"]
+
 
 def without_specks(inked: Mark, shortest: float) -> Mark:
     """Return the inked pixels (H, W) without connected patches that span less than ``shortest`` pixels.

@@ -8,6 +8,8 @@ from normalgan.rendering.lines.marks import Mark
 from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.maps import Floats
 
+__all__ = ["smooth_normals", "valley_depth", "zero_crossings"]
+
 _ROUNDING = 1e-6  # a slope of n·v in single precision that is as good as none: planes lie in no valley
 
 

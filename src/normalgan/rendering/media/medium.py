@@ -9,6 +9,8 @@ from normalgan.rendering.maps import Floats
 from normalgan.rendering.media.paper import on_paper, scanned
 from normalgan.rendering.media.tools import bleed, pencil
 
+__all__ = ["Medium"]
+
 
 @dataclass(frozen=True)
 class Medium:

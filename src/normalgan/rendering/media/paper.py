@@ -4,6 +4,8 @@ import numpy as np
 
 from normalgan.rendering.maps import Floats
 
+__all__ = ["on_paper", "scanned"]
+
 
 def on_paper(ink: Floats, tint: float, shadow: float, rng: np.random.Generator) -> Floats:
     """Return the darkness of a drawing on paper that is not white and not evenly lit.

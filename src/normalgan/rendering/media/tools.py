@@ -5,6 +5,8 @@ import numpy as np
 
 from normalgan.rendering.maps import Floats
 
+__all__ = ["bleed", "pencil"]
+
 _TOOTH = 0.7  # pixels; finer than the line, as paper scanned with a whole drawing on it is
 
 

@@ -7,6 +7,8 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.views import Camera
 
+__all__ = ["RENDERERS", "Renderer"]
+
 
 class Renderer(ABC):
     """Base of the renderers.

@@ -11,6 +11,8 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 from normalgan.rendering.views import Camera
 
+__all__ = ["CANCELLED", "Doubles", "EmbreeRenderer"]
+
 Doubles = NDArray[np.float64]
 
 CANCELLED = 1e-4

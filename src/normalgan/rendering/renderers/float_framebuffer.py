@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.views import Camera
 
+__all__ = ["FloatContext", "FloatFramebuffer"]
+
 _SIZES = 3  # framebuffers kept at a time; one of 1024 pixels takes 20 MB
 
 

@@ -16,6 +16,8 @@ from normalgan.rendering.views import Camera
 if TYPE_CHECKING:
     from normalgan.rendering.renderers.float_framebuffer import FloatContext
 
+__all__ = ["PyrenderRenderer"]
+
 # One context a process: taking down a second one would take the shared EGL display with it.
 _context: "FloatContext | None" = None
 

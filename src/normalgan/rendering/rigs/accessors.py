@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from normalgan.rendering.rigs.container import Container, bad_rig
 
+__all__ = ["COMPONENTS", "MOST", "WIDTHS", "Array", "read_accessor"]
+
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 MOST = 2**26

@@ -9,6 +9,8 @@ from normalgan.rendering.rigs.accessors import read_accessor
 from normalgan.rendering.rigs.container import Container, bad_rig
 from normalgan.rendering.rigs.rig import Clip, Doubles, Nodes, Track
 
+__all__ = ["INTERPOLATIONS", "KINDS", "MOST_CHANNELS", "MOST_MOVED", "pose_at", "read_clips", "track_at"]
+
 KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
 MOST_CHANNELS = 2**14
 """More channels are refused: each takes a tenth of a millisecond to read, and rigs have a few thousand."""

@@ -13,6 +13,8 @@ from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Clip, Doubles, Indices
 from normalgan.rendering.rigs.skinning import posed_surface, world_matrices
 
+__all__ = ["ClipMeshes"]
+
 _MOMENTS = 16
 """Moments of a clip whose boxes together are taken for that of all of it."""
 

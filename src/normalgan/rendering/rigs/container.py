@@ -12,6 +12,8 @@ from normalgan.rendering.gltf import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import name_in_folder
 
+__all__ = ["PACKED", "RIG_SUFFIXES", "Container", "bad_rig", "has_skin", "read_container"]
+
 RIG_SUFFIXES = (".glb", ".gltf")
 """The file formats that can hold a skin."""
 

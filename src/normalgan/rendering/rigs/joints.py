@@ -12,6 +12,18 @@ from normalgan.rendering.rigs.rig import Doubles, Indices, Rig
 from normalgan.rendering.rigs.skinning import posed_vertices, world_matrices
 from normalgan.rendering.topology import components
 
+__all__ = [
+    "FRAMES",
+    "MOST_COPIES",
+    "MOST_SEARCHED",
+    "OUTLIERS",
+    "SMALL",
+    "Flags",
+    "Joints",
+    "LooseRigError",
+    "find_joints",
+]
+
 Flags = NDArray[np.bool_]
 
 SMALL = np.deg2rad(12.0)

@@ -8,6 +8,8 @@ from normalgan.rendering.rigs.joints import Joints, find_joints
 from normalgan.rendering.rigs.rig import Doubles, Rig
 from normalgan.rendering.rigs.skinning import world_matrices
 
+__all__ = ["draw_pose", "turned"]
+
 
 def draw_pose(rig: Rig, rng: np.random.Generator) -> Doubles:
     """Return where (N, 4, 4) the nodes are in a pose drawn at random.

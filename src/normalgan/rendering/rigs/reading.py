@@ -13,6 +13,8 @@ from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.container import Container, bad_rig, read_container
 from normalgan.rendering.rigs.rig import Doubles, Indices, Nodes, Piece, Rig, Skin
 
+__all__ = ["MOST_SETS", "SUM_TOLERANCE", "read_rig"]
+
 MOST_SETS = 4
 """Joints and weights of a vertex come in sets of four."""
 SUM_TOLERANCE = 0.05

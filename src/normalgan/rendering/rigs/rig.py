@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Clip", "Doubles", "Indices", "Nodes", "Piece", "Rig", "Skin", "Track"]
+
 Doubles = NDArray[np.float64]
 Indices = NDArray[np.int64]
 

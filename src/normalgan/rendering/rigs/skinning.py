@@ -5,6 +5,8 @@ from scipy.spatial.transform import Rotation
 
 from normalgan.rendering.rigs.rig import Doubles, Indices, Nodes, Piece, Rig
 
+__all__ = ["local_matrices", "posed_surface", "posed_vertices", "world_matrices"]
+
 
 def local_matrices(nodes: Nodes) -> Doubles:
     """Return the (N, 4, 4) matrices from each node's axes to its parent's, for column vectors."""

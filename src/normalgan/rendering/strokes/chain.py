@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["End", "Indices", "Neighbours", "Piece", "chain"]
+
 Indices = NDArray[np.int64]
 Piece = list[int]
 Neighbours = tuple[list[int], list[int]]

@@ -4,6 +4,8 @@ import numpy as np
 
 from normalgan.rendering.strokes.stroke import Doubles
 
+__all__ = ["resample", "settle", "smooth"]
+
 
 def smooth(path: Doubles, sigma: float) -> Doubles:
     """Return a polyline smoothed over its points; the ends of an open one stay.

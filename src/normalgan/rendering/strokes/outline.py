@@ -4,6 +4,8 @@ import numpy as np
 
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["outline"]
+
 _CAP = 6  # corners of a round end: at a pen's width no eye sees them
 
 

@@ -10,6 +10,8 @@ from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.chain import Indices
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["rasterise"]
+
 _LONGEST = 2.0  # pixels: longer segments are cut up, so that what lies about each is a small square
 _FAINTEST = 1e-4  # ink less than this is rounding
 _BATCH = 1_000_000  # pixels looked at at a time

@@ -6,6 +6,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Doubles", "Stroke"]
+
 Doubles = NDArray[np.float64]
 
 

@@ -8,6 +8,8 @@ from skimage.measure import approximate_polygon
 from normalgan.rendering.strokes.outline import outline
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
 
+__all__ = ["to_svg"]
+
 _EXACT = 0.05  # pixels; points nearer than this to the line between their neighbours say nothing
 _EVEN = 0.01  # pixels; a pen pressed so evenly draws a line of one width
 

@@ -9,6 +9,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Deformation", "Deformed", "Doubles", "bend", "in_turn", "scale", "taper", "together", "twist"]
+
 Doubles = NDArray[np.float64]
 Deformed = tuple[Doubles, Doubles]
 Deformation = Callable[[Doubles], Deformed]

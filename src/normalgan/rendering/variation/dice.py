@@ -6,6 +6,8 @@ import numpy as np
 
 from normalgan.rendering.variation.bending import Doubles
 
+__all__ = ["BUMPS", "PARTS", "Dice", "throw"]
+
 PARTS, BUMPS = 3, 12
 
 

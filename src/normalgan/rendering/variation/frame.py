@@ -8,6 +8,8 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.repair import face_vectors
 from normalgan.rendering.variation.bending import Doubles
 
+__all__ = ["ACROSS", "COARSE", "FINE", "PROBES", "Frame", "find_frame"]
+
 COARSE, FINE = np.arange(0.0, 180.0, 5.0), np.arange(-4.5, 5.0, 0.5)
 """Degrees by which the plane of symmetry is turned to try it: first all around, then about the best."""
 ACROSS = 0.002

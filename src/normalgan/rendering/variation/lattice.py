@@ -4,6 +4,8 @@ import numpy as np
 
 from normalgan.rendering.variation.bending import Deformed, Doubles
 
+__all__ = ["CHOOSE", "DEGREE", "free_form"]
+
 DEGREE = 3
 CHOOSE = np.array([1.0, 3.0, 3.0, 1.0])
 

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from normalgan.rendering.variation.bending import Deformed, Doubles
 
+__all__ = ["BELLY_SHARE", "BLEND", "REACH", "Middle", "belly", "lengthen", "thicken"]
+
 BELLY_SHARE = 0.4
 """Where sections, going up, first have this share of the widest section's area, the legs end."""
 BLEND = 0.08

@@ -4,6 +4,8 @@ import numpy as np
 
 from normalgan.rendering.variation.bending import Deformed, Doubles
 
+__all__ = ["bump", "swell"]
+
 
 def bump(points: Doubles, centre: Doubles, width: float, shift: Doubles) -> Deformed:
     """Shift the surroundings of a place, the more the nearer they are, by a Gaussian.

@@ -21,6 +21,8 @@ from normalgan.rendering.variation.limbs import Middle, belly, lengthen, thicken
 from normalgan.rendering.variation.local import bump, swell
 from normalgan.rendering.variation.variation import Variation
 
+__all__ = ["BUMP_WIDTH", "LIMB_WIDTH", "MIRROR", "PART_WIDTH", "Object", "steps"]
+
 LIMB_WIDTH = 0.06
 """Standard deviation of the Gaussian that finds the middle of limbs, in radii of the object."""
 PART_WIDTH = (0.16, 0.35)

@@ -4,6 +4,8 @@ from dataclasses import dataclass, fields, replace
 
 from normalgan.errors import InputError
 
+__all__ = ["MOST", "Variation"]
+
 MOST = {"bend": 180.0, "twist": 360.0}
 """Strengths that are no shares; shares go up to 0.9, so that nothing shrinks to nothing."""
 

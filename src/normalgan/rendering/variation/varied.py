@@ -11,6 +11,8 @@ from normalgan.rendering.variation.variation import Variation
 from normalgan.rendering.variation.vary import vary
 from normalgan.seeds import rng_of
 
+__all__ = ["VARIATION_VERSION", "Varied"]
+
 VARIATION_VERSION = 1
 """Part of every fingerprint; raise it when the same number comes to be another individual."""
 

@@ -9,6 +9,8 @@ from normalgan.rendering.variation.frame import find_frame
 from normalgan.rendering.variation.steps import Object, steps
 from normalgan.rendering.variation.variation import Variation
 
+__all__ = ["LEAST_VOLUME", "cofactors", "vary"]
+
 LEAST_VOLUME = 0.1
 """What shrinks the space about a vertex to less than this, or turns it over, is too strong."""
 
