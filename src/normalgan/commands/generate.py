@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from jsonargparse import Namespace
 
 from normalgan import decoding
-from normalgan.commands.generate_parser import as_shell_means, build_parser
+from normalgan.commands.generate_parser import as_shell_means, build_parser, engine_of
 from normalgan.drawings import MOST_BYTES
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
 from normalgan.painting.inputs import check_size
@@ -28,11 +28,12 @@ from normalgan.painting.jobs import (
     plan_file,
 )
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.outputs import Outputs
+from normalgan.painting.outputs import Heights, Outputs, level_heights
 from normalgan.painting.packing import Packing
 from normalgan.painting.paint_job import JobPainter, target_of
 from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
+from normalgan.painting.series import flat_map
 from normalgan.painting.watching import Watcher
 
 __all__ = ["LOOK", "generate", "run"]
@@ -47,7 +48,7 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if something that was given cannot be used.
     """
-    parser = build_parser()
+    parser = build_parser(engine_of(arguments))
     options = [option for action in parser._actions for option in action.option_strings]
     return generate(parser.parse_args(as_shell_means(arguments, options)))
 
@@ -66,6 +67,7 @@ def generate(settings: Namespace) -> int:
     outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
     if is_file_name(Path(settings.output)):
         outputs = replace(outputs, format=format_of(Path(settings.output), outputs.format))
+    flat_map((8, 8)).stronger(settings.strength)  # refuses what is none
     if settings.output == STDOUT:
         return _to_standard_output(settings, outputs)
     content = (
@@ -101,6 +103,7 @@ class _Batch:
     ) -> None:
         self._settings, self._outputs, self._packing = settings, outputs, packing
         self._failed = len(wrong)
+        self._heights: Heights = []
         for error in wrong:
             print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
 
@@ -134,7 +137,9 @@ class _Batch:
             alone: whether to raise what is wrong with one, as there is no other.
         """
         settings = self._settings
-        work = JobPainter(painter, self._outputs, settings.size, self._packing, settings.frame)
+        work = JobPainter(
+            painter, self._outputs, settings.size, self._packing, settings.frame, settings.strength
+        )
         together = settings.frame == "shared" and len(jobs) > 1 and not self._packing.given
         written = work.together(jobs) if together else stream(jobs, work)
         with _progress(len(jobs)) as advance:
@@ -147,6 +152,7 @@ class _Batch:
                     self._failed += 1
                     print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
                     continue
+                self._heights += outcome.heights
                 if outcome.warning:
                     told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
                     print(one_line(told), file=sys.stderr)
@@ -178,6 +184,8 @@ class _Batch:
 
     def code(self, total: int) -> int:
         """Say how many failed, and return the exit code."""
+        if self._outputs.height_scale == "batch":
+            level_heights(self._heights)
         if self._failed:
             print(f"normalgan: {self._failed} of {total} sketches could not be used.", file=sys.stderr)
         return 1 if self._failed else 0

@@ -6,18 +6,40 @@ from pathlib import Path
 from typing import Literal
 
 from normalgan.commands.light_parser import LightParser
-from normalgan.painting.outputs import Outputs
+from normalgan.painting.engines import CONVENTIONS, Engine
+from normalgan.painting.outputs import Outputs, engine_defaults
 
-__all__ = ["as_shell_means", "build_parser"]
+__all__ = ["as_shell_means", "build_parser", "engine_of"]
 
 _FLAGS = {
     "alpha": "write the object's mask as alpha channel",
     "show_input": "write what the model saw, <sketch>_input.png",
+    "ao": "write the ambient occlusion, <sketch>_ao.png",
+    "curvature": "write the curvature, ridges light and hollows dark, <sketch>_curvature.png",
+    "specular": "write how much each place reflects, ridges polished and hollows dull, <sketch>_specular.png",
 }
 
 
-def build_parser() -> LightParser:
-    """Return the parser of the command line."""
+def engine_of(arguments: Sequence[str]) -> Engine | None:
+    """Return the engine that a command line names; None if it names none that is known.
+
+    >>> engine_of(["fox.png", "--engine", "unreal"])
+    'unreal'
+    """
+    for i, each in enumerate(arguments):
+        name, _, value = each.partition("=")
+        if name == "--engine":
+            value = value or "".join(arguments[i + 1 : i + 2])
+            return next((known for known in CONVENTIONS if known == value), None)
+    return None
+
+
+def build_parser(engine: Engine | None = None) -> LightParser:
+    """Return the parser of the command line.
+
+    Args:
+        engine: its conventions are the defaults, which the user can overrule.
+    """
     parser = LightParser(
         prog="normalgan generate",
         usage="%(prog)s SKETCH... [-o FOLDER] [--SETTING VALUE]...",
@@ -51,11 +73,21 @@ def build_parser() -> LightParser:
         type=int | None,
         help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
     )
+    drawing.add_argument(
+        "--strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+    )
     _add_folders(parser.add_argument_group("Folders"))
     _add_sheets(parser.add_argument_group("Several drawings in one file"))
-    parser.add_class_arguments(Outputs, skip=set(_FLAGS))
+    parser.add_class_arguments(Outputs, skip={*_FLAGS, "height_scale"})
+    parser.add_argument(
+        "--height-scale",
+        type=float | Literal["batch"] | None,
+        help="pixels from black to white of a height png; batch takes those of the highest drawing",
+    )
     for name, words in _FLAGS.items():
         parser.add_argument(f"--{name.replace('_', '-')}", action="store_true", help=words)
+    if engine is not None:
+        parser.set_defaults(engine_defaults(engine))
     return parser
 
 

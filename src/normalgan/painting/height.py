@@ -7,6 +7,8 @@ from scipy import ndimage
 from normalgan.errors import InputError
 from normalgan.normals import Floats
 from normalgan.painting.height_pyramid import double, halve
+from normalgan.painting.multigrid import Relaxation
+from normalgan.painting.picture import fitted, resize
 from normalgan.painting.surface import Surface
 
 __all__ = ["integrate"]
@@ -15,6 +17,10 @@ _SMALL = 16000
 """Pixels up to which a map is solved at once."""
 _REFINED = 4
 """Rounds at a size, after those at half of it."""
+_LARGE, _SETTLED = 40_000, 2
+"""Pixels from which only what is fine is settled at a size, and rounds: the rest was at half of it."""
+_MOST = 1536
+"""Longest side that is solved; of larger maps a reduced one, whose heights are enlarged."""
 
 
 def integrate(
@@ -57,14 +63,36 @@ def integrate(
         )
     if not np.isfinite(normals[mask]).all():
         raise InputError("a normal on the object is not a number; heights need finite normals.")
+    if max(mask.shape) > _MOST:
+        return _enlarged(normals, mask, jumps, rounds, tolerance)
     height = np.zeros(mask.shape, np.float32)
     if mask.any():
         known = np.where(mask[..., None], normals, 0).astype(np.float64)
         height[mask] = _solved(known, mask, jumps, rounds, tolerance)
+    return _centred(height, mask)
+
+
+def _centred(height: Floats, mask: NDArray[np.bool_]) -> Floats:
+    """Return heights (H, W) of mean zero over each connected part of a mask."""
     parts, count = ndimage.label(mask)  # by four neighbours, as heights are linked
     means = np.zeros(count + 1, np.float32)
     means[1:] = ndimage.mean(height, parts, np.arange(1, count + 1))
     return np.where(mask, height - means[parts], 0).astype(np.float32)
+
+
+def _enlarged(
+    normals: Floats, mask: NDArray[np.bool_], jumps: float, rounds: int, tolerance: float
+) -> Floats:
+    """Return the heights of a large map from those of a reduced one.
+
+    Normals of large drawings are enlarged themselves, so that there is hardly more in them.
+    """
+    shape = fitted((mask.shape[0], mask.shape[1]), _MOST)
+    there = resize(mask.astype(np.float32), shape) > 0
+    small = resize(np.where(mask[..., None], normals, np.float32(0)), shape)
+    small /= np.maximum(np.linalg.norm(small, axis=-1, keepdims=True), 1e-6)
+    height = integrate(small, there, jumps, rounds, tolerance) * np.float32(mask.shape[0] / shape[0])
+    return _centred(resize(height, (mask.shape[0], mask.shape[1])), mask)
 
 
 def _solved(
@@ -82,4 +110,7 @@ def _solved(
         coarse[there] = _solved(half, there, jumps, rounds, tolerance)
         start = double(coarse, normals)[mask]
         rounds = min(rounds, _REFINED)
-    return Surface(normals[mask], mask).solve(jumps, rounds, tolerance, start)
+    surface = Surface(normals[mask], mask)
+    if start is not None and len(start) > _LARGE:
+        return surface.solve(jumps, _SETTLED, 0, start, Relaxation())
+    return surface.solve(jumps, rounds, tolerance, start)

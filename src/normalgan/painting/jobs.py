@@ -38,7 +38,10 @@ FILES: dict[str, Literal["png", "exr", "tiff"]] = {
 """What a map's file may end in, and the format of a map in it; GIF and WebP hold animations."""
 OUTLINE, MODEL = "outline", "model"
 """What a mask may be in place of a file."""
-COMPANIONS = ("_hints", "_mask", "_input", "_preview", "_height", "_relief")
+COMPANIONS = (
+    *("_hints", "_mask", "_input", "_preview", "_height", "_relief"),
+    *("_ao", "_curvature", "_specular"),
+)
 """What is named so after a drawing lies beside it and is none."""
 
 

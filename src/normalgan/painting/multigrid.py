@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, cg
 
-__all__ = ["Solver"]
+__all__ = ["Relaxation", "Solver"]
 
 _Vector = NDArray[np.float64]
 _SLOW = 8
@@ -51,4 +51,28 @@ class Solver:
             )
         if steps > _SLOW:
             self._cycle = None
+        return np.asarray(solution)
+
+
+class Relaxation:
+    """Some steps of conjugate gradients, preconditioned by the diagonal: what is fine settles, no more.
+
+    That is enough where a guess has settled what reaches far, and takes a part of the time and the memory.
+
+    Args:
+        steps: of each solution.
+
+    Example:
+        >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
+        >>> Relaxation().solve(matrix, np.array([0.0, 3.0]), np.zeros(2)).round(3).tolist()
+        [1.0, 2.0]
+    """
+
+    def __init__(self, steps: int = 20) -> None:
+        self.steps = steps
+
+    def solve(self, matrix: sparse.csr_array, wanted: _Vector, start: _Vector) -> _Vector:
+        """Return the solution (n,) of a symmetric positive matrix (n, n), nearer than a guess."""
+        scale = sparse.diags_array(1 / matrix.diagonal())
+        solution, _ = cg(matrix, wanted, start, rtol=1e-4, maxiter=self.steps, M=scale)
         return np.asarray(solution)

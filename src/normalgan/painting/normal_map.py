@@ -1,6 +1,6 @@
 """NormalMap: what comes out of painting: normals, mask, confidence; as arrays, pictures and files."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, get_args
@@ -21,6 +21,7 @@ from normalgan.normals import (
     flip_green,
     paint_flat,
 )
+from normalgan.painting.vectors import unit
 
 __all__ = ["Format", "NormalMap"]
 
@@ -53,6 +54,21 @@ class NormalMap:
     def normal(self) -> Floats:
         """(H, W, 3), unit normals on the object and zero off it."""
         return np.where(self.mask[..., None], self.extended, np.float32(0))
+
+    def stronger(self, strength: float) -> "NormalMap":
+        """Return the map of a surface that is as many times as high: its slopes are multiplied.
+
+        Raises:
+            InputError: if the strength is none: negative, or more than 100.
+        """
+        if not 0 <= strength <= 100:
+            raise InputError(
+                f"strength is {strength}; 1 leaves a map as it is, and 0 to 100 can be asked for."
+            )
+        if strength == 1:
+            return self
+        scaled = self.extended * np.array([strength, strength, 1], np.float32)
+        return replace(self, extended=unit(scaled, front=True))
 
     def height(self) -> Floats:
         """Return the surface that the normals belong to, (H, W) in pixels towards the viewer.

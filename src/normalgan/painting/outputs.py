@@ -1,6 +1,6 @@
 """Outputs: what is written for a drawing: its normal map; on request pictures, a height map, a relief."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -10,10 +10,17 @@ import numpy as np
 from normalgan.errors import InputError
 from normalgan.files import write_bytes
 from normalgan.normals import Bits, Floats, Green, encode_grey
+from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import Job
 from normalgan.painting.normal_map import Format, NormalMap
 
-__all__ = ["Outputs", "encode_height"]
+__all__ = ["FEWEST", "Heights", "Outputs", "encode_height", "engine_defaults", "level_heights"]
+
+Heights = list[tuple[Path, float]]
+"""Height maps as PNG, and how far each reaches from black to white, in pixels of its map."""
+
+FEWEST = 12
+"""Fewest triangles of a relief that is closed."""
 
 
 @dataclass(frozen=True)
@@ -26,10 +33,16 @@ class Outputs:
         bits: of each channel of a PNG.
         y: up is green as in OpenGL, down as in DirectX.
         alpha: write the object's mask as alpha channel.
+        engine: sets y, bits and suffix as it wants them, and writes what it imports the map by.
         show_input: write what the model saw.
         preview: write the map under a lamp that goes around it.
         height: write a height map: png is 16 bits from the lowest to the highest, tiff floats in pixels.
+        height_scale: pixels from black to white of a height png; batch takes those of the highest drawing.
         relief: write a relief mesh.
+        faces: triangles of the relief at most; null is four for each pixel.
+        ao: write the ambient occlusion.
+        curvature: write the curvature, ridges light and hollows dark.
+        specular: write how much each place reflects, ridges polished and hollows dull.
 
     Raises:
         InputError: if they do not go together.
@@ -40,10 +53,16 @@ class Outputs:
     bits: Bits = 8
     y: Green = "up"
     alpha: bool = False
+    engine: Engine | None = None
     show_input: bool = False
     preview: Literal["png", "gif"] | None = None
     height: Literal["png", "tiff"] | None = None
+    height_scale: float | Literal["batch"] | None = None
     relief: Literal["glb", "obj"] | None = None
+    faces: int | None = None
+    ao: bool = False
+    curvature: bool = False
+    specular: bool = False
 
     def __post_init__(self) -> None:
         if self.bits not in {8, 16}:
@@ -52,6 +71,12 @@ class Outputs:
             raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
         if self.suffix and Path(self.suffix).name != self.suffix:
             raise InputError(f"the suffix {self.suffix!r} is no part of a file's name; it is like _normal.")
+        if self.height_scale is not None and self.height != "png":
+            raise InputError("a height_scale is that of a height png; add --height png.")
+        if isinstance(self.height_scale, float | int) and not self.height_scale > 0:
+            raise InputError(f"height_scale is {self.height_scale}; it is pixels, more than 0, or batch.")
+        if self.faces is not None and (self.relief is None or self.faces < FEWEST):
+            raise InputError(f"faces are those of a relief (--relief glb), {FEWEST} or more.")
 
     @property
     def ending(self) -> str:
@@ -65,22 +90,30 @@ class Outputs:
         for name in ("preview", "height", "relief"):
             if kind := getattr(self, name):
                 yield f"_{name}.{kind}"
+        yield from (f"_{name}.png" for name in ("ao", "curvature", "specular") if getattr(self, name))
 
-    def write(self, job: Job, preds: NormalMap) -> None:
-        """Write what belongs to a drawing, each file whole or not at all.
+    def write(self, job: Job, preds: NormalMap) -> Heights:
+        """Write what belongs to a drawing, each file whole or not at all; return the height maps.
 
         Raises:
             OSError: if a file cannot be written.
         """
-        self.write_others(job, preds)
+        heights = self.write_others(job, preds)
         self.write_map(job, preds)  # last, so that where there is a map, there is the rest too
+        return heights
 
     def write_map(self, job: Job, preds: NormalMap) -> None:
-        """Write the map alone."""
+        """Write the map alone, and what an engine imports it by."""
+        self.write_sidecar(job.target)
         write_bytes(job.target, preds.encode(self.format, self.bits, self.y, self.alpha))
 
-    def write_others(self, job: Job, preds: NormalMap) -> None:
-        """Write all but the map."""
+    def write_sidecar(self, target: Path) -> None:
+        """Write what an engine imports a map by."""
+        if self.engine is not None:
+            write_bytes(*sidecar(self.engine, target))
+
+    def write_others(self, job: Job, preds: NormalMap) -> Heights:
+        """Write all but the map; return the height maps."""
         if self.show_input:
             write_bytes(job.beside("_input.png"), encode_grey(1 - preds.seen))
         if self.preview is not None:
@@ -88,29 +121,85 @@ class Outputs:
 
             lit = preview_png if self.preview == "png" else preview_gif
             write_bytes(job.beside(f"_preview.{self.preview}"), lit(preds.extended, preds.mask))
-        if self.height is not None or self.relief is not None:
-            self._write_relief(job, preds)
-
-    def _write_relief(self, job: Job, preds: NormalMap) -> None:
-        from normalgan.painting.relief import relief_mesh, write_relief
-
-        height = preds.height()
-        if self.height is not None:
-            write_bytes(job.beside(f"_height.{self.height}"), encode_height(height, preds, self.height))
+        height = preds.height() if self._needs_height else None
+        self._write_shading(job, preds, height)
+        if height is None:
+            return []
         if self.relief is not None:
-            write_relief(job.beside(f"_relief.{self.relief}"), relief_mesh(height, preds.mask))
+            from normalgan.painting.relief import relief_mesh, simpler, write_relief
+
+            shape = height, preds.mask
+            simple = shape if self.faces is None else simpler(*shape, self.faces)
+            write_relief(job.beside(f"_relief.{self.relief}"), relief_mesh(*simple))
+        if self.height is None:
+            return []
+        path = job.beside(f"_height.{self.height}")
+        inside = height[preds.mask] if preds.mask.any() else np.zeros(1, np.float32)
+        spread = max(float(np.ptp(inside)), 1e-6)
+        if isinstance(self.height_scale, float | int):
+            spread = float(self.height_scale)
+        write_bytes(path, encode_height(height, preds, self.height, spread))
+        return [(path, spread)] if self.height == "png" else []
+
+    @property
+    def _needs_height(self) -> bool:
+        return self.height is not None or self.relief is not None or self.ao or self.specular
+
+    def _write_shading(self, job: Job, preds: NormalMap, height: Floats | None) -> None:
+        if not (self.ao or self.curvature or self.specular):
+            return
+        from normalgan.painting.shading_maps import curvature, gloss, occlusion
+
+        maps = {}
+        if height is not None and (self.ao or self.specular):
+            maps["ao"] = occlusion(height, preds.extended, preds.mask)
+        if self.curvature or self.specular:
+            maps["curvature"] = curvature(preds.extended, preds.mask)
+        if self.specular:
+            maps["specular"] = gloss(maps["ao"], maps["curvature"], preds.mask)
+        for name, values in maps.items():
+            if getattr(self, name):
+                write_bytes(job.beside(f"_{name}.png"), encode_grey(values))
 
 
-def encode_height(height: Floats, preds: NormalMap, kind: Literal["png", "tiff"]) -> bytes:
+def encode_height(
+    height: Floats, preds: NormalMap, kind: Literal["png", "tiff"], spread: float | None = None
+) -> bytes:
     """Return the content of a height map's file.
 
     Args:
         height: (H, W) in pixels, as `NormalMap.height` gives it.
         preds: the map it is of.
         kind: png is 16 bits from the lowest to the highest, tiff floats in pixels.
+        spread: pixels from black to white of a png; None is from the lowest to the highest.
     """
-    inside = height[preds.mask]
+    inside = height[preds.mask] if preds.mask.any() else np.zeros(1, np.float32)
     if kind == "tiff":
         return encode_grey(np.where(preds.mask, height, inside.min()), ".tiff")
-    spread = max(float(np.ptp(inside)), 1e-6)
+    spread = max(float(np.ptp(inside)), 1e-6) if spread is None else spread
     return encode_grey(np.where(preds.mask, (height - inside.min()) / spread, 0), ".png", 16)
+
+
+def level_heights(heights: Sequence[tuple[Path, float]]) -> None:
+    """Write height maps anew with one scale for all: that of the one that reaches farthest.
+
+    Raises:
+        OSError: if one cannot be read or written.
+    """
+    import cv2
+
+    most = max((spread for _, spread in heights), default=0.0)
+    for path, spread in heights:
+        levels = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
+        if levels is None:
+            raise OSError(0, "it is no height map any more", str(path))
+        if spread < most:
+            write_bytes(
+                path, encode_grey(np.asarray(levels * (spread / most / 65535), np.float32), ".png", 16)
+            )
+
+
+def engine_defaults(engine: Engine) -> dict[str, object]:
+    """Return the settings of `Outputs` that an engine sets, unless the user does."""
+    convention = CONVENTIONS[engine]
+    return {"y": convention.y, "bits": convention.bits, "suffix": convention.suffix}

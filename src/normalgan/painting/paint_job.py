@@ -18,7 +18,7 @@ from normalgan.painting.inputs import as_hints
 from normalgan.painting.jobs import DrawingFiles, Job
 from normalgan.painting.masks import load_mask
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outputs import Outputs
+from normalgan.painting.outputs import Heights, Outputs, level_heights
 from normalgan.painting.packing import Packing
 from normalgan.painting.painter import Painter
 from normalgan.painting.picture import Picture, read_picture, resize, to_picture
@@ -40,10 +40,12 @@ class Done:
     Args:
         target: where the map is.
         warning: what is to be said of it, a part of a sentence; empty if nothing is.
+        heights: the height maps as PNG.
     """
 
     target: Path
     warning: str = ""
+    heights: Heights = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ class JobPainter:
         packing: how the drawings of a sheet are found.
         frame: whether the network is shown the same square of all drawings that belong together; None is
             ``shared`` for an animation, and ``own`` else.
+        strength: what the slopes of all maps are multiplied by.
     """
 
     painter: Painter
@@ -64,6 +67,7 @@ class JobPainter:
     size: int | None = None
     packing: Packing = field(default_factory=Packing)
     frame: Framing | None = None
+    strength: float = 1.0
 
     def __call__(self, job: Job) -> Done:
         """Paint and write one job.
@@ -80,8 +84,7 @@ class JobPainter:
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
         preds = self._sheet(files) if self.packing.given else self._drawing(files)
-        self.outputs.write(job, preds)
-        return Done(job.target, preds.warning)
+        return self._written(job, preds)
 
     def together(self, jobs: Sequence[Job]) -> Iterator[tuple[Job, Done | Exception]]:
         """Yield what came of drawings in files of their own that share a frame, in order.
@@ -111,10 +114,13 @@ class JobPainter:
                 yield job, preds
                 continue
             try:
-                self.outputs.write(job, preds)
-                yield job, Done(job.target, preds.warning)
+                yield job, self._written(job, preds)
             except OSError as error:
                 yield job, error
+
+    def _written(self, job: Job, preds: NormalMap) -> Done:
+        heights = self.outputs.write(job, preds.stronger(self.strength))
+        return Done(job.target, preds.warning, heights)
 
     def _drawing(self, files: DrawingFiles) -> NormalMap:
         picture = read_picture(files.drawing, files.content, self.size)
@@ -136,6 +142,7 @@ class JobPainter:
         pixels: list[NDArray[np.uint8]] = []
         said: list[str] = []
         failed: list[InputError] = []
+        heights: Heights = []
         for number, each in enumerate(paint_series(self.painter, members, shared, shared, self.size), 1):
             if isinstance(each, InputError):
                 preds = flat_map(members[number - 1].picture.shape, self.size)
@@ -145,7 +152,8 @@ class JobPainter:
                 preds = each
                 said += [f"frame {number}: {each.warning}"] if each.warning else []
             own = job.numbered(number, self.outputs.ending)
-            self.outputs.write_others(own, preds)
+            preds = preds.stronger(self.strength)
+            heights += self.outputs.write_others(own, preds)
             if _moves(self.outputs):
                 pixels.append(preds.pixels(self.outputs.y, self.outputs.alpha))
             else:
@@ -154,10 +162,12 @@ class JobPainter:
             raise failed[0]
         target = target_of(job, self.outputs, self.packing)
         if _moves(self.outputs):
+            self.outputs.write_sidecar(target)
             durations = [each.duration for each in found.parts]
             write_bytes(target, encode_animation(kind_of(target), pixels, durations, found.loop))
+        level_heights(heights)  # else a body would rise and sink with what it holds up
         more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
-        return Done(target, said[0] + more if said else "")
+        return Done(target, said[0] + more if said else "", heights)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))

@@ -10,8 +10,9 @@ from normalgan.errors import InputError
 from normalgan.files import write_bytes
 from normalgan.normals import Floats
 from normalgan.painting.outline import Corners, corners_of
+from normalgan.painting.picture import resize
 
-__all__ = ["SUFFIXES", "Backing", "check_relief_path", "relief_mesh", "write_relief"]
+__all__ = ["SUFFIXES", "Backing", "check_relief_path", "relief_mesh", "simpler", "write_relief"]
 
 Backing = Literal["open", "flat", "plate"]
 SUFFIXES = (".glb", ".obj")
@@ -98,6 +99,32 @@ def write_relief(path: str | Path, mesh: Any) -> None:
             data = data.replace(old.encode(), new.encode())
         write_bytes(path.with_name(pictures.get(name, name)), data)
     write_bytes(path, text.encode())
+
+
+def simpler(height: Floats, mask: NDArray[np.bool_], faces: int) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return heights and mask of fewer pixels, whose relief with a flat back has at most so many triangles.
+
+    Args:
+        height: (H, W) in pixels towards the viewer.
+        mask: (H, W), the object, not empty.
+        faces: triangles at most; a relief of one pixel is left in any case.
+    """
+    small, there, factor = height, mask, 1.0
+    while _closed_faces(there) > faces and min(there.shape) > 1:
+        factor *= min(float(np.sqrt(faces / _closed_faces(there))), 0.97)
+        shape = max(round(mask.shape[0] * factor), 1), max(round(mask.shape[1] * factor), 1)
+        share = resize(mask.astype(np.float32), shape)
+        total = resize(np.where(mask, height, np.float32(0)), shape)  # off the object there is no height
+        there = share > min(0.5, float(share.max()) / 2)
+        small = np.where(there, total / np.maximum(share, 1e-6), 0).astype(np.float32) * np.float32(factor)
+    return small, there
+
+
+def _closed_faces(mask: NDArray[np.bool_]) -> int:
+    """Return how many triangles the relief of a mask has: two a pixel before and behind, two at each edge."""
+    around = np.pad(mask, 1)
+    edges = sum(int((around & ~np.roll(around, step, axis)).sum()) for step in (1, -1) for axis in (0, 1))
+    return 4 * int(mask.sum()) + 2 * edges
 
 
 def check_relief_path(path: str | Path) -> Path:

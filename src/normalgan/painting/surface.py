@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from normalgan.painting.multigrid import Solver
+from normalgan.painting.multigrid import Relaxation, Solver
 
 __all__ = ["Links", "Surface", "link"]
 
@@ -83,7 +83,14 @@ class Surface:
         self.steep = steep[ends[0]], steep[ends[1]]
         self.tilt = tilt[ends[0], self.links.axis], tilt[ends[1], self.links.axis]
 
-    def solve(self, jumps: float, rounds: int, tolerance: float, start: _Vector | None = None) -> _Vector:
+    def solve(
+        self,
+        jumps: float,
+        rounds: int,
+        tolerance: float,
+        start: _Vector | None = None,
+        solver: Solver | Relaxation | None = None,
+    ) -> _Vector:
         """Return the heights (n,).
 
         Args:
@@ -91,11 +98,12 @@ class Surface:
             rounds: weights and heights are found at most this often.
             tolerance: and until the energy changes by less than this share of it.
             start: (n,) heights to begin with, which also tell where the surface breaks.
+            solver: of the equations of each round; None is multigrid.
         """
         height = np.zeros(self.count) if start is None else start
         even = np.full(len(self.links.tail), 0.5)
         weights = (even, even) if start is None or not jumps else self._weights(self._errors(height), jumps)
-        last, solver = np.inf, Solver(_RESIDUE)
+        last, solver = np.inf, solver or Solver(_RESIDUE)
         for _ in range(rounds if jumps else 1):
             height = solver.solve(*self._system(*weights), height)
             errors = self._errors(height)

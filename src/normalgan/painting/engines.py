@@ -1,0 +1,114 @@
+"""Engines: how each wants its normal maps, and the files by which it imports them so."""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from normalgan.normals import Bits, Green
+
+__all__ = ["CONVENTIONS", "Convention", "Engine", "sidecar"]
+
+Engine = Literal["unity", "unreal", "godot", "blender"]
+
+
+@dataclass(frozen=True)
+class Convention:
+    """What an engine's users call and store a normal map like.
+
+    Args:
+        y: where green points.
+        bits: of each channel.
+        suffix: of the map's name.
+        sidecar: what is added to the map's name for the file that tells the engine how to import it.
+    """
+
+    y: Green
+    bits: Bits
+    suffix: str
+    sidecar: str
+
+
+CONVENTIONS: dict[Engine, Convention] = {
+    # Unity, "Importing a texture": Normal map; secondary textures of sprites are named so.
+    "unity": Convention("up", 8, "_NormalMap", ".meta"),
+    # Unreal Engine, recommended asset naming: T_Name_N; green is flipped for OpenGL's.
+    "unreal": Convention("down", 8, "_N", ".import.py"),
+    "godot": Convention("up", 8, "_n", ".import"),
+    "blender": Convention("up", 16, "_normal", ".import.py"),
+}
+
+
+def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
+    """Return the file, and its content, by which an engine imports a map as numbers and no colours.
+
+    Args:
+        engine: Unity and Godot read theirs by themselves. Unreal and Blender know no such file; theirs is a
+            script for their Python, which imports the map that lies beside it.
+        target: the map.
+    """
+    text = {"unity": _unity, "unreal": _unreal, "godot": _godot, "blender": _blender}[engine](target)
+    return target.with_name(target.name + CONVENTIONS[engine].sidecar), text.encode()
+
+
+def _unity(target: Path) -> str:
+    guid = hashlib.md5(target.as_posix().encode(), usedforsecurity=False).hexdigest()
+    return (
+        f"fileFormatVersion: 2\nguid: {guid}\nTextureImporter:\n  serializedVersion: 12\n"
+        "  mipmaps:\n    sRGBTexture: 0\n    enableMipMap: 1\n  bumpmap:\n    convertToNormalMap: 0\n"
+        "  textureType: 1\n"  # Normal map
+        "  textureShape: 1\n"
+    )
+
+
+def _godot(target: Path) -> str:
+    # What is left out is filled in by Godot on its first scan.
+    return (
+        '[remap]\n\nimporter="texture"\ntype="CompressedTexture2D"\n\n[deps]\n\n'
+        f"source_file={json.dumps('res://' + target.name)}\n\n[params]\n\n"
+        "compress/mode=0\ncompress/normal_map=1\nroughness/mode=0\n"
+        "process/normal_map_invert_y=false\ndetect_3d/compress_to=0\n"
+    )
+
+
+def _unreal(target: Path) -> str:
+    return f'''"""Imports {target.name} as a normal map: Tools > Execute Python Script."""
+
+import os
+
+import unreal
+
+task = unreal.AssetImportTask()
+task.filename = os.path.join(os.path.dirname(os.path.abspath(__file__)), {json.dumps(target.name)})
+task.destination_path = "/Game/NormalMaps"
+task.automated = task.save = True
+unreal.AssetToolsHelpers.get_asset_tools().import_asset_tasks([task])
+for path in task.imported_object_paths:
+    texture = unreal.load_asset(path)
+    texture.set_editor_property("compression_settings", unreal.TextureCompressionSettings.TC_NORMALMAP)
+    texture.set_editor_property("srgb", False)
+    texture.set_editor_property("flip_green_channel", False)
+    unreal.EditorAssetLibrary.save_loaded_asset(texture)
+'''
+
+
+def _blender(target: Path) -> str:
+    return f'''"""Makes a material with {target.name}: Blender's text editor, or blender --python."""
+
+import os
+
+import bpy
+
+here = os.path.dirname(os.path.abspath(__file__))
+image = bpy.data.images.load(os.path.join(here, {json.dumps(target.name)}), check_existing=True)
+image.colorspace_settings.name = "Non-Color"
+material = bpy.data.materials.new({json.dumps(target.stem)})
+material.use_nodes = True
+nodes, links = material.node_tree.nodes, material.node_tree.links
+texture, turn = nodes.new("ShaderNodeTexImage"), nodes.new("ShaderNodeNormalMap")
+texture.image = image
+shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+links.new(texture.outputs["Color"], turn.inputs["Color"])
+links.new(turn.outputs["Normal"], shader.inputs["Normal"])
+'''
