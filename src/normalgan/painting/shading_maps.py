@@ -19,10 +19,10 @@ _FINE = 1 / 256
 """Width at which a surface is looked at for its curvature, as a share of a drawing's longer side."""
 _BEND = 0.04
 """Share of a drawing's longer side that is the radius of a ball that is half as light as can be."""
-Mask = NDArray[np.bool_]
+_Mask = NDArray[np.bool_]
 
 
-def occlusion(height: Floats, normals: Floats, mask: Mask) -> Floats:
+def occlusion(height: Floats, normals: Floats, mask: _Mask) -> Floats:
     """Return how open each place is to light, (H, W) in [0, 1]: 1 in the open, and off the object.
 
     In each of some directions, the neighbour that rises most above the plane of the pixel's own normal hides
@@ -59,7 +59,7 @@ def occlusion(height: Floats, normals: Floats, mask: Mask) -> Floats:
     return np.where(mask, np.clip(1 - hidden / _WAYS, 0, 1), 1).astype(np.float32)
 
 
-def curvature(normals: Floats, mask: Mask) -> Floats:
+def curvature(normals: Floats, mask: _Mask) -> Floats:
     """Return how a surface bends, (H, W) in [0, 1]: ridges light, hollows dark, 0.5 where it is flat.
 
     It is the divergence of the normals, twice the mean curvature where the surface faces the viewer.
@@ -80,7 +80,7 @@ def curvature(normals: Floats, mask: Mask) -> Floats:
     return np.where(mask, 0.5 + 0.5 * np.tanh(bend * side * _BEND / 2), 0.5).astype(np.float32)
 
 
-def gloss(open_to_light: Floats, bends: Floats, mask: Mask) -> Floats:
+def gloss(open_to_light: Floats, bends: Floats, mask: _Mask) -> Floats:
     """Return how much each place reflects, (H, W) in [0, 1]: ridges are polished, hollows dull, off it is 0.
 
     Args:
