@@ -36,6 +36,7 @@ LAYERS = (
     {"benchmark", "exporting", "studio"},
     {"saved_model"},
     {"__main__"},
+    {"completion"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 LIGHT = (

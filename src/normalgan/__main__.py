@@ -33,6 +33,7 @@ Commands:
   export     write a checkpoint as a file for elsewhere: ONNX, safetensors, TorchScript
   benchmark  train and measure the methods of a plan on one split, or a model of yours
   plugins    list the samplers, networks, losses, renderers and line styles there are
+  completion print a script by which a shell completes commands and settings
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
 A configuration is a program; with --safe-config it can name known classes only.
@@ -44,6 +45,7 @@ OTHERS = {
     "export": "normalgan.exporting.command",
     "benchmark": "normalgan.benchmark.command",
     "plugins": "normalgan.commands.plugins",
+    "completion": "normalgan.completion",
 }
 """The commands that are not the Trainer's, and the module of each, which has a ``run``."""
 COMMANDS = (*TRAINING, *OTHERS)
