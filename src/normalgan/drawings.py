@@ -31,7 +31,10 @@ __all__ = [
 
 Floats = NDArray[np.float32]
 
-SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg")
+SUFFIXES = (
+    *(".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg"),
+    *(".psd", ".kra", ".ora", ".ase", ".aseprite"),
+)
 SVG_SIDE = 1024
 """Longer side in pixels that an SVG, which has none, is drawn with."""
 SMALLEST, LARGEST = 8, 8192

@@ -8,6 +8,7 @@ import base64
 import binascii
 import builtins
 import io
+import itertools
 import os
 import re
 import signal
@@ -90,7 +91,7 @@ _PLUGINS = {
     b"MM\0+": "Tiff",
 }
 """What files begin with, and Pillow's module for them; it has forty more, one of which starts Ghostscript."""
-_KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg"
+_KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg .psd .kra .ora .ase .aseprite"
 _STRIP = 2**22
 _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
@@ -114,7 +115,7 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
     replies = open(os.dup(1), "wb", buffering=0)  # noqa: PTH123, SIM115 -- a number, and to the end
     with open(os.devnull, "wb") as nowhere:  # noqa: PTH123 -- what a library prints is no reply
         os.dup2(nowhere.fileno(), 1)
-    sys.path.extend(folders)
+    sys.path.extend([*folders, os.path.dirname(os.path.abspath(__file__))])  # noqa: PTH100, PTH120
     try:
         _import_all()
         limit(memory)
@@ -251,6 +252,9 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
     """
     number = 0
     try:
+        if (reader := _layered(content)) is not None:
+            _send_aseprite(reader, content, least, most, replies)
+            return
         with _opened(content) as image:
             _check_sides(image.width, image.height, least, most)
             # A PNG may begin with a picture for those who know no animations.
@@ -343,11 +347,15 @@ def decode(
     if is_svg(content):
         content = draw_svg(content, svg_side, most)
     try:
-        with _opened(content) as image:
-            _check_sides(image.width, image.height, least, most)
-            image.load()
-            upright = ImageOps.exif_transpose(image)
-        del image, content
+        if (reader := _layered(content)) is not None:
+            upright = _composite(reader, content, least, most)
+        else:
+            with _opened(content) as image:
+                _check_sides(image.width, image.height, least, most)
+                image.load()
+                upright = ImageOps.exif_transpose(image)
+            del image
+        del content
         upright, full = _plain(upright), upright.size
         if longest and max(full) > longest:
             upright = _reduced(upright, longest)
@@ -358,6 +366,50 @@ def decode(
         raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
+
+
+def _send_aseprite(
+    reader: Any, content: bytes, least: int, most: int, replies: "BinaryIO | io.FileIO"
+) -> None:
+    """Write the frames of an Aseprite file."""
+    try:
+        width, height = reader.size_of(content)
+        _check_sides(width, height, least, most)
+        count = int.from_bytes(content[6:8], "little")
+        _check_parts(count, count * width * height, "frames")
+        frames = reader.aseprite_frames(content)
+        first = next(frames)
+        _write(replies, REPLY.pack(PARTS, width, height, 0, 0, count))
+        for image, milliseconds in itertools.chain([first], frames):
+            send(image, image.size, replies)
+            _write(replies, PART.pack(0, 0, milliseconds, 0))
+    except reader.UnreadableError as error:
+        raise RefusedError(str(error)) from None
+
+
+def _layered(content: bytes) -> Any:
+    """Return the module that reads a layered file of a paint program; None of any other file."""
+    if not content.startswith((b"8BPS", b"PK\x03\x04")) and content[4:6] != b"\xe0\xa5":
+        return None
+    # By its own name: the package is not on this program's path.
+    reader: Any = __import__("layered_files")
+    return reader if reader.kind_of(content) is not None else None
+
+
+def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
+    """Return what a layered file shows.
+
+    Raises:
+        RefusedError: if it cannot be read.
+    """
+    try:
+        _check_sides(*reader.size_of(content), least, most)
+        image: Image = reader.composite(content)
+        _check_sides(*image.size, least, most)
+        image.load()
+    except reader.UnreadableError as error:
+        raise RefusedError(str(error)) from None
+    return image
 
 
 def _opened(content: bytes) -> "Image":

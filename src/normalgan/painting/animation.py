@@ -17,7 +17,7 @@ __all__ = ["SUFFIXES", "Kind", "encode_animation", "kind_of", "moving_kind"]
 
 Kind = Literal["gif", "webp", "png"]
 """Of an animation; a PNG that moves is an APNG."""
-SUFFIXES = (".gif", ".webp", ".png", ".apng")
+SUFFIXES = (".gif", ".webp", ".png", ".apng", ".ase", ".aseprite")
 _MOST_CHUNKS = 1000
 _EXTENSION, _IMAGE, _END = 0x21, 0x2C, 0x3B
 
@@ -41,6 +41,8 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | None:
             start = file.read(32)
             if start.startswith(b"\x89PNG"):
                 return "png" if _is_apng(file) else None
+        if start[4:6] == b"\xe0\xa5":  # Aseprite: what it shows goes into a PNG that moves
+            return "png" if int.from_bytes(start[6:8], "little") > 1 else None
         if start[:4] == b"RIFF" and start[8:16] == b"WEBPVP8X":
             return "webp" if start[20:21] and start[20] & 2 else None
         if not start.startswith(b"GIF8"):

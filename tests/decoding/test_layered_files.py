@@ -1,0 +1,146 @@
+"""Layered files of paint programs: real ones, written here, are painted as the flat picture is."""
+
+import io
+import struct
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image, ImageSequence
+
+from normalgan.__main__ import main
+from normalgan.decoding import decode
+from normalgan.errors import InputError
+from onnx_models import write_model
+from pens import blob, outline
+
+Pixels = NDArray[np.uint8]
+FILLED = blob((80, 120), (60, 44), 28)
+FLAT = np.dstack([np.rint(255 * (1 - outline(FILLED)))] * 3 + [np.full(FILLED.shape, 255)]).astype(np.uint8)
+
+
+def zipped(mimetype: str, **files: bytes) -> bytes:
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as file:
+        file.writestr("mimetype", mimetype)
+        for name, content in files.items():
+            file.writestr(name.replace("_", "."), content)
+    return out.getvalue()
+
+
+def png(pixels: Pixels) -> bytes:
+    out = io.BytesIO()
+    Image.fromarray(pixels).save(out, "PNG")
+    return out.getvalue()
+
+
+def psd(pixels: Pixels) -> bytes:
+    from psd_tools import PSDImage
+
+    out = io.BytesIO()
+    PSDImage.frompil(Image.fromarray(pixels).convert("RGB")).save(out)
+    return out.getvalue()
+
+
+def chunk(kind: int, data: bytes) -> bytes:
+    return struct.pack("<IH", len(data) + 6, kind) + data
+
+
+def layer(name: str, visible: bool = True, opacity: int = 255) -> bytes:
+    text = name.encode()
+    head = struct.pack("<HHHHHHB3x", int(visible), 0, 0, 0, 0, 0, opacity)
+    return chunk(0x2004, head + struct.pack("<H", len(text)) + text)
+
+
+def cel(number: int, pixels: Pixels, left: int = 0, top: int = 0) -> bytes:
+    head = struct.pack("<HhhBHh5x", number, left, top, 255, 2, 0)
+    size = struct.pack("<HH", pixels.shape[1], pixels.shape[0])
+    return chunk(0x2005, head + size + zlib.compress(pixels.tobytes()))
+
+
+def linked(number: int, frame: int) -> bytes:
+    return chunk(0x2005, struct.pack("<HhhBHh5xH", number, 0, 0, 255, 1, 0, frame))
+
+
+def aseprite(frames: list[list[bytes]], size: tuple[int, int] = (120, 80), depth: int = 32) -> bytes:
+    body = b""
+    for chunks in frames:
+        data = b"".join(chunks)
+        body += struct.pack("<IHHH2xI", 16 + len(data), 0xF1FA, len(chunks), 90, len(chunks)) + data
+    head = struct.pack("<IHHHHHIH8xB", 128 + len(body), 0xA5E0, len(frames), *size, depth, 1, 100, 0)
+    return head.ljust(128, b"\0") + body
+
+
+def drawn() -> list[bytes]:
+    """Paper, a drawing in two halves, one of which lies elsewhere in its layer, and a hidden layer."""
+    paper = np.full((80, 120, 4), 255, np.uint8)
+    hidden = np.zeros((80, 120, 4), np.uint8)
+    hidden[..., 3] = 255
+    return [
+        *(layer("paper"), layer("left"), layer("right"), layer("hidden", visible=False)),
+        *(cel(0, paper), cel(1, FLAT[:, :60]), cel(2, FLAT[:, 60:], left=60), cel(3, hidden)),
+    ]
+
+
+def indexed() -> bytes:
+    colours = b"".join(struct.pack("<HBBBB", 0, value, value, value, 255) for value in range(256))
+    palette = chunk(0x2019, struct.pack("<III8x", 256, 0, 255) + colours)
+    return aseprite([[palette, layer("a"), cel(0, np.maximum(FLAT[..., 0], 1))]], depth=8)
+
+
+FILES = {
+    "a.psd": psd(FLAT),
+    "a.ora": zipped("image/openraster", mergedimage_png=png(FLAT)),
+    "a.kra": zipped("application/x-krita", mergedimage_png=png(FLAT), maindoc_xml=b"<DOC/>"),
+    "a.aseprite": aseprite([drawn()]),
+    "b.ase": indexed(),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_a_layered_file_shows_is_what_is_read(name: str) -> None:
+    found = decode(name, FILES[name], (8, 8192), 64)
+    assert found.shape == (80, 120)
+    assert np.abs(found.pixels[..., :3].astype(int) - FLAT[..., :3]).max() <= 1
+
+
+def test_layered_files_are_painted_in_folders_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_model(tmp_path / "model.onnx")
+    Path("in").mkdir()
+    for number, (name, content) in enumerate(FILES.items()):
+        Path(f"in/{number}{name}").write_bytes(content)
+    walk = aseprite([drawn(), [linked(0, 0), cel(1, FLAT[:, :60])]])
+    Path("in/walk.ase").write_bytes(walk)
+    Path("flat.png").write_bytes(png(FLAT))
+    assert main(["generate", "in", "flat.png", "--model", "model.onnx"]) == 0
+    flat = Path("normals/flat_normal.png").read_bytes()
+    for number, name in enumerate(FILES):
+        found = Path(f"normals/{number}{Path(name).stem}_normal.png")
+        assert found.read_bytes() == flat or name == "b.ase", name  # whose black is one level lighter
+    with Image.open("normals/walk_normal.png") as moving:
+        assert [int(each.info["duration"]) for each in ImageSequence.Iterator(moving)] == [90, 90]
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (b"8BPS" + struct.pack(">H", 3) + FILES["a.psd"][6:], "is a PSD of version 3; 1 and 2 can be read"),
+        (FILES["a.psd"][:60], "cannot be read as an image"),
+        (zipped("image/openraster"), "is a ZIP without mergedimage.png"),
+        (FILES["a.ora"][:200], "is a broken ZIP"),
+        (aseprite([drawn()], depth=24), "is an Aseprite file of 24 bits"),
+        (FILES["a.aseprite"][:300], "broken"),
+        (aseprite([[layer("a"), chunk(0x2005, bytes(16))]]), "has a broken layer 'a'"),
+        (aseprite([[layer("a"), linked(0, 0)]]), "has a broken layer 'a': it refers to a later frame"),
+        (FILES["a.aseprite"][:132] + b"\1\1" + FILES["a.aseprite"][134:], "of an unknown version"),
+        (aseprite([drawn()], size=(60000, 60000)), "is 60000 × 60000 pixels"),
+    ],
+)
+def test_a_layered_file_that_cannot_be_read_is_told_in_a_sentence(content: bytes, sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        decode("a.any", content, (8, 8192), 64)
+    assert sentence in str(caught.value)
