@@ -403,9 +403,10 @@ def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
         RefusedError: if it cannot be read.
     """
     try:
-        _check_sides(*reader.size_of(content), least, most)
+        width, height = reader.size_of(content)
+        _check_sides(width, height, least, most)
         image: Image = reader.composite(content)
-        _check_sides(*image.size, least, most)
+        _check_sides(image.width, image.height, least, most)
         image.load()
     except reader.UnreadableError as error:
         raise RefusedError(str(error)) from None
