@@ -21,6 +21,7 @@ LAYERS = (
         "training_help",
         "limits",
         "torch_files",
+        "torch_seeds",
         "decoding",
     }
     | {"shipped_configs", "warning_filters"},

@@ -22,6 +22,7 @@ from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstructio
 from normalgan.objectives.finite import loss_error, not_finite, read_behind
 from normalgan.painter import NormalPainter
 from normalgan.seeds import derive_seed
+from normalgan.torch_seeds import seed_torch
 from normalgan.weights.checkpoint import settings_to_save
 
 __all__ = ["SHARE", "NormalGAN"]
@@ -121,7 +122,7 @@ class NormalGAN(NormalPainter):
         """Step the discriminator, and with every n-th batch the generator."""
         step = self.trainer.fit_loop.total_batch_idx  # goes on counting through epochs; batch_idx does not
         seed = derive_seed("train", self.seed, step, self.global_rank)
-        torch.manual_seed(seed)
+        seed_torch(seed, self.device)
         hints = self.training_hints(batch, seed)
         if self.hint_noise:
             hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))

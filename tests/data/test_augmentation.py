@@ -155,6 +155,14 @@ def test_seed_decides_and_global_state_is_left_alone() -> None:
     assert not torch.equal(first, other)
 
 
+@pytest.mark.skipif(torch.cuda.is_available(), reason="CUDA is there, and is seeded at once")
+def test_no_seed_is_kept_for_a_backend_that_is_not_started() -> None:
+    """Each step left its stack behind, which took time, and memory for ever."""
+    before = len(torch.cuda._queued_calls)
+    Augmentation()(sphere(2), seed=0)
+    assert len(torch.cuda._queued_calls) == before
+
+
 def test_samples_of_a_batch_are_changed_each_in_its_own_way() -> None:
     moved = Augmentation()(sphere(2), seed=0)
     assert not torch.equal(moved["normal"][0], moved["normal"][1])

@@ -12,6 +12,7 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics import unit_vectors
+from normalgan.torch_seeds import seed_torch
 
 __all__ = [
     "Augmentation",
@@ -178,7 +179,7 @@ class Augmentation:
         sketch, normal, mask = batch["sketch"], batch["normal"], batch["mask"]
         device, (count, _, _, side) = sketch.device, sketch.shape
         with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
-            torch.manual_seed(seed)
+            seed_torch(seed, device)
             transform = self.draw_transform(count, side, device)
             grid = sampling_grid(transform, side)
             # Lines are moved and made to wobble in one step: two interpolations would blur them twice.
