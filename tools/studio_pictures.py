@@ -154,7 +154,7 @@ def main(
         shoot(page, folder / "studio_dark.png")
         page.emulate_media(color_scheme="light")
         film(page, folder / "studio_film.png")
-        page.locator("#undo").focus()
+        page.keyboard.press("p")
         page.set_viewport_size({"width": 420, "height": 860})
         page.keyboard.press("2")
         shoot(page, folder / "studio_narrow.png")

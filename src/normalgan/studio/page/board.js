@@ -1,6 +1,6 @@
 /** Board: a pane of the drawing or of its result: the sheet, and above it points, suggestions and the tool's nib. */
 
-import { context2d } from "./canvas.js";
+import { clear, context2d } from "./canvas.js";
 import { Camera } from "./camera.js";
 import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions } from "./marks.js";
 import { drawSelection } from "./selecting.js";
@@ -92,7 +92,7 @@ export class Board {
     this.frame = 0;
     const { context, camera, editor } = this;
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    clear(context);
     context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
     if (this.marked()) drawGuides(context, camera, editor);
     drawMaskStroke(context, camera, editor);

@@ -1,6 +1,6 @@
 /** Sheet: paper, pictures and ink of a pane, drawn where they changed. */
 
-import { context2d } from "./canvas.js";
+import { clear, context2d } from "./canvas.js";
 import { decoded } from "./pictures.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
@@ -66,7 +66,7 @@ export class Sheet {
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.save();
     if (Number.isFinite(stale.left)) this.#clip(stale);
-    context.clearRect(0, 0, width, height);
+    clear(context);
     for (const { from, to, lines, paper } of this.parts) {
       context.save();
       context.beginPath();

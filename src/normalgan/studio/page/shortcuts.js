@@ -27,7 +27,7 @@ export const SHOWN = [
 export function followKeys(actions) {
   addEventListener("keydown", (event) => {
     if (event.defaultPrevented || event.altKey || document.querySelector("dialog[open]")) return;
-    const field = event.target instanceof Element && event.target.closest("input:not([type=range], [type=checkbox]), select, textarea");
+    const field = event.target instanceof Element && event.target.closest("input:not([type=range], [type=checkbox], [type=color]), select, textarea");
     const control = event.ctrlKey || event.metaKey;
     if (field && !control) return;
     const letter = /^[a-z]$/i.test(event.key);
