@@ -8,8 +8,6 @@ import pytest
 from numpy.typing import NDArray
 from studio_page import SIDE, Server, Studio, open_studio
 
-from chromium import browser
-
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
@@ -122,29 +120,6 @@ def test_a_divider_shows_the_drawing_beside_its_map(studio: Studio) -> None:
     assert np.ptp(studio.screen()[round(at[0][1]), round(at[0][0])].astype(int)) > 40
     page.keyboard.press("c")
     assert page.locator("#divider").is_hidden()
-
-
-def test_marks_go_from_the_result_with_their_tool_on_a_graphics_card(server: Server) -> None:
-    with browser() as chromium, open_studio(chromium, server.url) as studio:
-        studio.new()
-        with studio.repainting():
-            studio.circle()
-        x, y = studio.on_result(MIDDLE + 30, MIDDLE)
-        at = np.s_[round(y) - 14 : round(y) + 14, round(x) - 14 : round(x) + 14]
-        studio.page.mouse.move(2, 2)
-        bare = studio.screen()[at].astype(int)
-        studio.page.keyboard.press("m")
-        studio.page.mouse.move(x - 20, y)
-        studio.page.mouse.down()
-        studio.page.mouse.move(x + 20, y, steps=4)
-        studio.page.wait_for_timeout(300)
-        assert np.abs(studio.screen()[at] - bare).max() > 40
-        with studio.repainting():
-            studio.page.mouse.up()
-        studio.page.keyboard.press("p")
-        studio.page.mouse.move(2, 2)
-        studio.page.wait_for_timeout(500)
-        np.testing.assert_allclose(studio.screen()[at], bare, atol=12)
 
 
 def test_a_large_result_is_drawn_on_and_its_lines_are_seen(studio: Studio) -> None:
