@@ -37,7 +37,7 @@ def test_the_public_signatures() -> None:
     fields = set(normalgan.NormalMap.__dataclass_fields__)
     assert public | fields == {
         *("normal", "mask", "confidence", "height", "save", "encode", "alpha", "extended", "seen"),
-        *("pixels", "warning"),
+        *("pixels", "stronger", "warning"),
     }
 
 
