@@ -19,4 +19,4 @@ if [ ! -e "$installed" ] || [ "$here/package.json" -nt "$installed" ]; then
     touch "$installed"
 fi
 "$here/node_modules/.bin/tsc" --project "$here"
-"$here/node_modules/.bin/oxlint" --deny-warnings src/normalgan/studio/page
+"$here/node_modules/.bin/oxlint" --deny-warnings src/normalgan/studio/page tools/static_studio

@@ -1,0 +1,146 @@
+"""The studio without a server paints in Chromium what Python paints, with the network cut off."""
+
+import base64
+import runpy
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import normalgan
+from chromium import browser
+from chromium import page as open_page
+from needs import NPM
+from normalgan.painting.onnx_backend import SHIPPED
+from normalgan.painting.picture import read_picture
+from pens import blob, outline
+from web_folder import serve
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+pytestmark = pytest.mark.slow  # downloads a package of npm
+ROOT = Path(__file__).parents[1]
+LARGEST = 30e6
+SIDE = 512
+ASK = """async ([grey, width, height, more]) => {
+  const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));
+  const planes = [{ name: "ink", width, height, channels: 1, box: [0, 0, width, height] }];
+  const drawn = { planes, hints: [], areas: [], source: null, ...more };
+  const fields = { tab: "test", number: 1, base: null, keep: false, ...drawn };
+  const json = new TextEncoder().encode(JSON.stringify(fields));
+  const body = new Uint8Array(4 + json.length + pixels.length);
+  new DataView(body.buffer).setUint32(0, json.length, true);
+  body.set(json, 4);
+  body.set(pixels, 4 + json.length);
+  const answer = await fetch("/api/paint", { method: "POST", body });
+  let text = "";
+  for (const byte of new Uint8Array(await answer.arrayBuffer())) text += String.fromCharCode(byte);
+  return { status: answer.status, warning: answer.headers.get("X-Warning"), rgba: btoa(text) };
+}"""
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the site that holds the studio."""
+    hook = runpy.run_path(str(ROOT / "tools" / "site" / "static_studio.py"))
+    runtime = hook["fetch_runtime"]()
+    if runtime is None:
+        pytest.skip(NPM.reason("it is not installed, or fetches nothing"))
+    folder = tmp_path_factory.mktemp("site") / hook["FOLDER"]
+    folder.mkdir()
+    hook["build"](folder, runtime)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def studio(built: Path) -> Iterator["Page"]:
+    """The page, ready to draw on, with the network cut off."""
+    requested: list[str] = []
+    with serve(built.parent) as address, browser(webgl=False) as opened, open_page(opened) as page:
+        page.on("request", lambda each: requested.append(each.url))
+        page.goto(f"{address}/{built.name}/")
+        page.wait_for_selector("html[data-ready]", timeout=120_000)
+        page.context.set_offline(True)
+        yield page
+    assert [url for url in requested if not url.startswith((address, "data:", "blob:"))] == []
+
+
+def test_it_is_small_enough_to_be_fetched(built: Path) -> None:
+    assert sum(path.stat().st_size for path in built.rglob("*") if path.is_file()) < LARGEST
+
+
+@pytest.mark.parametrize("name", ["dog", "fawn"])
+def test_it_paints_what_python_paints(studio: "Page", name: str) -> None:
+    picture = read_picture(ROOT / "examples" / "sketches" / f"{name}.png").resized((SIDE, SIDE))
+    grey = np.rint(picture.colour[..., 0] * 255).astype(np.uint8)
+    assert_alike(studio, grey, [{"x": 250, "y": 240, "normal": [-0.6, 0.0, 0.8]}])
+
+
+def test_gaps_are_closed_as_python_closes_them(studio: "Page") -> None:
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    grey[:, 120:128] = 255
+    assert_alike(studio, grey, [])
+
+
+def test_painted_areas_have_their_outline(studio: "Page") -> None:
+    assert_alike(studio, np.rint(255 * (1 - blob())).astype(np.uint8), [], share=0.95, degrees=6)
+
+
+def assert_alike(
+    page: "Page",
+    grey: NDArray[np.uint8],
+    hints: list[dict[str, Any]],
+    share: float = 0.98,
+    degrees: float = 1,
+) -> None:
+    """Assert that the page paints nearly the mask and the normals that Python paints."""
+    height, width = grey.shape
+    answer = page.evaluate(ASK, [base64.b64encode(grey.tobytes()).decode(), width, height, {"hints": hints}])
+    assert answer["status"] == 200, answer["warning"]
+    found = np.frombuffer(base64.b64decode(answer["rgba"]), np.uint8).reshape(height, width, 4)
+    wanted = normalgan.load(SHIPPED)(grey, hints=hints or None)
+    mask = found[..., 3] > 0
+    both = mask & wanted.mask
+    assert both.sum() > share * (mask | wanted.mask).sum()
+    normals = found[..., :3].astype(np.float64) / 127.5 - 1
+    cosine = (normals * wanted.extended).sum(-1) / np.linalg.norm(normals, axis=-1)
+    assert np.degrees(np.arccos(np.clip(cosine[both], -1, 1))).mean() < degrees
+
+
+def test_a_drawing_is_painted_saved_and_exported(studio: "Page") -> None:
+    box = studio.locator("#board").bounding_box()
+    assert box is not None
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    for i in range(41):
+        angle = 2 * np.pi * i / 40
+        at = middle[0] + 150 * np.cos(angle), middle[1] + 150 * np.sin(angle)
+        studio.mouse.move(*at)
+        if i == 0:
+            studio.mouse.down()
+    studio.mouse.up()
+    studio.wait_for_function(
+        "() => Number(document.getElementById('result').dataset.painted ?? 0) > 0"
+        " && document.getElementById('result').ariaBusy === 'false'",
+        timeout=120_000,
+    )
+    studio.locator("#save").click()
+    studio.locator("#name-field").fill("ring")
+    studio.locator("#save-dialog button.strong").click()
+    studio.wait_for_function("() => document.getElementById('status').textContent.includes('ring')")
+    assert [each["name"] for each in studio.evaluate("fetch('/api/projects').then((a) => a.json())")] == [
+        "ring"
+    ]
+    refused = studio.evaluate("fetch('/api/suggest', {method: 'POST'}).then((a) => a.json())")
+    assert "needs Python" in refused["error"]
+
+
+def test_without_npm_the_page_says_what_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hook = runpy.run_path(str(ROOT / "tools" / "site" / "static_studio.py"))
+    monkeypatch.setitem(hook["on_post_build"].__globals__, "CACHE", tmp_path / "none")
+    monkeypatch.setenv("PATH", "")
+    hook["on_post_build"](type("Config", (), {"site_dir": str(tmp_path)}))
+    assert "normalgan studio" in (tmp_path / hook["FOLDER"] / "index.html").read_text(encoding="utf-8")

@@ -1,0 +1,117 @@
+"""Hook of the site: the studio without a server, a folder that paints in the browser alone.
+
+The page is the one that `normalgan studio` serves. In place of the server there are the files of
+``tools/static_studio``, the model that comes with the package, and onnxruntime-web (MIT), which npm fetches.
+"""
+
+import base64
+import hashlib
+import io
+import json
+import logging
+import shutil
+import subprocess
+import tarfile
+from pathlib import Path
+
+from mkdocs.config.defaults import MkDocsConfig
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "src" / "normalgan" / "studio" / "page"
+BACKEND = ROOT / "tools" / "static_studio"
+CLAY = ROOT / "src" / "normalgan" / "painting" / "clay.json"
+MODEL = ROOT / "src" / "normalgan" / "weights" / "ours.onnx"
+LOCK = ROOT / "examples" / "onnx_web" / "package-lock.json"
+"""The example that paints in the browser takes the same version."""
+CACHE = ROOT / "build" / "npm"
+RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs", "ort-wasm-simd-threaded.wasm")
+FOLDER = "draw"
+_ABOUT = (
+    "<p>This studio runs in your browser alone; nothing you draw leaves it, and projects stay in its store. "
+    "The relief, suggestions of points, exports but for PNG of 8 bits, and the cleaning of photos need "
+    "Python: install normalgan and run <code>normalgan studio</code>.</p>"
+)
+_LEFT_OUT = (
+    "<!doctype html><html lang='en'><meta charset='utf-8'><title>normalgan studio</title>"
+    "<p>This copy of the site was built without onnxruntime-web, and so without the studio in the browser. "
+    "Install normalgan and run <code>normalgan studio</code>.</p></html>\n"
+)
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Put the studio into the site, or a page that says that it was left out."""
+    folder = Path(config.site_dir) / FOLDER
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    runtime = fetch_runtime()
+    if runtime is None:
+        (folder / "index.html").write_text(_LEFT_OUT, encoding="utf-8")
+        # Not as a warning, which would fail the build: the rest of the site does not need it.
+        logging.getLogger("mkdocs.hooks.static_studio").info(
+            "npm fetches no onnxruntime-web here: the studio in the browser was left out."
+        )
+        return
+    build(folder, runtime)
+
+
+def fetch_runtime() -> bytes | None:
+    """Return the package of onnxruntime-web as npm packs it; None where npm is missing or reaches nothing.
+
+    Raises:
+        ValueError: if it is not the one that the lock file names.
+    """
+    locked = json.loads(LOCK.read_text(encoding="utf-8"))["packages"]["node_modules/onnxruntime-web"]
+    kept = CACHE / f"onnxruntime-web-{locked['version']}.tgz"
+    if not kept.is_file():
+        npm = shutil.which("npm")
+        if npm is None:
+            return None
+        CACHE.mkdir(parents=True, exist_ok=True)
+        named = f"onnxruntime-web@{locked['version']}"
+        command = [npm, "pack", named, "--fetch-retries=1", "--loglevel=silent"]
+        if (
+            subprocess.run(command, cwd=CACHE, capture_output=True, check=False).returncode
+            or not kept.is_file()
+        ):
+            return None
+    content = kept.read_bytes()
+    if locked["integrity"] != "sha512-" + base64.b64encode(hashlib.sha512(content).digest()).decode():
+        kept.unlink()
+        raise ValueError(
+            f"{kept.name} is not the package that {LOCK.name} names; it was deleted, build again."
+        )
+    return content
+
+
+def build(folder: Path, runtime: bytes) -> None:
+    """Write the studio into a folder.
+
+    Args:
+        folder: of the site.
+        runtime: the package of onnxruntime-web.
+    """
+    page = folder / "page"
+    shutil.copytree(PAGE, page)
+    (page / "index.html").unlink()
+    for path in BACKEND.glob("*.js"):
+        shutil.copy(path, page)
+    for path in (MODEL, CLAY):
+        shutil.copy(path, page)
+    with tarfile.open(fileobj=io.BytesIO(runtime)) as packed:
+        for name in RUNTIME:
+            member = packed.extractfile(f"package/dist/{name}")
+            assert member is not None
+            (page / name).write_bytes(member.read())
+    (page / "onnxruntime-web.txt").write_text(
+        "ort*.mjs and ort*.wasm are ONNX Runtime Web, (c) Microsoft Corporation, MIT License:\n"
+        "https://github.com/microsoft/onnxruntime/blob/main/LICENSE\n",
+        encoding="utf-8",
+    )
+    text = (PAGE / "index.html").read_text(encoding="utf-8").replace('"/page/', '"page/')
+    first = '<script type="module" src="page/backend.js"></script>\n'
+    main = '<script type="module" src="page/main.js"></script>'
+    about = '<p id="about" class="quiet"></p>'
+    assert main in text, "the page's script has another name"
+    assert about in text, "the page's help has no line about itself"
+    text = text.replace(main, first + main).replace(about, _ABOUT + about)
+    (folder / "index.html").write_text(text, encoding="utf-8")

@@ -1,0 +1,154 @@
+/**
+ * Backend: answers what the studio's page asks a server, in the browser. It is loaded before the page, which is the
+ * server's own, and takes the place of `fetch` for addresses under /api/.
+ */
+
+import { documents } from "./documents.js";
+
+const MOST = 2048;
+const LACKS = "this needs Python: install normalgan and run `normalgan studio`, which opens what you save here with Open a file";
+/** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
+/** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
+
+/** @type {{number: number, planes: Map<string, Plane>} | null} what was sent last */
+let kept = null;
+let asked = 0;
+/** @type {Map<number, {resolve: (painted: Painted) => void, reject: (error: Error) => void}>} */
+const waiting = new Map();
+const worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
+/** @type {Promise<number>} side of the model's pictures */
+const size = new Promise((resolve, reject) => {
+  worker.addEventListener("message", ({ data }) => {
+    if (data.size) resolve(data.size);
+    if (data.failed && data.id === undefined) reject(new Error(data.failed));
+    const asker = waiting.get(data.id);
+    waiting.delete(data.id);
+    if (data.painted) asker?.resolve(data.painted);
+    else if (data.lacks) asker?.reject(new Lacking(data.lacks));
+    else asker?.reject(new Error(data.failed));
+  });
+  worker.addEventListener("error", () => reject(new Error("this browser runs no modules in workers, or has no WebAssembly")));
+});
+size.catch(() => {}); // said when something is asked for
+
+class Lacking extends Error {}
+
+/** @param {unknown} value @param {number} [status] @param {Record<string, string>} [headers] */
+const json = (value, status = 200, headers = {}) =>
+  new Response(JSON.stringify(value), { status, headers: { "Content-Type": "application/json", ...headers } });
+/** @param {string} error @param {number} status */
+const refused = (error, status) => json({ error: `${error.replace(/\.$/, "")}.` }, status);
+
+/** @param {Record<string, any>} fields @param {Uint8Array} pixels @returns {Map<string, Plane> | null} null: all is to be sent */
+function take(fields, pixels) {
+  const based = fields.base !== null && fields.base !== undefined;
+  if (based && kept?.number !== fields.base) return null;
+  /** @type {Map<string, Plane>} */
+  const planes = new Map(based ? kept?.planes : []);
+  let at = 0;
+  for (const { name, width, height, channels, box: [left, top, right, bottom] } of fields.planes) {
+    const before = planes.get(name);
+    const alike = before && before.width === width && before.height === height && before.channels === channels;
+    const whole = right - left === width && bottom - top === height;
+    if (!alike && !whole) return null;
+    const plane = { pixels: whole || !before ? new Uint8Array(width * height * channels) : before.pixels.slice(), width, height, channels };
+    const line = (right - left) * channels;
+    for (let y = top; y < bottom; y++, at += line) plane.pixels.set(pixels.subarray(at, at + line), (y * width + left) * channels);
+    planes.set(name, plane);
+  }
+  if (fields.keep !== false) kept = { number: fields.number, planes };
+  return planes;
+}
+
+/** @param {Map<string, Plane>} planes @param {Record<string, any>} fields @param {number | null} longest @returns {Promise<Painted>} */
+async function painted(planes, fields, longest) {
+  await size;
+  const id = ++asked;
+  const { hints = [], areas = [], source = null } = fields;
+  return new Promise((resolve, reject) => {
+    waiting.set(id, { resolve, reject });
+    worker.postMessage({ id, ink: planes.get("ink"), mask: planes.get("mask") ?? null, hints, areas, source, longest });
+  });
+}
+
+/** @param {string} path @param {Uint8Array} body */
+async function drawing(path, body) {
+  const length = new DataView(body.buffer, body.byteOffset).getUint32(0, true);
+  const fields = JSON.parse(new TextDecoder().decode(body.subarray(4, 4 + length)));
+  const planes = take(fields, body.subarray(4 + length));
+  if (!planes) return refused("send all of the drawing", 409);
+  if (path === "/api/paint") {
+    try {
+      const { rgba, width, height, warning } = await painted(planes, fields, fields.longest ?? null);
+      const headers = { "X-Width": String(width), "X-Height": String(height), "X-Warning": encodeURIComponent(warning) };
+      return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (rgba), { headers });
+    } catch (error) {
+      if (error instanceof Lacking) return new Response(null, { status: 204, headers: { "X-Warning": encodeURIComponent(error.message) } });
+      throw error;
+    }
+  }
+  if (path === "/api/export" && fields.what === "map" && fields.format === "png8") {
+    const file = await png(await painted(planes, fields, fields.size ?? null), fields.y === "down", fields.alpha !== false);
+    const name = encodeURIComponent(`${fields.name}_normal.png`);
+    return new Response(file, { headers: { "Content-Disposition": `attachment; filename*=UTF-8''${name}` } });
+  }
+  return refused(LACKS, 501);
+}
+
+/** Returns a map as a file. @param {Painted} map @param {boolean} down whether green is turned over @param {boolean} alpha */
+async function png({ rgba, width, height }, down, alpha) {
+  const pixels = new Uint8ClampedArray(rgba);
+  for (let i = 0; i < pixels.length; i += 4) {
+    if (!pixels[i + 3]) pixels.set([128, 128, 255, alpha ? 0 : 255], i);
+    if (down) pixels[i + 1] = 255 - pixels[i + 1];
+  }
+  const canvas = new OffscreenCanvas(width, height);
+  canvas.getContext("2d")?.putImageData(new ImageData(pixels, width), 0, 0);
+  return canvas.convertToBlob({ type: "image/png" });
+}
+
+/** Reads a picture as the browser can. @param {Blob} file */
+async function picture(file) {
+  const image = new Image();
+  image.src = URL.createObjectURL(file);
+  try {
+    await image.decode();
+  } catch {
+    return refused("this browser cannot read that picture; PNG, JPEG, WebP and SVG go everywhere", 400);
+  } finally {
+    URL.revokeObjectURL(image.src);
+  }
+  const given = [image.naturalWidth || 1024, image.naturalHeight || 1024];
+  const scale = Math.min(1, MOST / Math.max(...given));
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = given.map((side) => Math.max(1, Math.round(side * scale)));
+  canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
+  const [, content] = canvas.toDataURL("image/png").split(",");
+  return json({ picture: content, width: canvas.width, height: canvas.height, given });
+}
+
+/** @param {string} path @param {RequestInit} options @returns {Promise<Response>} */
+async function answer(path, { method = "GET", body, headers }) {
+  try {
+    const stored = /^\/api\/(projects|autosave)(?:\/(.+))?$/.exec(path);
+    if (stored) return await documents(stored[1], stored[2] && decodeURIComponent(stored[2]), method, new Headers(headers), String(body ?? ""));
+    if (path === "/api/about") {
+      return json({ version: "in the browser", model: { name: "ours.onnx", size: await size, confidence: false }, limits: { side: MOST } });
+    }
+    if (path === "/api/open") return json(null);
+    if (path === "/api/import" && body instanceof Blob) return await picture(body);
+    if (body instanceof Uint8Array) return await drawing(path, body);
+    return refused(LACKS, 501);
+  } catch (error) {
+    return refused(error instanceof Error ? error.message : String(error), 500);
+  }
+}
+
+const beyond = globalThis.fetch;
+/** @param {RequestInfo | URL} address @param {RequestInit} [options] */
+globalThis.fetch = async (address, options = {}) => {
+  if (typeof address !== "string" || !address.startsWith("/api/")) return beyond(address, options);
+  const found = await answer(address, options);
+  options.signal?.throwIfAborted();
+  return found;
+};

@@ -1,0 +1,239 @@
+/** Prepare: a drawing as far as it gets without the network, as normalgan.painting does it in Python. */
+
+import { fillOutline } from "./outline.js";
+import { blurred, boxOf, components, distance, enclosedBy, extreme, opposite, part, quantile, resized, thinned, where } from "./raster.js";
+
+/** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
+/**
+ * @typedef {object} Prepared
+ * @property {number} width
+ * @property {number} height
+ * @property {Float32Array} ink lines 1, paper 0
+ * @property {Uint8Array | null} mask the object, if that is known
+ * @property {Float32Array | null} alpha the drawing's opacity, if that tells the mask
+ * @property {Frame} frame
+ * @property {Float32Array} seen what the network is shown
+ * @property {number} closed share of the ink that encloses something
+ * @property {boolean} guessed whether a wide gap was closed
+ */
+
+/** What the network was trained on: lines so wide in its pixels; those nearly so wide are left alone. */
+const WIDTH = 1.25;
+const LEFT_ALONE = [0.8, 1.9];
+const FINER = 4;
+const MARGIN = 0.06;
+const PAPER = 512;
+
+/** The drawing cannot be painted. */
+export class Unpaintable extends Error {}
+
+/**
+ * Prepares a drawing.
+ * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane grey, or with opacity
+ * @param {number} size side of the network's pictures
+ * @param {null | "outline" | "model"} source where the mask comes from
+ * @param {number | null} longest longer side of the map; null is the drawing's
+ * @param {Uint8Array | null} given the mask that was painted by hand
+ * @returns {Prepared}
+ */
+export function prepare(plane, size, source, longest, given = null) {
+  const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
+  const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, Math.round(side * scale)));
+  const { dark, alpha } = brightness(plane, width, height);
+  const cut = alpha && isSilhouette(alpha, width, height) ? alpha : null;
+  const opaque = cut && where(cut, (value) => value > 0.5);
+  let ink = withoutSpecks(inkOnPaper(dark, width, height), width, height);
+  if (opaque) {
+    const line = contour(opaque, width, height);
+    ink = ink.map((value, i) => (opaque[i] ? Math.max(value, line[i]) : 0));
+  }
+  const box = boxOf(ink, width, height, 0.1);
+  if (!box || !ink.some((value) => value >= 0.3)) {
+    throw new Unpaintable("no line is seen in it; a sketch needs lines that differ from their paper.");
+  }
+  const [left, top, right, bottom] = box;
+  const side = Math.max(right - left, bottom - top) / (1 - 2 * MARGIN);
+  const frame = { left: Math.round((left + right - side) / 2), top: Math.round((top + bottom - side) / 2), side: Math.round(side), size };
+  const seen = shown(ink, width, height, frame);
+  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, alpha: null };
+  if (given) return { ...rest, mask: where(resized(given, plane.width, plane.height, width, height), (value) => value > 0.5) };
+  if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
+  if (source === "model") return { ...rest, mask: null };
+  return { ...rest, ...fillOutline(ink, width, height) };
+}
+
+/**
+ * Returns the darkest channel over white paper, or over the object's own colour, and the opacity if there is one.
+ * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane
+ * @param {number} width @param {number} height
+ */
+function brightness({ pixels, width: wide, height: high, channels }, width, height) {
+  const count = wide * high;
+  const dark = new Float32Array(count);
+  /** @type {Float32Array | null} */
+  let alpha = null;
+  if (channels === 1) {
+    for (let i = 0; i < count; i++) dark[i] = pixels[i] / 255;
+  } else {
+    alpha = new Float32Array(count);
+    for (let i = 0; i < count; i++) alpha[i] = pixels[4 * i + 3] / 255;
+    const cut = isSilhouette(alpha, wide, high);
+    const paper = [0, 1, 2].map((c) => {
+      if (!cut) return 1;
+      const own = [];
+      for (let i = 0; i < count; i++) if (pixels[4 * i + 3] > 127) own.push(pixels[4 * i + c] / 255);
+      return quantile(own);
+    });
+    for (let i = 0; i < count; i++) {
+      let least = 1;
+      for (let c = 0; c < 3; c++) {
+        const over = (pixels[4 * i + c] / 255) * alpha[i] + paper[c] * (1 - alpha[i]);
+        least = Math.min(least, over / Math.max(paper[c], 0.04));
+      }
+      dark[i] = least;
+    }
+    if (alpha.every((value) => value === 1)) alpha = null;
+  }
+  if (width === wide && height === high) return { dark, alpha };
+  const other = alpha && resized(alpha, wide, high, width, height);
+  return { dark: resized(dark, wide, high, width, height), alpha: other };
+}
+
+/** Returns the ink of a picture, lines about 1 and paper 0. @param {Float32Array} dark @param {number} width @param {number} height */
+function inkOnPaper(dark, width, height) {
+  const scale = Math.min(1, PAPER / Math.max(width, height));
+  const [wide, high] = [width, height].map((side) => Math.max(1, Math.round(side * scale)));
+  const small = blurred(scale < 1 ? resized(dark, width, height, wide, high) : dark, wide, high, 0.6);
+  const radius = Math.max(Math.round((0.07 * Math.max(wide, high)) / 2), 2);
+  let paper = extreme(extreme(small, wide, high, radius, 1), wide, high, radius, -1);
+  const level = quantile(paper, 0.95);
+  // What is wide and dark is no paper, but painted: its edge is a line.
+  const painted = where(paper, (value) => value < 0.6 * level);
+  /** @type {import("./raster.js").Plane} */
+  let within = extreme(painted, wide, high, 2, -1);
+  paper = paper.map((value, i) => (painted[i] ? level : value));
+  if (scale < 1) {
+    paper = resized(paper, wide, high, width, height);
+    within = resized(within, wide, high, width, height);
+  }
+  const ink = dark.map((value, i) =>
+    (within[i] > 0.5 ? 0 : Math.max(0, Math.min(1, (paper[i] - value) / Math.max(paper[i], 0.25 * level)))));
+  const pale = ink.filter((value) => value < 0.3);
+  const usual = quantile(pale);
+  const grain = pale.length ? 1.4826 * quantile(pale.map((value) => Math.abs(value - usual))) : 0;
+  const least = Math.max(4 * grain, 0.06);
+  const darker = ink.filter((value) => value > 2 * least);
+  const inked = darker.length ? darker : ink.filter((value) => value > least);
+  if (!inked.length) return new Float32Array(ink.length);
+  const most = Math.max(quantile(inked, 0.7), 2 * least);
+  return ink.map((value) => Math.max(0, Math.min(1, (value - least) / (most - least))));
+}
+
+/** Returns ink without dust. @param {Float32Array} ink @param {number} width @param {number} height */
+function withoutSpecks(ink, width, height) {
+  const { labels, boxes } = components(where(ink, (value) => value > 0.1), width, height, 8);
+  const dark = new Uint8Array(boxes.length);
+  ink.forEach((value, i) => { if (value > 0.5) dark[labels[i]] = 1; });
+  const least = Math.max(width, height) / 150;
+  const kept = boxes.map((box, i) => i === 0 || (dark[i] && Math.max(box.right - box.left, box.bottom - box.top) >= least));
+  return ink.map((value, i) => (kept[labels[i]] ? value : 0));
+}
+
+/** Returns whether what is opaque is an object and not just its lines. @param {Float32Array} alpha @param {number} width @param {number} height */
+function isSilhouette(alpha, width, height) {
+  const opaque = where(alpha, (value) => value > 0.5);
+  const count = opaque.reduce((sum, value) => sum + value, 0);
+  const box = boxOf(opaque, width, height);
+  if (!box || count > 0.995 * opaque.length) return false;
+  if (count < 0.7 * enclosedBy(opaque, width, height).reduce((sum, value) => sum + value, 0)) return false;
+  const extent = Math.max(box[2] - box[0], box[3] - box[1]);
+  return distance(opaque, width, height, true).some((depth) => depth > 0.04 * extent);
+}
+
+/** Returns a line just inside a silhouette. @param {Uint8Array} opaque @param {number} width @param {number} height */
+function contour(opaque, width, height) {
+  const [left, top, right, bottom] = boxOf(opaque, width, height) ?? [0, 0, 1, 1];
+  const wide = Math.max(Math.max(right - left, bottom - top) / 250, 1.5);
+  return distance(opaque, width, height, true).map((depth, i) => (opaque[i] ? Math.max(0, Math.min(1, wide + 0.5 - depth)) : 0));
+}
+
+/** Returns the frame's part of a picture at the network's size. @param {Float32Array | Uint8Array} picture @param {number} width @param {number} height @param {Frame} frame */
+export function shrunk(picture, width, height, { left, top, side, size }) {
+  return resized(part(picture, width, height, [left, top, left + side, top + side]), side, side, size, size);
+}
+
+/** Returns ink in a frame, its lines as dark as they were. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame */
+function cut(ink, width, height, frame) {
+  const small = shrunk(ink, width, height, frame);
+  const lines = small.filter((value) => value > 0.1);
+  if (!lines.length) return small;
+  const dark = Math.max(quantile(lines), 0.1);
+  return small.map((value) => Math.min(value / dark, 1));
+}
+
+/** Returns how wide most lines are in pixels. @param {Uint8Array} inked @param {number} width @param {number} height @param {Float32Array} [depth] */
+export function lineWidth(inked, width, height, depth = distance(inked, width, height, true)) {
+  const highest = extreme(depth, width, height, 1, 1);
+  const widths = [];
+  for (let i = 0; i < inked.length; i++) if (inked[i] && depth[i] >= highest[i] - 1e-4) widths.push(2 * depth[i] - 1);
+  return widths.length ? quantile(widths) : 0;
+}
+
+/**
+ * Returns what the network is shown: lines as wide as those it was trained on, areas as their outline.
+ * @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame
+ */
+function shown(ink, width, height, frame) {
+  const fine = frame.size * FINER;
+  const whole = where(cut(ink, width, height, { ...frame, size: fine }), (value) => value > 0.5);
+  const found = boxOf(whole, fine, fine);
+  if (!found) return cut(ink, width, height, frame);
+  const room = 2 * FINER;
+  const [left, top] = [Math.max(0, found[0] - room), Math.max(0, found[1] - room)];
+  const [right, bottom] = [Math.min(fine, found[2] + room), Math.min(fine, found[3] + room)];
+  const [wide, high] = [right - left, bottom - top];
+  const inked = new Uint8Array(part(whole, fine, fine, [left, top, right, bottom]));
+  const depth = distance(inked, wide, high, true);
+  const lines = lineWidth(inked, wide, high, depth);
+  const thick = areas(inked, wide, high, lines, depth, fine);
+  let [drawn, drawnWidth] = [inked, WIDTH * FINER - lines + 1];
+  if (thick || lines > LEFT_ALONE[1] * FINER) {
+    [drawn, drawnWidth] = [middle(inked, wide, high, lines, thick), WIDTH * FINER];
+  } else if (lines >= LEFT_ALONE[0] * FINER) return cut(ink, width, height, frame);
+  const away = distance(opposite(drawn), wide, high);
+  const out = new Float32Array(fine * fine);
+  for (let y = 0; y < high; y++) {
+    for (let x = 0; x < wide; x++) {
+      out[(y + top) * fine + x + left] = Math.max(0, Math.min(1, drawnWidth / 2 + 0.5 - away[y * wide + x]));
+    }
+  }
+  return resized(out, fine, fine, frame.size, frame.size);
+}
+
+/**
+ * Returns the parts that are too thick for a line, or null if there are none.
+ * @param {Uint8Array} inked @param {number} width @param {number} height @param {number} lines @param {Float32Array} depth @param {number} side
+ */
+function areas(inked, width, height, lines, depth, side) {
+  const thickest = Math.min(Math.max(1.5 * lines, 0.02 * side), 0.035 * side);
+  if (!depth.some((value) => value > thickest)) return null;
+  const away = distance(where(depth, (value) => !(value > thickest)), width, height);
+  const thick = where(inked, (value, i) => value > 0 && away[i] <= 1.2 * thickest);
+  const { labels, boxes } = components(inked, width, height, 8);
+  const counts = new Float32Array(boxes.length);
+  thick.forEach((value, i) => { counts[labels[i]] += value; });
+  return where(thick, (value, i) => value > 0 || (inked[i] > 0 && counts[labels[i]] > 0.5 * boxes[labels[i]].area));
+}
+
+/**
+ * Returns the middle of lines and the outline of areas.
+ * @param {Uint8Array} inked @param {number} width @param {number} height @param {number} lines @param {Uint8Array | null} thick
+ */
+function middle(inked, width, height, lines, thick) {
+  const smooth = blurred(inked, width, height, Math.max(lines / 4, 0.5));
+  const thin = thinned(where(smooth, (value, i) => value > 0.5 && !thick?.[i]), width, height);
+  if (!thick) return thin;
+  const inner = extreme(thick, width, height, 1, -1);
+  const onto = extreme(where(inked, (value, i) => value > 0 && !thick[i]), width, height, 1, 1);
+  return where(thin, (value, i) => value > 0 || (thick[i] > 0 && !inner[i] && !onto[i]));
+}

@@ -1,0 +1,93 @@
+/** Worker: the network and what is about it, beside the page, so that the pen never waits for them. */
+
+import * as ort from "./ort.wasm.min.mjs";
+import { finish } from "./finish.js";
+import { hold } from "./hold.js";
+import { Unpaintable, prepare } from "./prepare.js";
+
+ort.env.wasm.numThreads = 1; // more threads need headers that few hosts of pages send
+ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
+
+/** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
+/**
+ * @typedef {object} Wish
+ * @property {number} id
+ * @property {Plane} ink
+ * @property {Plane | null} mask
+ * @property {import("./document.js").Hint[]} hints
+ * @property {import("./document.js").Area[]} areas
+ * @property {null | "outline" | "model"} source
+ * @property {number | null} longest
+ */
+
+const ready = load();
+/** @type {{key: string, prepared: import("./prepare.js").Prepared} | null} while a pin is turned, nothing but the hints changes */
+let kept = null;
+/** @type {Promise<unknown>} one at a time */
+let turn = Promise.resolve();
+
+async function load() {
+  const answer = await fetch(new URL("ours.onnx", import.meta.url));
+  if (!answer.ok) throw new Error("the model cannot be fetched");
+  const session = await ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
+  return { session, size: Number(session.inputMetadata[0].shape[3]) };
+}
+
+/** @param {Wish} wish */
+async function paint({ ink, mask, hints, areas, source, longest }) {
+  const { session, size } = await ready;
+  const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest, mask && digest(mask.pixels)]);
+  if (kept?.key !== key) kept = { key, prepared: prepare(ink, size, source, longest, mask?.pixels ?? null) };
+  const { prepared } = kept;
+  const { width, height, frame } = prepared;
+  const scale = width / ink.width;
+  const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
+  const feeds = { sketch: new ort.Tensor("float32", prepared.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
+  const { normal } = await session.run(feeds);
+  const { normals, mask: object, warning } = finish(prepared, /** @type {Float32Array} */ (normal.data));
+  hold({ normals, mask: object, width, height }, hints, areas, scale);
+  const rgba = new Uint8Array(4 * width * height);
+  for (let i = 0; i < object.length; i++) {
+    for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
+    rgba[4 * i + 3] = object[i] ? 255 : 0;
+  }
+  return { rgba, width, height, warning };
+}
+
+/** Returns what the network is told: mean normals at the pins, and where they are. @param {import("./document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
+function hintPlanes(hints, scale, { left, top, side, size }) {
+  const area = size * size;
+  const planes = new Float32Array(4 * area);
+  for (const { x, y, normal } of hints) {
+    const column = Math.floor(((x * scale - left) * size) / side);
+    const row = Math.floor(((y * scale - top) * size) / side);
+    if (column < 0 || row < 0 || column >= size || row >= size) continue;
+    for (let c = 0; c < 3; c++) planes[c * area + row * size + column] += normal[c];
+    planes[3 * area + row * size + column] = 1;
+  }
+  for (let i = 0; i < area; i++) {
+    if (!planes[3 * area + i]) continue;
+    const length = Math.hypot(planes[i], planes[area + i], planes[2 * area + i]) || 1;
+    for (let c = 0; c < 3; c++) planes[c * area + i] /= length;
+  }
+  return planes;
+}
+
+/** Returns a number that tells pictures apart (FNV-1a). @param {Uint8Array} bytes */
+function digest(bytes) {
+  let hash = 0x811c9dc5;
+  for (const byte of bytes) hash = Math.imul(hash ^ byte, 0x01000193);
+  return hash >>> 0;
+}
+
+ready.then(({ size }) => postMessage({ size }), (error) => postMessage({ failed: String(error.message ?? error) }));
+addEventListener("message", (/** @type {MessageEvent<Wish>} */ { data }) => {
+  turn = turn.then(async () => {
+    try {
+      postMessage({ id: data.id, painted: await paint(data) });
+    } catch (error) {
+      const message = error instanceof Error ? error.message : String(error);
+      postMessage(error instanceof Unpaintable ? { id: data.id, lacks: message } : { id: data.id, failed: message });
+    }
+  });
+});
