@@ -50,7 +50,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     runtime = hook["fetch_runtime"]()
     if runtime is None:
         pytest.skip(NPM.reason("it is not installed, or fetches nothing"))
-    folder = tmp_path_factory.mktemp("site") / hook["FOLDER"]
+    folder: Path = tmp_path_factory.mktemp("site") / hook["FOLDER"]
     folder.mkdir()
     hook["build"](folder, runtime)
     return folder
@@ -86,8 +86,29 @@ def test_gaps_are_closed_as_python_closes_them(studio: "Page") -> None:
     assert_alike(studio, grey, [])
 
 
+def test_the_mask_brush_cuts_and_adds(studio: "Page") -> None:
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    stroke = {"points": [100, 100, 120, 110], "size": 40, "adds": False}
+    answer = studio.evaluate(ASK, [*encoded(grey), {"mask_strokes": [stroke]}])
+    mask = decoded(answer, grey.shape)[..., 3] > 0
+    assert not mask[105, 110]
+    whole = studio.evaluate(ASK, [*encoded(grey), {}])
+    assert (decoded(whole, grey.shape)[..., 3] > 0)[105, 110]
+
+
 def test_painted_areas_have_their_outline(studio: "Page") -> None:
     assert_alike(studio, np.rint(255 * (1 - blob())).astype(np.uint8), [], share=0.95, degrees=6)
+
+
+def encoded(grey: NDArray[np.uint8]) -> list[Any]:
+    """Return a drawing as the page is given it."""
+    return [base64.b64encode(grey.tobytes()).decode(), grey.shape[1], grey.shape[0]]
+
+
+def decoded(answer: dict[str, Any], shape: tuple[int, ...]) -> NDArray[np.uint8]:
+    """Return the map (H, W, 4) in an answer."""
+    assert answer["status"] == 200, answer["warning"]
+    return np.frombuffer(base64.b64decode(answer["rgba"]), np.uint8).reshape(*shape, 4)
 
 
 def assert_alike(
@@ -98,10 +119,7 @@ def assert_alike(
     degrees: float = 1,
 ) -> None:
     """Assert that the page paints nearly the mask and the normals that Python paints."""
-    height, width = grey.shape
-    answer = page.evaluate(ASK, [base64.b64encode(grey.tobytes()).decode(), width, height, {"hints": hints}])
-    assert answer["status"] == 200, answer["warning"]
-    found = np.frombuffer(base64.b64decode(answer["rgba"]), np.uint8).reshape(height, width, 4)
+    found = decoded(page.evaluate(ASK, [*encoded(grey), {"hints": hints}]), grey.shape)
     wanted = normalgan.load(SHIPPED)(grey, hints=hints or None)
     mask = found[..., 3] > 0
     both = mask & wanted.mask

@@ -64,10 +64,10 @@ function take(fields, pixels) {
 async function painted(planes, fields, longest) {
   await size;
   const id = ++asked;
-  const { hints = [], areas = [], source = null } = fields;
+  const { hints = [], areas = [], mask_strokes: strokes = [], source = null } = fields;
   return new Promise((resolve, reject) => {
     waiting.set(id, { resolve, reject });
-    worker.postMessage({ id, ink: planes.get("ink"), mask: planes.get("mask") ?? null, hints, areas, source, longest });
+    worker.postMessage({ id, ink: planes.get("ink"), strokes, hints, areas, source, longest });
   });
 }
 

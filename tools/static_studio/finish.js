@@ -13,8 +13,9 @@ const SWEEPS = 6;
  * Returns normals, x, y, z for each pixel, the mask, and what is to be said of it.
  * @param {Prepared} prepared
  * @param {Float32Array} painted three planes, vectors as long as an object is probable
+ * @param {Int8Array | null} [hand] 1 where a hand has added to the object, -1 where it has cut
  */
-export function finish(prepared, painted) {
+export function finish(prepared, painted, hand = null) {
   const { width, height, frame } = prepared;
   const area = frame.size ** 2;
   const [normals, length] = [new Float32Array(3 * area), new Float32Array(area)];
@@ -24,10 +25,12 @@ export function finish(prepared, painted) {
     if (length[i] > 1e-8) normals.set(vector.map((value) => value / length[i]), 3 * i);
   }
   const present = where(restored(length, prepared, 1), (value) => value > 0.5);
-  const { mask, said } = chosen(prepared, present);
+  const { mask: found, said } = chosen(prepared, present);
+  // The hand has the last word.
+  const mask = hand ? found.map((value, i) => (hand[i] ? (hand[i] > 0 ? 1 : 0) : value)) : found;
   const inside = sum(mask);
   const share = sum(mask.map((value, i) => value & present[i])) / Math.max(inside, 1);
-  const warnings = said ? [said] : [];
+  const warnings = said && !hand ? [said] : [];
   if (share < PRESENT) warnings.push(`the model takes only ${Math.round(100 * share)}% of its mask for an object and is unsure of the rest`);
   const needed = where(shrunk(mask, width, height, frame), (value) => value > 0);
   const usual = quantile(length.filter((_, i) => needed[i] > 0), 0.95) || 0;

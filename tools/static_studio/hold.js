@@ -3,6 +3,8 @@
 /** @typedef {import("./document.js").Hint} Hint @typedef {import("./document.js").Area} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
 
+/** @typedef {{points: number[], size: number, adds: boolean}} MaskStroke */
+
 const REACH = 0.05;
 const SOFT = 0.01;
 
@@ -13,6 +15,20 @@ const SOFT = 0.01;
 export function hold(map, hints, areas, scale) {
   for (const area of areas) turnArea(map, area, scale);
   holdPins(map, hints, scale);
+}
+
+/**
+ * Returns 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; null if there are none.
+ * @param {MaskStroke[]} strokes @param {number} width @param {number} height @param {number} scale
+ */
+export function byHand(strokes, width, height, scale) {
+  if (!strokes.length) return null;
+  const out = new Int8Array(width * height);
+  for (const { points, size, adds } of strokes) {
+    const cover = covered(points.map((value) => value * scale), (size * scale) / 0.7, width, height, 0);
+    for (let i = 0; i < out.length; i++) if (cover[i] > 0.5) out[i] = adds ? 1 : -1;
+  }
+  return out;
 }
 
 /** @param {Painted} map @param {Area} area @param {number} scale */
@@ -36,11 +52,11 @@ function turnArea({ normals, mask, width, height }, { points, normal, size }, sc
 /**
  * Returns how much each pixel belongs to a polygon, or to a brush's stroke.
  * @param {number[]} points @param {number | undefined} size @param {number} width @param {number} height
+ * @param {number} [soft] width of its edge
  */
-function covered(points, size, width, height) {
+function covered(points, size, width, height, soft = size ? 0.3 * size : SOFT * Math.max(width, height)) {
   const context = /** @type {OffscreenCanvasRenderingContext2D} */ (new OffscreenCanvas(width, height).getContext("2d"));
-  const soft = size ? 0.3 * size : SOFT * Math.max(width, height);
-  context.filter = `blur(${soft / 2}px)`;
+  if (soft) context.filter = `blur(${soft / 2}px)`;
   context.beginPath();
   for (let i = 0; i < points.length; i += 2) context.lineTo(points[i], points[i + 1]);
   if (size) {

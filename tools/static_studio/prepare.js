@@ -33,10 +33,9 @@ export class Unpaintable extends Error {}
  * @param {number} size side of the network's pictures
  * @param {null | "outline" | "model"} source where the mask comes from
  * @param {number | null} longest longer side of the map; null is the drawing's
- * @param {Uint8Array | null} given the mask that was painted by hand
  * @returns {Prepared}
  */
-export function prepare(plane, size, source, longest, given = null) {
+export function prepare(plane, size, source, longest) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
   const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, Math.round(side * scale)));
   const { dark, alpha } = brightness(plane, width, height);
@@ -56,7 +55,6 @@ export function prepare(plane, size, source, longest, given = null) {
   const frame = { left: Math.round((left + right - side) / 2), top: Math.round((top + bottom - side) / 2), side: Math.round(side), size };
   const seen = shown(ink, width, height, frame);
   const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, alpha: null };
-  if (given) return { ...rest, mask: where(resized(given, plane.width, plane.height, width, height), (value) => value > 0.5) };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...fillOutline(ink, width, height) };

@@ -2,7 +2,7 @@
 
 import * as ort from "./ort.wasm.min.mjs";
 import { finish } from "./finish.js";
-import { hold } from "./hold.js";
+import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
 
 ort.env.wasm.numThreads = 1; // more threads need headers that few hosts of pages send
@@ -13,7 +13,7 @@ ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
  * @typedef {object} Wish
  * @property {number} id
  * @property {Plane} ink
- * @property {Plane | null} mask
+ * @property {import("./hold.js").MaskStroke[]} strokes of the mask brush
  * @property {import("./document.js").Hint[]} hints
  * @property {import("./document.js").Area[]} areas
  * @property {null | "outline" | "model"} source
@@ -34,17 +34,17 @@ async function load() {
 }
 
 /** @param {Wish} wish */
-async function paint({ ink, mask, hints, areas, source, longest }) {
+async function paint({ ink, strokes, hints, areas, source, longest }) {
   const { session, size } = await ready;
-  const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest, mask && digest(mask.pixels)]);
-  if (kept?.key !== key) kept = { key, prepared: prepare(ink, size, source, longest, mask?.pixels ?? null) };
+  const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
+  if (kept?.key !== key) kept = { key, prepared: prepare(ink, size, source, longest) };
   const { prepared } = kept;
   const { width, height, frame } = prepared;
   const scale = width / ink.width;
   const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
   const feeds = { sketch: new ort.Tensor("float32", prepared.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
   const { normal } = await session.run(feeds);
-  const { normals, mask: object, warning } = finish(prepared, /** @type {Float32Array} */ (normal.data));
+  const { normals, mask: object, warning } = finish(prepared, normal.data, byHand(strokes, width, height, scale));
   hold({ normals, mask: object, width, height }, hints, areas, scale);
   const rgba = new Uint8Array(4 * width * height);
   for (let i = 0; i < object.length; i++) {
