@@ -46,10 +46,11 @@ def pairs() -> Iterator[Any]:
                 )
 
 
-def required(cls: type[Any]) -> dict[str, str]:
+def required(cls: type[Any]) -> dict[str, Any]:
     """Return something for each setting that has no default."""
     parameters = inspect.signature(cls).parameters.values()
-    return {p.name: "x" for p in parameters if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD}
+    needed = [p for p in parameters if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD]
+    return {p.name: 5.0 if p.annotation in {float, "float"} else "x" for p in needed}
 
 
 @pytest.mark.parametrize("way", ["options", "file", "file over file", "object"])

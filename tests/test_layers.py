@@ -10,13 +10,12 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
-    {"files"},
+    {"files", "registry"},
     {
         "class_settings",
         "metrics",
         "normals",
         "predictions",
-        "registry",
         "seeds",
         "training_help",
         "limits",
@@ -28,10 +27,10 @@ LAYERS = (
     {"rendering", "hints", "models", "objectives", "drawings", "gallery"}
     | {"checkpoints", "config_files", "overruled", "parser_errors", "run_lock"},
     {"animals"},
-    {"painter", "painting", "testing", "weights"},
+    {"painter", "painting", "weights"},
     {"inference"},
     {"data", "gan"},
-    {"callbacks", "plugins"},
+    {"callbacks", "plugins", "testing"},
     {"parser"},
     {"cli", "commands"},
     {"benchmark", "exporting", "studio"},

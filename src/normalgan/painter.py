@@ -99,14 +99,23 @@ class NormalPainter(LightningModule, ABC):
         """Log the metrics of the validation split."""
         self._log_figures(self.val_metrics.pop())
 
-    def test_step(self, batch: Batch, batch_idx: int) -> None:
-        """Measure with the sampler's hints, also without the hinted pixels, and with no hints."""
-        target, mask = batch["normal"], batch["mask"]
+    def test_step(self, batch: Batch, batch_idx: int) -> dict[str, tuple[Tensor, Tensor]]:
+        """Measure with the sampler's hints, also without the hinted pixels, and with no hints.
+
+        Returns:
+            What was measured, for callbacks: by row, the maps (N, 3, H, W) and the pixels (N, 1, H, W).
+        """
+        mask = batch["mask"]
         hints = self.measured_hints(batch)
         preds = self._paint(batch, hints)
-        self.test_metrics.update("hints", preds, target, mask)
-        self.test_metrics.update("unhinted", preds, target, without_hints(mask, hints[:, 3:]))
-        self.test_metrics.update("no_hints", self._paint(batch, None), target, mask)
+        measured = {
+            "hints": (preds, mask),
+            "unhinted": (preds, without_hints(mask, hints[:, 3:])),
+            "no_hints": (self._paint(batch, None), mask),
+        }
+        for row, (painted, where) in measured.items():
+            self.test_metrics.update(row, painted, batch["normal"], where)
+        return measured
 
     def on_test_epoch_end(self) -> None:
         """Log the metrics of the test split."""

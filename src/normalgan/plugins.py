@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from importlib.metadata import entry_points
 from typing import Any
 
+from normalgan.data.augmentation import AUGMENTATIONS
 from normalgan.data.cluster_address import CLUSTERS
 from normalgan.data.sources import DATA_SOURCES
 from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS
+from normalgan.metrics import METRICS
 from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.registry import LeftOut, Registry, offerer, summary
@@ -36,12 +38,16 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "objective": ADVERSARIAL_OBJECTIVES,
     "reconstruction": RECONSTRUCTIONS,
     "source": DATA_SOURCES,
+    "augmentation": AUGMENTATIONS,
+    "metrics": METRICS,
 }
 """The registry behind each setting that names a plug-in."""
 
-SETTINGS = {
-    kind: f"{'data' if kind in {'source', 'renderer', 'lines'} else 'model'}.{kind}" for kind in REGISTRIES
+_SECTIONS = {
+    **dict.fromkeys(("renderer", "lines", "source", "augmentation"), "data"),
+    "metrics": "report",
 }
+SETTINGS = {kind: f"{_SECTIONS.get(kind, 'model')}.{kind}" for kind in REGISTRIES}
 """The setting that names a plug-in of each kind."""
 
 
@@ -59,8 +65,6 @@ def namable() -> dict[str, Registry[Any]]:
     from torch.optim import Optimizer
     from torch.optim.lr_scheduler import LRScheduler
 
-    from normalgan.data.augmentation import Augmentation
-
     optimizers = _subclasses(Optimizer)
     return {
         **REGISTRIES,
@@ -70,7 +74,6 @@ def namable() -> dict[str, Registry[Any]]:
         "lr_scheduler": _subclasses(LRScheduler),
         "logger": _subclasses(Logger),
         "callbacks": _subclasses(Callback),
-        "augmentation": _subclasses(Augmentation),
     }
 
 
@@ -93,7 +96,6 @@ _SAFE = {
         "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
         "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
         "normalgan.checkpoints": "AtomicCheckpointIO LastCheckpoint",
-        "normalgan.data.augmentation": "Augmentation",
     }.items()
     for name in names.split()
 }
@@ -115,7 +117,7 @@ def is_safe(name: str) -> bool:
 def settings_of_classes() -> set[str]:
     """Return the settings that take a class, by the last part of their name."""
     optimizers = ("generator_optimizer", "discriminator_optimizer", "lr_scheduler")
-    return {*REGISTRIES, "styles", "augmentation", *optimizers, "logger", "callbacks"}
+    return {*REGISTRIES, "styles", *optimizers, "logger", "callbacks"}
 
 
 def misplaced() -> list[LeftOut]:

@@ -7,6 +7,7 @@ import pytest
 import torch
 from opengl_here import needs_opengl
 
+from normalgan.data.augmentation import AUGMENTATIONS, Augmentation
 from normalgan.hints import (
     HINT_SAMPLERS,
     CurvatureHints,
@@ -14,6 +15,16 @@ from normalgan.hints import (
     NoHints,
     UniformHints,
     WorstErrorHints,
+)
+from normalgan.metrics import (
+    METRICS,
+    MeanAngularError,
+    MeanAngularErrorPerImage,
+    MeanL1,
+    MeanL2,
+    MedianAngularError,
+    RootMeanSquareAngularError,
+    ShareBelow,
 )
 from normalgan.models import (
     DISCRIMINATORS,
@@ -47,10 +58,12 @@ from normalgan.rendering.lines import (
 from normalgan.rendering.renderers import RENDERERS, EmbreeRenderer, PyrenderRenderer
 from normalgan.testing import (
     Check,
+    augmentation_checks,
     discriminator_checks,
     generator_checks,
     hint_sampler_checks,
     line_drawing_checks,
+    metric_checks,
     objective_checks,
     reconstruction_checks,
     renderer_checks,
@@ -94,6 +107,20 @@ OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
         [CrossEntropy(), Wasserstein(), WassersteinGradientPenalty()],
     ),
     (RECONSTRUCTIONS, reconstruction_checks(), [L1AndHints(), AngularLikelihood()]),
+    (AUGMENTATIONS, augmentation_checks(), [Augmentation(), Augmentation(stretch=True, shear=10.0)]),
+    (
+        METRICS,
+        metric_checks(),
+        [
+            MeanAngularError(),
+            MeanAngularErrorPerImage(),
+            MeanL1(),
+            MeanL2(False),
+            MedianAngularError(),
+            RootMeanSquareAngularError(),
+            ShareBelow(7.5),
+        ],
+    ),
     (RENDERERS, renderer_checks(), [EmbreeRenderer(), PyrenderRenderer()]),
     (
         LINE_DRAWINGS,

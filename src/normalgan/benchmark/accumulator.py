@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torchmetrics import MetricCollection
 
-from normalgan.metrics import angular_error, normal_map_metrics, without_hints
+from normalgan.metrics import MapMetric, angular_error, normal_map_metrics, without_hints
 from normalgan.metrics.calibration import Calibration, expected_angle
 from normalgan.metrics.relief import depth_difference, total_variation
 
@@ -42,13 +42,15 @@ class Accumulator:
 
     Args:
         device: where maps are compared.
+        more: other metrics that are measured too.
 
     Attributes:
         names: of the samples so far.
     """
 
-    def __init__(self, device: torch.device) -> None:
+    def __init__(self, device: torch.device, more: Sequence[MapMetric] = ()) -> None:
         self._device = device
+        self._more = more
         self._all = self._metrics()
         self._by_mesh: dict[str, MetricCollection] = {}
         self._calibration: Calibration | None = None
@@ -124,7 +126,7 @@ class Accumulator:
         return None if self._calibration is None else self._calibration.curve()
 
     def _metrics(self) -> MetricCollection:
-        return normal_map_metrics().to(self._device)
+        return normal_map_metrics(more=self._more).to(self._device)
 
     def _joined(self) -> Sums:
         return {name: np.concatenate(parts) for name, parts in self._sums.items()}

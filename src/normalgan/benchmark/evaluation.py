@@ -22,6 +22,7 @@ from normalgan.benchmark.methods import (
     mean_method,
     weights_method,
 )
+from normalgan.benchmark.more_metrics import more_metrics
 from normalgan.benchmark.pins import STRATEGIES, Strategy, pin_curve, pin_one_by_one
 from normalgan.benchmark.placements import placements
 from normalgan.benchmark.plan import Plan, Settings
@@ -67,6 +68,7 @@ class Evaluation:
             {"counts": plan.counts, "seed": plan.hint_seed, "which": plan.checkpoint}
             | {"placements": plan.placements, "at": plan.placement_counts, "pins": plan.pins}
             | {"degrees": plan.noise_degrees, "pixels": plan.noise_pixels}
+            | ({"metrics": plan.metrics} if plan.metrics else {})
             | {"shown": plan.gallery, "hints": plan.hints, "batch": _BATCH, "version": _VERSION}
         )
 
@@ -129,7 +131,9 @@ class Evaluation:
         """What hints every method is tested with."""
         plan = self.plan
         placed = placements(plan.placements, plan.placement_counts)
-        return HintTests(plan.counts, plan.hint_seed, placed, plan.noise, plan.hints)
+        return HintTests(
+            plan.counts, plan.hint_seed, placed, plan.noise, plan.hints, more_metrics(plan.metrics)
+        )
 
     def _pins(self, method: Method, strategy: Strategy) -> list[float]:
         """Return the mean errors after 0, 1, … pins that a simulated user gives."""

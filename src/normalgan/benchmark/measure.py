@@ -15,7 +15,7 @@ from normalgan.benchmark.methods import Method
 from normalgan.benchmark.points import hint_points
 from normalgan.hints import HintSampler, hints_at
 from normalgan.hints.draw import draw_hints_by_name
-from normalgan.metrics import angular_error
+from normalgan.metrics import MapMetric, angular_error
 from normalgan.metrics.contour import distance_from_contour
 
 __all__ = ["OWN", "HintTests", "Measured", "measure", "moved", "true_float32"]
@@ -55,6 +55,7 @@ class HintTests:
         placements: samplers by what their figures are called.
         noise: degrees and pixels that hints are off by, by what their figures are called.
         noisy: how many common hints these are.
+        metrics: other metrics that are measured with all of them.
     """
 
     counts: Sequence[int]
@@ -62,6 +63,7 @@ class HintTests:
     placements: Mapping[str, HintSampler] = field(default_factory=dict)
     noise: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     noisy: int = 15
+    metrics: Sequence[MapMetric] = ()
 
     @property
     def names(self) -> list[str]:
@@ -82,7 +84,7 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
         tests: with what hints.
         device: where to paint and measure.
     """
-    gathered = {given: Accumulator(device) for given in tests.names}
+    gathered = {given: Accumulator(device, tests.metrics) for given in tests.names}
     hints_given = samples = 0
     with true_float32():
         for batch in batches:

@@ -80,6 +80,7 @@ class Plan:
         noise_degrees: by how much hints of table 1 are turned, in tests of hints that are off.
         noise_pixels: by how much they are moved.
         pins: how many pins a simulated user gives one after the other; 0 tests none.
+        metrics: other metrics that are measured, each a name or a ``class_path`` with ``init_args``.
     """
 
     name: str
@@ -98,6 +99,7 @@ class Plan:
     noise_degrees: list[float] = field(default_factory=list)
     noise_pixels: list[float] = field(default_factory=list)
     pins: int = 0
+    metrics: list[str | dict[str, Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         for name, least in {"images": 1, "hints": 1, "gallery": 1, "hint_seed": 0, "pins": 0}.items():

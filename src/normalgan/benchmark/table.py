@@ -7,6 +7,7 @@ from typing import Any
 
 from normalgan.benchmark.bootstrap import Interval, difference_interval, mesh_interval
 from normalgan.benchmark.measure import OWN
+from normalgan.benchmark.more_metrics import more_metrics
 from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.training import Result
@@ -105,6 +106,10 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
         ("Table 2: hints of the method's own sampler", OWN),
     ):
         cells = {heading: figure_cell(given, name) for name, heading in FIGURES.items()}
+        cells |= {
+            metric.label or metric.figure: figure_cell(given, metric.figure, metric.unit)
+            for metric in more_metrics(plan.metrics)
+        }
         if given == OWN:
             cells = {"hints": lambda runs: spread_of([r["figures"][OWN]["hints"] for r in runs], 1)} | cells
         lines += ["", f"## {title}", "", *_table(plan, results, cells)]
@@ -123,20 +128,24 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
     return "\n".join([*lines, "", notes]) + "\n"
 
 
-def figure_cell(given: str, name: str) -> Cell:
+def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
     """Return what says a figure of the runs of a row.
 
     Args:
         given: the hints, ``15`` or ``own``.
         name: of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
+        unit: of another's figure, ``%`` for a share; None tells it by the name.
     """
+    if unit is None:
+        angle = name.startswith(("angular", "calibration"))
+        unit = "%" if name.startswith("below") else "°" if angle else ""
 
     def cell(runs: Sequence[Result]) -> str:
         values = [_number(run["figures"].get(given, {}).get(name)) for run in runs]
-        if name.startswith("below"):
+        if unit == "%":
             return spread_of([100 * value for value in values], 1, " %")
-        if name.startswith(("angular", "calibration")):
-            return spread_of(values, 2, "°")
+        if unit:
+            return spread_of(values, 2, unit)
         shown = spread_of(values, 3)
         return f"+{shown}" if name.startswith("nz") and shown[0].isdigit() else shown
 

@@ -16,7 +16,8 @@ from normalgan.errors import InputError
 from normalgan.files import write_bytes
 from normalgan.gallery import Row, write_gallery
 from normalgan.gan import NormalGAN
-from normalgan.metrics import StageMetrics
+from normalgan.metrics import MapMetric, StageMetrics
+from normalgan.metrics.collection import check_names
 
 __all__ = ["TestReport"]
 
@@ -30,16 +31,23 @@ class TestReport(Callback):
 
     Args:
         samples: rows of the gallery, spread over the test split.
+        metrics: other metrics that are measured and stand in the table, beside those that always do.
+
+    Raises:
+        InputError: if two metrics have the same name.
     """
 
     __test__ = False  # pytest takes a class of this name for a test otherwise
     _baselines: StageMetrics
+    _further: StageMetrics
     _mean_map: Tensor
 
-    def __init__(self, samples: int = 6) -> None:
+    def __init__(self, samples: int = 6, metrics: list[MapMetric] = []) -> None:  # noqa: B006  # never changed
         if samples < 1:
             raise InputError(f"the report's samples must be 1 or more, not {samples}.")
+        check_names(metrics)
         self.samples = samples
+        self.metrics = metrics
         self._rows: list[Row] = []
         self._shown: set[int] = set()
         self._seen = self._total = 0
@@ -50,7 +58,10 @@ class TestReport(Callback):
         if not isinstance(data, MeshDataModule):
             raise TypeError("TestReport needs the MeshDataModule, whose training split gives the mean map.")
         self._mean_map = data.mean_normal_map().to(pl_module.device)
-        self._baselines = StageMetrics("test", ("constant", "mean_map")).to(pl_module.device)
+        baselines = ("constant", "mean_map")
+        self._baselines = StageMetrics("test", baselines).to(pl_module.device)
+        rows = (*baselines, "hints", "unhinted", "no_hints")
+        self._further = StageMetrics("test", rows, self.metrics).to(pl_module.device)
         # Fewer than there are, if fewer batches are asked for; with several processes, one process's share.
         samples, share = len(data.test_dataset), int(trainer.num_test_batches[0]) * data.batch_size
         self._total = min(samples, share * trainer.world_size)
@@ -61,7 +72,7 @@ class TestReport(Callback):
         self,
         trainer: Trainer,
         pl_module: LightningModule,
-        outputs: object,
+        outputs: dict[str, tuple[Tensor, Tensor]],  # type: ignore[override]  # what NormalGAN.test_step returns
         batch: Batch,
         batch_idx: int,
         dataloader_idx: int = 0,
@@ -71,18 +82,22 @@ class TestReport(Callback):
             raise TypeError(f"TestReport measures a NormalGAN, not a {type(pl_module).__name__}.")
         target, mask = batch["normal"], batch["mask"]
         facing = torch.tensor([0.0, 0.0, 1.0], device=target.device).view(1, 3, 1, 1)
-        self._baselines.update("constant", facing.expand_as(target), target, mask)
-        self._baselines.update("mean_map", self._mean_map.expand_as(target), target, mask)
+        baselines = {"constant": facing.expand_as(target), "mean_map": self._mean_map.expand_as(target)}
+        for row, preds in baselines.items():
+            self._baselines.update(row, preds, target, mask)
+        if self.metrics:
+            for row, (preds, where) in {**{k: (v, mask) for k, v in baselines.items()}, **outputs}.items():
+                self._further.update(row, preds, target, where)
         here = [i for i in range(len(target)) if self._seen + i in self._shown]
         self._seen += len(target)
         if here:
             hints = pl_module.measured_hints(batch)
-            preds: Tensor = pl_module(batch["sketch"], hints)
-            self._rows += [batch_row(batch, i, hints, preds) for i in here]
+            self._rows += [batch_row(batch, i, hints, outputs["hints"][0]) for i in here]
 
     def on_test_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Log the baselines beside the generator."""
-        pl_module.log_dict(self._baselines.pop(), sync_dist=True)  # equal on all processes, as in NormalGAN
+        figures = self._baselines.pop() | self._further.pop()
+        pl_module.log_dict(figures, sync_dist=True)  # equal on all processes, as in NormalGAN
 
     def on_test_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Print the table; write the figures and the gallery."""
@@ -96,7 +111,7 @@ class TestReport(Callback):
         folder = Path(trainer.default_root_dir) / "test"
         write_bytes(folder / "metrics.json", _json(results))
         write_gallery(folder / "gallery.png", self._rows)
-        print(f"\n{results_table(results, f'Test split, {self._total} samples')}\n")
+        print(f"\n{results_table(results, f'Test split, {self._total} samples', self.metrics)}\n")
         print(f"Metrics: {(folder / 'metrics.json').resolve()}")
         print(f"Picture: {(folder / 'gallery.png').resolve()}")
 

@@ -1,12 +1,14 @@
 """The table that `normalgan test` prints: a line for each figure, a column for each thing measured."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import StringIO
 from math import isnan
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
+
+from normalgan.metrics import MapMetric
 
 __all__ = ["FIGURES", "HEADINGS", "NOTE", "Results", "results_table"]
 
@@ -39,12 +41,13 @@ training split; neither sees the sketch. unhinted: with the same hints, the
 hinted pixels left out."""
 
 
-def results_table(results: Results, title: str) -> str:
+def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) -> str:
     """Return the table of results as text of at most 80 columns, in a terminal as in a file.
 
     Args:
         results: any of the columns; those missing are left out. All figures of each.
         title: one line above.
+        more: metrics whose figures follow ours.
 
     >>> print(results_table({"hints": dict.fromkeys(FIGURES, 0.25)}, "Two samples").split("L1")[1].split()[0])
     0.250
@@ -55,15 +58,22 @@ def results_table(results: Results, title: str) -> str:
     for key in columns:
         table.add_column(HEADINGS[key], justify="right")
     for figure, label in FIGURES.items():
-        table.add_row(label, *(_written(figure, results[key][figure]) for key in columns))
+        table.add_row(label, *(_written(results[key][figure], _unit(figure)) for key in columns))
+    for metric in more:
+        values = [results[key][metric.figure] for key in columns]
+        table.add_row(metric.label or metric.figure, *(_written(value, metric.unit) for value in values))
     text = StringIO()
     Console(file=text, width=80, color_system=None).print(table)
     return "\n".join(line.rstrip() for line in text.getvalue().strip("\n").splitlines()) + f"\n{NOTE}"
 
 
-def _written(figure: str, value: float) -> str:
+def _unit(figure: str) -> str:
+    return "%" if figure.startswith("below") else "°" if figure.startswith("angular") else ""
+
+
+def _written(value: float, unit: str) -> str:
     if isnan(value):  # nothing was measured, as when every pixel is hinted
         return "–"
-    if figure.startswith("below"):
+    if unit == "%":
         return f"{value:.1%}"
-    return f"{value:.2f}°" if figure.startswith("angular") else f"{value:.3f}"
+    return f"{value:.2f}{unit}" if unit else f"{value:.3f}"

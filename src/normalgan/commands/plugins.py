@@ -12,7 +12,16 @@ from normalgan.registry import LeftOut, Registry, summary
 __all__ = ["Kind", "build_parser", "run", "show"]
 
 Kind = Literal[
-    "renderer", "lines", "hint_sampler", "generator", "discriminator", "objective", "reconstruction", "source"
+    "renderer",
+    "lines",
+    "hint_sampler",
+    "generator",
+    "discriminator",
+    "objective",
+    "reconstruction",
+    "source",
+    "augmentation",
+    "metrics",
 ]
 """The kinds of plug-ins, by the last part of the setting that names one."""
 

@@ -1,6 +1,8 @@
 """Augmentation: moves whole samples about, turning their normals along, and roughens the lines."""
 
+import dataclasses
 import math
+from abc import ABC, abstractmethod
 from typing import Any
 
 import torch
@@ -12,7 +14,45 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics import unit_vectors
+from normalgan.registry import Registry
 from normalgan.torch_seeds import seed_torch
+
+
+class BatchAugmentation(ABC):
+    """Base of the augmentations: random changes of training batches, on the device they are on.
+
+    An augmentation is a frozen dataclass of plain settings. If it moves pixels, it moves those of the sketch,
+    the normals, the mask and, if the batch has any, the hints, and turns the vectors: `turn_normals` and
+    `move_hints` do it.
+    """
+
+    @abstractmethod
+    def __call__(self, batch: Batch, seed: int) -> Batch:
+        """Return an augmented batch with all that the given one has; that is left as it is.
+
+        Args:
+            batch: on any device.
+            seed: of all randomness: the same seed makes the same changes, so that a resumed run repeats.
+        """
+
+    def describe(self) -> dict[str, Any]:
+        """Return all that the changes depend on besides the seed, as plain values for JSON.
+
+        Raises:
+            TypeError: if it is no dataclass, whose fields would tell.
+        """
+        settings: Any = self
+        if not dataclasses.is_dataclass(settings):
+            raise TypeError(
+                f"{type(self).__name__} is no dataclass: it must say in describe() what its settings are."
+            )
+        return {
+            "class": type(self).__name__,
+            **{f.name: getattr(self, f.name) for f in dataclasses.fields(settings)},
+        }
+
+
+AUGMENTATIONS: Registry[BatchAugmentation] = Registry(BatchAugmentation, "normalgan.augmentations")  # type: ignore[type-abstract]
 
 __all__ = [
     "Augmentation",
@@ -82,6 +122,28 @@ def sample_at(picture: Tensor, grid: Tensor) -> Tensor:
     return F.grid_sample(picture, grid, mode="bilinear", padding_mode="zeros", align_corners=False)
 
 
+def move_hints(hints: Tensor, transform: Tensor) -> Tensor:
+    """Return hints as the pixels that they lie on were moved, their normals turned along.
+
+    Each stays one pixel: interpolated, a hint would fade away. Those that leave the picture are gone; of two
+    that meet, one stays.
+
+    Args:
+        hints: (N, 4, H, W) normals at the hints, then 1 where they are.
+        transform: (N, 3, 3) that moves pixels, as `turn_normals` takes it.
+    """
+    height, width = hints.shape[2:]
+    turned = unit_vectors(turn_normals(hints[:, :3], transform))
+    sample, row, column = (hints[:, 3] > 0.5).nonzero(as_tuple=True)
+    place = torch.stack([column, row, torch.ones_like(row)], dim=1).to(transform.dtype)
+    x, y = torch.einsum("kij,kj->ki", transform[sample, :2], place).round().long().unbind(1)
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    moved = torch.zeros_like(hints)
+    given = torch.cat([turned[sample, :, row, column], torch.ones_like(place[:, :1])], dim=1).to(hints.dtype)
+    moved[sample[inside], :, y[inside], x[inside]] = given[inside]
+    return moved
+
+
 def wobble(sketch: Tensor, strength: float) -> Tensor:
     """Move the lines about smoothly, each pixel by ``strength`` pixels or so (standard deviation)."""
     count, side = len(sketch), sketch.shape[-1]
@@ -109,7 +171,8 @@ def change_width(sketch: Tensor, strength: float) -> Tensor:
     return sketch + amount.clamp(min=0) * (thick - sketch) + amount.clamp(max=0) * (sketch - thin)
 
 
-class Augmentation:
+@AUGMENTATIONS.register
+class Augmentation(BatchAugmentation):
     """Random changes of training samples, batched on their device.
 
     The whole sample is mirrored, turned, scaled, stretched and moved; the sketch alone is roughened.
@@ -189,7 +252,14 @@ class Augmentation:
         mask = (moved[:, 3:] > 0.5).to(mask.dtype)
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
         normal = unit_vectors(turn_normals(moved[:, :3], transform)) * mask
-        return {**batch, "sketch": sketch, "normal": normal, "mask": mask}
+        augmented: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": mask}
+        if "hints" in batch:
+            augmented["hints"] = move_hints(batch["hints"], transform)
+        return augmented
+
+    def describe(self) -> dict[str, Any]:
+        """Return its settings."""
+        return self.settings
 
     def draw_transform(self, count: int, side: int, device: torch.device) -> Tensor:
         """Return how each of ``count`` pictures is moved, (N, 3, 3) for (x, y) in pixels, y down.

@@ -12,7 +12,7 @@ from torch.utils.data import DataLoader
 
 from normalgan.animals import herd
 from normalgan.batch import Batch
-from normalgan.data.augmentation import Augmentation
+from normalgan.data.augmentation import BatchAugmentation
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.items import Item, decode
 from normalgan.data.loaders import Loaders
@@ -126,7 +126,7 @@ class MeshDataModule(LightningDataModule):
         batch_size: int = 8,
         workers: int = 0,
         memory: int = 2 * 1024**3,
-        augmentation: Augmentation | None = None,
+        augmentation: BatchAugmentation | None = None,
         seed: int = 0,
         sketches: str | list[str] | None = None,
         hints: str | None = None,
@@ -283,7 +283,7 @@ class MeshDataModule(LightningDataModule):
         return describe_training_data(
             fingerprints({"train": self.sources["train"]})["train"],
             self.recipe.describe(),
-            self.augmentation.settings if self.augmentation else None,
+            self.augmentation.describe() if self.augmentation else None,
             {
                 "data.train_views": self.views_per_mesh["train"],
                 "data.on_the_fly": self.on_the_fly,

@@ -7,7 +7,7 @@ from normalgan.metrics.angular import (
     RootMeanSquareAngularError,
     ShareBelow,
 )
-from normalgan.metrics.base import NormalMapMetric
+from normalgan.metrics.base import METRICS, MapMetric, NormalMapMetric
 from normalgan.metrics.collection import normal_map_metrics
 from normalgan.metrics.distance import MeanL1, MeanL2
 from normalgan.metrics.functional import (
@@ -20,6 +20,8 @@ from normalgan.metrics.functional import (
 from normalgan.metrics.stage import StageMetrics
 
 __all__ = [
+    "METRICS",
+    "MapMetric",
     "MeanAngularError",
     "MeanAngularErrorPerImage",
     "MeanL1",

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.metrics.base import BINS_PER_DEGREE, NormalMapMetric
+from normalgan.metrics.base import BINS_PER_DEGREE, METRICS, NormalMapMetric
 
 __all__ = [
     "MeanAngularError",
@@ -17,6 +17,7 @@ __all__ = [
 ]
 
 
+@METRICS.register
 class MeanAngularError(NormalMapMetric):
     """Mean angle in degrees over all pixels in the masks.
 
@@ -30,32 +31,41 @@ class MeanAngularError(NormalMapMetric):
     """
 
     higher_is_better = False
+    label = "mean angular error"
+    unit = "°"
 
     def value(self) -> Tensor:
         """Return degrees."""
         return self.mean(self.angle_sum)
 
 
+@METRICS.register
 class MeanAngularErrorPerImage(NormalMapMetric):
     """Mean over the images of an image's mean angle in degrees: a small object weighs like a large one."""
 
     higher_is_better = False
+    label = "mean over images"
+    unit = "°"
 
     def value(self) -> Tensor:
         """Return degrees."""
         return self.mean_image_angle()
 
 
+@METRICS.register
 class RootMeanSquareAngularError(NormalMapMetric):
     """Root of the mean squared angle, in degrees, over all pixels in the masks."""
 
     higher_is_better = False
+    label = "root mean square"
+    unit = "°"
 
     def value(self) -> Tensor:
         """Return degrees."""
         return self.mean_square_angle().sqrt()
 
 
+@METRICS.register
 class MedianAngularError(NormalMapMetric):
     """Median angle in degrees over all pixels in the masks, to within 0.005°.
 
@@ -64,6 +74,8 @@ class MedianAngularError(NormalMapMetric):
     """
 
     higher_is_better = False
+    label = "median"
+    unit = "°"
 
     def value(self) -> Tensor:
         """Return degrees."""
@@ -72,6 +84,7 @@ class MedianAngularError(NormalMapMetric):
         return (bins.float().mean() + 0.5) / BINS_PER_DEGREE
 
 
+@METRICS.register
 class ShareBelow(NormalMapMetric):
     """Share, 0…1, of the pixels in the masks whose angle is strictly below a threshold.
 
@@ -83,6 +96,7 @@ class ShareBelow(NormalMapMetric):
     """
 
     higher_is_better = True
+    unit = "%"
 
     def __init__(self, threshold: float, normalize: bool = True, **kwargs: Any) -> None:
         super().__init__(normalize, **kwargs)
@@ -94,6 +108,11 @@ class ShareBelow(NormalMapMetric):
             )
         self.threshold = threshold
         self._bins = round(bins)
+
+    @property
+    def figure(self) -> str:
+        """Its figure, such as ``below_7_5``; without dots, with which torch modules cannot be named."""
+        return f"below_{self.threshold:g}".replace(".", "_")
 
     def value(self) -> Tensor:
         """Return the share."""

@@ -1,7 +1,8 @@
-"""NormalMapMetric: what all metrics of normal maps count, so that a collection counts it once."""
+"""MapMetric, the base of all metrics, and NormalMapMetric: what ours count, so that it is counted once."""
 
-from abc import abstractmethod
-from typing import Any
+import re
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
 
 import torch
 from torch import Tensor
@@ -9,6 +10,7 @@ from torchmetrics import Metric
 
 from normalgan.errors import InputError
 from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors
+from normalgan.registry import Registry
 
 __all__ = ["BINS_PER_DEGREE", "NormalMapMetric"]
 
@@ -21,8 +23,47 @@ _FRACTION = 2.0**-20
 _SQUARE_FRACTION = 2.0**-14
 
 
-class NormalMapMetric(Metric):
-    """Base of the metrics: errors on the object, pooled over the pixels of all images.
+class MapMetric(Metric, ABC):
+    """Base of the metrics of normal maps: a torchmetrics `Metric` that is one number of a data set.
+
+    Its states are added with ``add_state`` and a way to reduce them, so that several processes measure as one
+    does; see https://lightning.ai/docs/torchmetrics/stable/pages/implement.html.
+
+    Attributes:
+        label: what tables call it; its `figure` if empty.
+        unit: that follows the number in tables, such as ``°``; ``%`` shows a share from 0 to 1.
+    """
+
+    full_state_update = False  # an update needs its own batch alone, and processes can be merged
+
+    label: ClassVar[str] = ""
+    unit: ClassVar[str] = ""
+
+    @property
+    def figure(self) -> str:
+        """The name of its figure: that of the class in lower case, such as ``mean_angular_error``."""
+        return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", type(self).__name__).lower()
+
+    @abstractmethod
+    def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
+        """Count a batch.
+
+        Args:
+            preds: (N, 3, H, W) painted normals, of any length.
+            target: (N, 3, H, W) true unit normals.
+            mask: (N, 1, H, W), 1 where to look.
+        """
+
+    @abstractmethod
+    def compute(self) -> Tensor:
+        """Return the metric of all batches so far, a scalar; nan where nothing was counted."""
+
+
+METRICS: Registry[MapMetric] = Registry(MapMetric, "normalgan.metrics")  # type: ignore[type-abstract]
+
+
+class NormalMapMetric(MapMetric):
+    """Base of our metrics: errors on the object, pooled over the pixels of all images.
 
     A metric over no pixel at all is nan; so is one over a prediction that is not finite on the object. An
     image without a pixel in the mask changes nothing.
@@ -33,7 +74,6 @@ class NormalMapMetric(Metric):
     """
 
     is_differentiable = False
-    full_state_update = False
 
     count: Tensor
     invalid: Tensor

@@ -1,7 +1,10 @@
 """All metrics of normal maps at once, counted once."""
 
+from collections.abc import Sequence
+
 from torchmetrics import Metric, MetricCollection
 
+from normalgan.errors import InputError
 from normalgan.metrics.angular import (
     MeanAngularError,
     MeanAngularErrorPerImage,
@@ -9,6 +12,7 @@ from normalgan.metrics.angular import (
     RootMeanSquareAngularError,
     ShareBelow,
 )
+from normalgan.metrics.base import MapMetric
 from normalgan.metrics.distance import MeanL1, MeanL2
 
 __all__ = ["THRESHOLDS", "normal_map_metrics"]
@@ -17,7 +21,27 @@ THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
 """Degrees of the usual shares: Bae and Davison, DSINE, CVPR 2024, and before it Fouhey et al., ICCV 2013."""
 
 
-def normal_map_metrics(prefix: str = "", normalize: bool = True) -> MetricCollection:
+FIGURES = (
+    *("angular_mean", "angular_median", "angular_rmse", "angular_mean_per_image"),
+    *("below_5", "below_7_5", "below_11_25", "below_22_5", "below_30", "l1", "l2"),
+)
+"""The names of the figures that are always measured."""
+
+
+def check_names(more: Sequence[MapMetric]) -> None:
+    """Raise `InputError` if metrics that are measured beside ours have the name of one, or of one another."""
+    seen = set(FIGURES)
+    for metric in more:
+        if metric.figure in seen:
+            raise InputError(
+                f"two metrics are called {metric.figure}, one of them {type(metric).__name__}; leave one out."
+            )
+        seen.add(metric.figure)
+
+
+def normal_map_metrics(
+    prefix: str = "", normalize: bool = True, more: Sequence[MapMetric] = ()
+) -> MetricCollection:
     """Return the metrics of normal maps, sharing one state: `update` works once for all of them.
 
     Their names are ``angular_mean``, ``angular_median``, ``angular_rmse``, ``angular_mean_per_image``,
@@ -27,6 +51,10 @@ def normal_map_metrics(prefix: str = "", normalize: bool = True) -> MetricCollec
     Args:
         prefix: put before each name, such as ``val/``.
         normalize: take L1 and L2 of predictions scaled to unit length; see `NormalMapMetric`.
+        more: other metrics, copies of which are measured beside these under their `figure`.
+
+    Raises:
+        InputError: if two metrics have the same name.
 
     Example:
         >>> import torch
@@ -44,7 +72,10 @@ def normal_map_metrics(prefix: str = "", normalize: bool = True) -> MetricCollec
         "l1": MeanL1(normalize),
         "l2": MeanL2(normalize),
     }
-    # No dots: torch modules cannot be named with them.
-    metrics |= {f"below_{t:g}".replace(".", "_"): ShareBelow(t, normalize) for t in THRESHOLDS}
+    metrics |= {share.figure: share for share in (ShareBelow(t, normalize) for t in THRESHOLDS)}
+    known = sorted(metrics)
+    check_names(more)
+    metrics |= {metric.figure: metric.clone() for metric in more}
     # Groups given, not found out: torchmetrics would update each metric once to compare their states.
-    return MetricCollection(metrics, prefix=prefix or None, compute_groups=[sorted(metrics)])  # type: ignore[arg-type]
+    groups = [known, *([metric.figure] for metric in more)]
+    return MetricCollection(metrics, prefix=prefix or None, compute_groups=groups)  # type: ignore[arg-type]

@@ -2,11 +2,12 @@
 
 from torch import Tensor
 
-from normalgan.metrics.base import NormalMapMetric
+from normalgan.metrics.base import METRICS, NormalMapMetric
 
 __all__ = ["MeanL1", "MeanL2"]
 
 
+@METRICS.register
 class MeanL1(NormalMapMetric):
     """Mean over all pixels in the masks of Σ|Δ| over the three coordinates, on [-1, 1]."""
 
@@ -17,6 +18,7 @@ class MeanL1(NormalMapMetric):
         return self.mean(self.l1_sum)
 
 
+@METRICS.register
 class MeanL2(NormalMapMetric):
     """Mean over all pixels in the masks of the length ‖Δ‖₂ of the difference, on [-1, 1]."""
 

@@ -6,6 +6,7 @@ from typing import cast
 from torch import Tensor, nn
 from torchmetrics import MetricCollection
 
+from normalgan.metrics.base import MapMetric
 from normalgan.metrics.collection import normal_map_metrics
 
 __all__ = ["StageMetrics"]
@@ -17,11 +18,26 @@ class StageMetrics(nn.Module):
     Args:
         stage: first part of every figure's name.
         rows: what is measured; the figures are named ``<stage>/<row>/<figure>``.
+        only: metrics that are measured in place of ours; None measures ours.
+
+    Raises:
+        InputError: if two of these metrics have the same name.
     """
 
-    def __init__(self, stage: str, rows: Sequence[str]) -> None:
+    def __init__(self, stage: str, rows: Sequence[str], only: Sequence[MapMetric] | None = None) -> None:
         super().__init__()
-        self.rows = nn.ModuleDict({row: normal_map_metrics(f"{stage}/{row}/") for row in rows})
+        self.rows = nn.ModuleDict(
+            {
+                row: normal_map_metrics(f"{stage}/{row}/")
+                if only is None
+                else MetricCollection(
+                    {metric.figure: metric.clone() for metric in only},
+                    prefix=f"{stage}/{row}/",
+                    compute_groups=False,
+                )
+                for row in rows
+            }
+        )
 
     def update(self, row: str, preds: Tensor, target: Tensor, mask: Tensor) -> None:
         """Count one batch in one of the rows; see `angular_error` for the shapes.

@@ -1,0 +1,141 @@
+"""What is asked of an augmentation."""
+
+import json
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from normalgan.batch import Batch
+from normalgan.data.augmentation import BatchAugmentation
+from normalgan.hints import hints_at
+from normalgan.testing.conformance import Check, demand, device_list, global_randomness_untouched, hold
+from normalgan.testing.pictures import batch
+
+_SIZE = 64
+
+
+def check_augmentation(augmentation: BatchAugmentation) -> None:
+    """Ask an augmentation everything that its kind must do.
+
+    Args:
+        augmentation: with the settings it is to be checked with.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise, in one sentence.
+    """
+    hold(augmentation, augmentation_checks())
+
+
+def augmentation_checks() -> list[Check[BatchAugmentation]]:
+    """Return the checks of an augmentation, each with a name, for ``pytest.mark.parametrize``."""
+    return [
+        Check("a whole batch", _whole, "it must return all that the batch has, of the same shapes"),
+        Check("values in their ranges", _ranges, "ink is 0 to 1, a mask 0 or 1, a normal of length 1 on it"),
+        Check(
+            "vectors turned with their pixels", _turned, "normals and hints must be moved and turned alike"
+        ),
+        Check("the same changes under a seed", _seeded, "seed alone may decide"),
+        Check("global randomness left alone", _no_global, "all randomness comes from seed"),
+        Check("arguments left as they are", _untouched, "the batch belongs to the caller"),
+        Check("settings that can be told", _described, "describe must return plain values for JSON"),
+        Check("every device there is", _devices, "tensors must be made on the device of the batch"),
+    ]
+
+
+def _given() -> Batch:
+    """Return four samples with a hint at every fourth pixel of the object, and names."""
+    made = batch(4, _SIZE)
+    where = torch.zeros_like(made["mask"])
+    where[..., ::4, ::4] = 1
+    hints = hints_at(made["normal"], where * made["mask"])
+    return {**made, "hints": hints, "name": [f"sample{i}" for i in range(4)]}
+
+
+def _whole(augmentation: BatchAugmentation) -> None:
+    given = _given()
+    for one in (given, {k: v for k, v in given.items() if k != "hints"}):
+        got = augmentation(one, 1)  # type: ignore[arg-type]
+        lost = [name for name in one if name not in got]
+        demand(not lost, augmentation, f"lost {', '.join(lost)}", "it must return all that the batch has")
+        for name, value in got.items():
+            if isinstance(value, Tensor):
+                wanted: Any = one[name]  # type: ignore[literal-required]
+                same = value.shape == wanted.shape and value.dtype == wanted.dtype
+                did = f"returned {name} as {value.dtype} {tuple(value.shape)}"
+                demand(same, augmentation, did, f"it was {wanted.dtype} {tuple(wanted.shape)}")
+
+
+def _ranges(augmentation: BatchAugmentation) -> None:
+    for seed in range(3):
+        got = augmentation(_given(), seed)
+        sketch, normal, mask = got["sketch"], got["normal"], got["mask"]
+        inside = bool(((sketch >= 0) & (sketch <= 1)).all())
+        did = f"returned ink from {float(sketch.min()):.3g} to {float(sketch.max()):.3g}"
+        demand(inside, augmentation, did, "ink is 0 to 1")
+        binary = bool(((mask == 0) | (mask == 1)).all())
+        demand(binary, augmentation, "returned a mask with values between 0 and 1", "a pixel is on or off")
+        off = float((normal.norm(dim=1, keepdim=True) - mask).abs().max())
+        did = f"returned normals whose length is {off:.3g} off what it must be"
+        demand(off < 0.01, augmentation, did, "it is 1 on the mask and 0 off it")
+
+
+def _turned(augmentation: BatchAugmentation) -> None:
+    for seed in range(3):
+        got = augmentation(_given(), seed)
+        there = (got["hints"][:, 3:] > 0.5) & (got["mask"] > 0.5)
+        cosine = (got["hints"][:, :3] * got["normal"]).sum(1, keepdim=True)[there]
+        if not len(cosine):
+            continue  # all were moved out of the picture
+        degrees = torch.rad2deg(torch.acos(cosine.clamp(-1, 1)))
+        off = float(degrees.median())
+        did = f"left hints {off:.1f}° from the normals where they lie"
+        demand(off < 10, augmentation, did, "pixels and vectors of both must be moved and turned alike")
+        # Along the outline vectors point outward, whichever way the picture was turned.
+        soft = torch.nn.functional.avg_pool2d(got["mask"], 7, 1, 3)
+        across = torch.stack(torch.gradient(soft[:, 0], dim=(2, 1)), dim=1) * torch.tensor([-1.0, 1.0]).view(
+            1, 2, 1, 1
+        )
+        rim = (got["mask"] > 0.5) & (soft < 0.7)
+        out = (across * got["normal"][:, :2]).sum(1, keepdim=True)[rim]
+        share = float((out > 0).float().mean()) if len(out) else 1.0
+        did = f"left {1 - share:.0%} of the normals along the outline pointing inward"
+        demand(
+            share > 0.8, augmentation, did, "a picture that is turned or mirrored has vectors that are too"
+        )
+
+
+def _seeded(augmentation: BatchAugmentation) -> None:
+    first = augmentation(_given(), 5)
+    torch.rand(3)  # another global state
+    again = augmentation(_given(), 5)
+    names = [n for n, v in first.items() if isinstance(v, Tensor) and not torch.equal(v, again[n])]  # type: ignore[literal-required]
+    did = f"changed {', '.join(names)} otherwise under the same seed"
+    demand(not names, augmentation, did, "all randomness must come from seed, so that a resumed run repeats")
+
+
+def _no_global(augmentation: BatchAugmentation) -> None:
+    with global_randomness_untouched(augmentation):
+        augmentation(_given(), 2)
+
+
+def _untouched(augmentation: BatchAugmentation) -> None:
+    given = _given()
+    kept = {name: value.clone() for name, value in given.items() if isinstance(value, Tensor)}
+    augmentation(given, 3)
+    names = [name for name, value in kept.items() if not torch.equal(value, given[name])]  # type: ignore[literal-required]
+    demand(not names, augmentation, f"changed the {', '.join(names)} it was given", "copy it")
+
+
+def _described(augmentation: BatchAugmentation) -> None:
+    told = augmentation.describe()
+    again = json.loads(json.dumps(told))
+    demand(isinstance(again, dict), augmentation, f"describes itself as {told!r}", "it must be a mapping")
+
+
+def _devices(augmentation: BatchAugmentation) -> None:
+    for device in device_list():
+        given = {k: v.to(device) if isinstance(v, Tensor) else v for k, v in _given().items()}
+        got = augmentation(given, 4)  # type: ignore[arg-type]
+        places = {v.device for v in got.values() if isinstance(v, Tensor)}
+        demand(places == {device}, augmentation, f"left {device}", "it must stay on the device of the batch")

@@ -1,0 +1,86 @@
+"""What is asked of a data source."""
+
+import pickle
+from collections import Counter
+from collections.abc import Iterator
+
+from normalgan.data.recipe import Loadable
+from normalgan.data.sources import DataSource, Pair, PairSource, SplitSettings
+from normalgan.data.splits import SPLITS
+from normalgan.rendering import Mesh
+from normalgan.testing.conformance import Check, called, demand, hold
+from normalgan.testing.settings import frozen_check, settings_checks
+
+
+def check_data_source(source: DataSource) -> None:
+    """Ask a data source everything that its kind must do; of each split the first thing is loaded.
+
+    Args:
+        source: with the settings it is to be checked with, and enough to fill three splits.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise, in one sentence.
+    """
+    hold(source, data_source_checks())
+
+
+def data_source_checks() -> list[Check[DataSource]]:
+    """Return the checks of a data source, each with a name, for ``pytest.mark.parametrize``."""
+    return [
+        *settings_checks(DataSource),  # type: ignore[type-abstract]
+        frozen_check(),
+        Check("splits by name", _splits, "split must return what is in train, val and test"),
+        Check("a name for each", _names, "every thing needs a name of its own, in one split"),
+        Check("the same when asked again", _repeats, "names and fingerprints must not depend on the moment"),
+        Check("things for worker processes", _handed, "what is returned must survive pickle"),
+        Check("meshes or pairs", _loaded, "load must return a Mesh, or a Pair of a PairSource"),
+    ]
+
+
+def _split(source: DataSource) -> dict[str, list[Loadable]]:
+    return {name: list(part) for name, part in source.split(SplitSettings()).items()}
+
+
+def _firsts(source: DataSource) -> Iterator[Loadable]:
+    yield from (part[0] for part in _split(source).values() if part)
+
+
+def _splits(source: DataSource) -> None:
+    found = _split(source)
+    strange = sorted(set(found) - set(SPLITS))
+    did = f"has a split {strange[0] if strange else ''}"
+    demand(not strange, source, did, f"they are {', '.join(SPLITS)}")
+    demand(
+        found.get("train"), source, "has nothing to train on", "settings.deal(names) gives each split a share"
+    )
+
+
+def _names(source: DataSource) -> None:
+    counts = Counter(thing.name for part in _split(source).values() for thing in part)
+    twice = [name for name, count in counts.items() if count > 1]
+    did = f"has two things named {twice[0] if twice else ''}"
+    demand(not twice, source, did, "each needs a name of its own, in one split")
+
+
+def _repeats(source: DataSource) -> None:
+    one, other = ([(t.name, t.fingerprint()) for t in _firsts(source)] for _ in range(2))
+    demand(one == other, source, "has other names or fingerprints when asked again", "the cache goes by them")
+    prints = [seen for _, seen in one]
+    demand(
+        len(set(prints)) == len(prints), source, "has two things of one fingerprint", "they tell things apart"
+    )
+
+
+def _handed(source: DataSource) -> None:
+    for thing in _firsts(source):
+        again = pickle.loads(pickle.dumps(thing))  # of what was just pickled here
+        same = (again.name, again.fingerprint()) == (thing.name, thing.fingerprint())
+        demand(same, source, f"has {thing.name}, which is another one after pickle", "workers load it")
+
+
+def _loaded(source: DataSource) -> None:
+    wanted: type = Pair if isinstance(source, PairSource) else Mesh
+    for thing in _firsts(source):
+        loaded = thing.load()
+        did = f"has {thing.name}, which loads as {called(loaded)}"
+        demand(isinstance(loaded, wanted), source, did, f"load must return a {wanted.__name__}")

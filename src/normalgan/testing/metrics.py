@@ -1,0 +1,135 @@
+"""What is asked of a metric."""
+
+import torch
+from torch import Tensor
+
+from normalgan.metrics import MapMetric
+from normalgan.testing.conformance import Check, demand, device_list, hold
+from normalgan.testing.pictures import pictures
+
+
+def check_metric(metric: MapMetric) -> None:
+    """Ask a metric everything that its kind must do.
+
+    Args:
+        metric: with the settings it is to be checked with; copies of it are used.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise, in one sentence.
+    """
+    hold(metric, metric_checks())
+
+
+def metric_checks() -> list[Check[MapMetric]]:
+    """Return the checks of a metric, each with a name, for ``pytest.mark.parametrize``."""
+    return [
+        Check("a name of its own", _named, "figure must be a name without dots"),
+        Check("one number", _scalar, "compute must return one finite number"),
+        Check("a mask without a pixel", _empty, "a picture without an object changes nothing"),
+        Check("pixels off the mask left out", _masked, "only pixels where mask is 1 count"),
+        Check("batches of any size", _batches, "the batches that samples come in must not matter"),
+        Check("several processes", _processes, "states must be added with a dist_reduce_fx"),
+        Check("beginning anew", _reset, "after reset it must be as new"),
+        Check("arguments left as they are", _untouched, "what it is given belongs to the caller"),
+        Check("every device there is", _devices, "states must be added by add_state"),
+    ]
+
+
+def _samples(count: int = 3) -> tuple[Tensor, Tensor, Tensor]:
+    """Return painted normals that are somewhat off, the true ones, and masks."""
+    target, mask = pictures(count)
+    tilt = torch.tensor([0.3, -0.2, 0.1]).view(1, 3, 1, 1) * torch.arange(1, count + 1).view(-1, 1, 1, 1)
+    return (target + tilt) * mask, target, mask
+
+
+def _value(metric: MapMetric, *batches: tuple[Tensor, Tensor, Tensor]) -> Tensor:
+    fresh = metric.clone()
+    fresh.reset()
+    for batch in batches:
+        fresh.update(*batch)
+    value: Tensor = fresh.compute()
+    return value
+
+
+def _same(metric: MapMetric, one: Tensor, other: Tensor, when: str) -> None:
+    alike = torch.allclose(one.double(), other.double(), rtol=1e-4, atol=1e-5, equal_nan=True)
+    demand(alike, metric, f"gave {float(other):.6g} and not {float(one):.6g} {when}", "both must be the same")
+
+
+def _named(metric: MapMetric) -> None:
+    name = metric.figure
+    demand(
+        name and name.replace("_", "").isalnum(),
+        metric,
+        f"has the figure {name!r}",
+        "it names a column and a torch module, so it has letters, digits and _ alone",
+    )
+
+
+def _scalar(metric: MapMetric) -> None:
+    value = _value(metric, _samples())
+    demand(
+        value.numel() == 1 and bool(value.isfinite().all()),
+        metric,
+        f"computed {value.tolist()}",
+        "it must compute one finite number of pictures with objects",
+    )
+
+
+def _empty(metric: MapMetric) -> None:
+    preds, target, mask = _samples(1)
+    nothing = (preds * 0, target * 0, mask * 0)
+    one, other = _value(metric, _samples()), _value(metric, _samples(), nothing)
+    _same(metric, one, other, "once a picture without an object was counted too")
+    demand(_value(metric, nothing).numel() == 1, metric, "computed no number of nothing", "nan stands for it")
+
+
+def _masked(metric: MapMetric) -> None:
+    preds, target, mask = _samples()
+    half = mask.clone()
+    half[..., : mask.shape[-1] // 2] = 0
+    other = preds + (1 - half) * 0.7
+    one, two = _value(metric, (preds, target, half)), _value(metric, (other, target, half))
+    _same(metric, one, two, "after what was painted off the mask was changed")
+
+
+def _batches(metric: MapMetric) -> None:
+    whole = _samples(4)
+    parts = [tuple(part[i : i + n] for part in whole) for i, n in ((0, 1), (1, 3))]
+    _same(metric, _value(metric, whole), _value(metric, *parts), "of the same samples in other batches")  # type: ignore[arg-type]
+
+
+def _processes(metric: MapMetric) -> None:
+    whole = _samples(4)
+    one, other = metric.clone(), metric.clone()
+    one.reset()
+    other.reset()
+    one.update(*(part[:1] for part in whole))
+    other.update(*(part[1:] for part in whole))
+    one.merge_state(other)
+    _same(metric, _value(metric, whole), one.compute(), "when two processes measured a part each")
+
+
+def _reset(metric: MapMetric) -> None:
+    fresh = metric.clone()
+    fresh.update(*_samples(2))
+    fresh.reset()
+    fresh.update(*_samples())
+    _same(metric, _value(metric, _samples()), fresh.compute(), "after it was reset")
+
+
+def _untouched(metric: MapMetric) -> None:
+    given = _samples()
+    kept = [part.clone() for part in given]
+    _value(metric, given)
+    same = all(torch.equal(a, b) for a, b in zip(given, kept, strict=True))
+    demand(same, metric, "changed what it was given", "it belongs to the caller; copy it")
+
+
+def _devices(metric: MapMetric) -> None:
+    here = _value(metric, _samples())
+    for device in device_list():
+        moved = metric.clone().to(device)
+        moved.reset()
+        moved.update(*(part.to(device) for part in _samples()))
+        _same(metric, here, moved.compute().cpu(), f"on {device}")
