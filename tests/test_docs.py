@@ -59,9 +59,36 @@ def run_python(page: Path, folder: Path) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
-@pytest.mark.parametrize("name", ["conventions", "data", "plugins", "prediction", "python"])
+@pytest.mark.parametrize("name", ["conventions", "data", "plugins", "prediction"])
 def test_python_runs(name: str, tmp_path: Path) -> None:
     run_python(ROOT / "docs" / f"{name}.md", tmp_path)
+
+
+def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_save(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (ten,) = (block for block in blocks(ROOT / "docs" / "python.md", "python") if "trainer.fit" in block)
+    assert len([line for line in ten.splitlines() if line.strip()]) <= 10
+    run_python(ROOT / "docs" / "python.md", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "mine.ckpt", "-o", "model.safetensors", "--format", "safetensors"]) == 0
+    sketch = str(ROOT / "examples" / "sketches" / "horse.png")
+    painting = ["predict", "--ckpt_path", "mine.ckpt", "--data.size", "32", "--data.sketches", sketch]
+    assert main([*painting, "--trainer.accelerator", "cpu", "--trainer.enable_progress_bar", "false"]) == 0
+    assert list((tmp_path / "normals").glob("*_normal.png"))
+    plan = {
+        **{"name": "Ten lines", "images": 1, "gallery": 1},
+        "rows": [{"name": "mean", "label": "mean", "classical": "constant"}],
+        "data": {
+            "animals": 3,
+            "fractions": [0.34, 0.33, 0.33],
+            "size": 32,
+            "test_views": 1,
+            "render_workers": 0,
+        },
+    }
+    (tmp_path / "plan.yaml").write_text(yaml.safe_dump(plan))
+    assert main(["benchmark", "--config", "plan.yaml", "--evaluate", "mine.ckpt", "--output", "bench"]) == 0
 
 
 @pytest.mark.slow  # imports lightning, renders and trains

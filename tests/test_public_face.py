@@ -17,8 +17,8 @@ GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
 
 def test_the_public_names() -> None:
     assert normalgan.__all__ == [
-        *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Painter", "__version__", "load"),
-        "metrics",
+        *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Painter", "Pairs", "__version__"),
+        *("hints", "load", "metrics", "models", "objectives"),
     ]
     assert set(normalgan.__all__) <= set(dir(normalgan))
     with pytest.raises(AttributeError, match="has no attribute 'lode'"):

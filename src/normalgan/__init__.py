@@ -9,8 +9,9 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from normalgan import metrics
+    from normalgan import hints, metrics, models, objectives
     from normalgan.data.datamodule import MeshDataModule
+    from normalgan.data.sources import Pairs
     from normalgan.errors import InputError
     from normalgan.gan import NormalGAN
     from normalgan.painting.normal_map import NormalMap
@@ -24,9 +25,13 @@ __all__ = [
     "NormalGAN",
     "NormalMap",
     "Painter",
+    "Pairs",
     "__version__",
+    "hints",
     "load",
     "metrics",
+    "models",
+    "objectives",
 ]
 
 _MODULES = {
@@ -35,14 +40,17 @@ _MODULES = {
     "NormalGAN": "normalgan.gan",
     "NormalMap": "normalgan.painting.normal_map",
     "Painter": "normalgan.painting.painter",
+    "Pairs": "normalgan.data.sources",
     "load": "normalgan.saved_model",
 }
 """Where what is imported late comes from."""
+_PACKAGES = ("hints", "metrics", "models", "objectives")
+"""Packages that are imported late, each with what it offers."""
 
 
 def __getattr__(name: str) -> Any:
-    if name == "metrics":
-        return import_module("normalgan.metrics")
+    if name in _PACKAGES:
+        return import_module(f"normalgan.{name}")
     if name in _MODULES:
         return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module 'normalgan' has no attribute {name!r}")
