@@ -7,6 +7,8 @@ from normalgan.metrics import METRICS, MapMetric
 from normalgan.metrics.collection import check_names
 from normalgan.weights.part import ANY_NUMBER, Part
 
+__all__ = ["more_metrics"]
+
 
 def more_metrics(named: Sequence[str | dict[str, Any]]) -> list[MapMetric]:
     """Return the metrics that a plan names.

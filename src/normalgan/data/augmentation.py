@@ -55,9 +55,12 @@ class BatchAugmentation(ABC):
 AUGMENTATIONS: Registry[BatchAugmentation] = Registry(BatchAugmentation, "normalgan.augmentations")  # type: ignore[type-abstract]
 
 __all__ = [
+    "AUGMENTATIONS",
     "Augmentation",
+    "BatchAugmentation",
     "change_width",
     "drop_lines",
+    "move_hints",
     "sample_at",
     "sampling_grid",
     "smooth_shifts",

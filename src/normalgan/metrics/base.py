@@ -12,7 +12,7 @@ from normalgan.errors import InputError
 from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors
 from normalgan.registry import Registry
 
-__all__ = ["BINS_PER_DEGREE", "NormalMapMetric"]
+__all__ = ["BINS_PER_DEGREE", "METRICS", "MapMetric", "NormalMapMetric"]
 
 BINS_PER_DEGREE = 100
 
@@ -35,6 +35,11 @@ class MapMetric(Metric, ABC):
     """
 
     full_state_update = False  # an update needs its own batch alone, and processes can be merged
+
+    __jit_unused_properties__ = [
+        *Metric.__jit_unused_properties__,
+        "figure",
+    ]  # a network with one is scripted
 
     label: ClassVar[str] = ""
     unit: ClassVar[str] = ""

@@ -15,7 +15,7 @@ from normalgan.metrics.angular import (
 from normalgan.metrics.base import MapMetric
 from normalgan.metrics.distance import MeanL1, MeanL2
 
-__all__ = ["THRESHOLDS", "normal_map_metrics"]
+__all__ = ["FIGURES", "THRESHOLDS", "check_names", "normal_map_metrics"]
 
 THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
 """Degrees of the usual shares: Bae and Davison, DSINE, CVPR 2024, and before it Fouhey et al., ICCV 2013."""

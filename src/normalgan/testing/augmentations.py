@@ -12,6 +12,8 @@ from normalgan.hints import hints_at
 from normalgan.testing.conformance import Check, demand, device_list, global_randomness_untouched, hold
 from normalgan.testing.pictures import batch
 
+__all__ = ["augmentation_checks", "check_augmentation"]
+
 _SIZE = 64
 
 

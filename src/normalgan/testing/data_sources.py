@@ -11,6 +11,8 @@ from normalgan.rendering import Mesh
 from normalgan.testing.conformance import Check, called, demand, hold
 from normalgan.testing.settings import frozen_check, settings_checks
 
+__all__ = ["check_data_source", "data_source_checks"]
+
 
 def check_data_source(source: DataSource) -> None:
     """Ask a data source everything that its kind must do; of each split the first thing is loaded.

@@ -7,6 +7,8 @@ from normalgan.metrics import MapMetric
 from normalgan.testing.conformance import Check, demand, device_list, hold
 from normalgan.testing.pictures import pictures
 
+__all__ = ["check_metric", "metric_checks"]
+
 
 def check_metric(metric: MapMetric) -> None:
     """Ask a metric everything that its kind must do.
