@@ -36,10 +36,8 @@ class MapMetric(Metric, ABC):
 
     full_state_update = False  # an update needs its own batch alone, and processes can be merged
 
-    __jit_unused_properties__ = [
-        *Metric.__jit_unused_properties__,
-        "figure",
-    ]  # a network with one is scripted
+    # A network with a metric in it is scripted.
+    __jit_unused_properties__: ClassVar[list[str]] = [*Metric.__jit_unused_properties__, "figure"]
 
     label: ClassVar[str] = ""
     unit: ClassVar[str] = ""
