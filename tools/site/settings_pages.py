@@ -40,8 +40,8 @@ def settings_page() -> str:
     parts = [
         "# Settings",
         "All settings of `fit`, `validate`, `test`, `predict`, `render`, as `normalgan fit --help all` has "
-        "them. On the command line `--data.size 128`; in a configuration `data: {size: 128}`. Later ones win: "
-        "[training](../training.md#configurations). This page is made from the code.",
+        "them. On the command line `--data.size 128`; in a configuration `data: {size: 128}`. Later ones "
+        "win: [training](../training.md#configurations). This page is made from the code.",
         "## The run",
         "\n".join(
             line
