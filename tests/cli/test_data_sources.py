@@ -1,5 +1,6 @@
 """Training and testing on pairs from disk, as a user does."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -36,15 +37,15 @@ def test_fit_test_and_predict_on_pairs(tmp_path: Path) -> None:
     tested = on_pairs("test", tmp_path, pairs, "--data.source.green", "down", "--ckpt_path", last)
     assert tested.code == 0, tested.err
     assert "Test split, 2 samples" in tested.out
+    plain = json.loads((tmp_path / "run" / "test" / "metrics.json").read_text())
     with_hints = on_pairs(
         *("test", tmp_path, pairs, "--data.source.green", "down", "--ckpt_path", last),
         *("--data.source.hints", "true"),
     )
     assert with_hints.code == 0, with_hints.err
-    # Columns: constant, mean map, no hints, hints, unhinted.
-    plain, own = (each.out.split("mean angular error")[1].split()[:5] for each in (tested, with_hints))
-    assert plain[:3] == own[:3]
-    assert plain[3] != own[3]
+    own = json.loads((tmp_path / "run" / "test" / "metrics.json").read_text())
+    assert plain["no_hints"] == own["no_hints"]
+    assert plain["hints"] != own["hints"]
     painted = on_pairs(
         *("predict", tmp_path, pairs, "--ckpt_path", last, "--data.sketches", pairs / "a0.png"),
         *("--output.folder", tmp_path / "out"),
