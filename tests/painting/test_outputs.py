@@ -13,8 +13,9 @@ from PIL import Image
 from normalgan.__main__ import main
 from normalgan.normals import Floats, normalize, read_png
 from normalgan.painting.height import integrate
+from normalgan.painting.occlusion import occlusion
 from normalgan.painting.relief import relief_mesh, simpler
-from normalgan.painting.shading_maps import curvature, occlusion
+from normalgan.painting.shading_maps import curvature
 from onnx_models import write_model
 from pens import blob, outline
 

@@ -36,14 +36,14 @@ def pixels(content: bytes) -> NDArray[Any]:
     [
         (
             "plain",
-            "fox_normal.png fox_line.png fox_mask.png fox_height.png fox_occlusion.png fox_preview.png",
+            "fox_normal.png fox_line.png fox_mask.png fox_height.png fox_ao.png fox_preview.png",
         ),
         (
             "unity",
-            "fox_Normal.png fox_LineArt.png fox_Mask.png fox_Height.png fox_Occlusion.png fox_Preview.png",
+            "fox_NormalMap.png fox_LineArt.png fox_Mask.png fox_Height.png fox_Occlusion.png fox_Preview.png",
         ),
         ("unreal", "T_fox_N.png T_fox_L.png T_fox_M.png T_fox_H.png T_fox_AO.png T_fox_Preview.png"),
-        ("godot", "fox_normal.png fox_line.png fox_mask.png fox_height.png fox_ao.png fox_preview.png"),
+        ("godot", "fox_n.png fox_line.png fox_mask.png fox_height.png fox_ao.png fox_preview.png"),
         ("blender", "fox_normal.png fox_line.png fox_mask.png fox_height.tiff fox_ao.png fox_preview.png"),
     ],
 )
@@ -57,7 +57,9 @@ def test_all_files_come_as_the_program_wants_them(
         up = pixels(exported(client, number=3, format="png8", alpha=True)[1])
     assert name == f"fox_{preset}.zip"
     files = unzipped(content)
-    assert set(files) == {*names.split(), "README.txt"}
+    own = names.split(maxsplit=1)[0]  # beside it, what the program imports it by, as of generate --engine
+    beside = {"plain": "", "unity": ".meta", "godot": ".import"}.get(preset, ".import.py")
+    assert set(files) == {*names.split(), "README.txt", *([own + beside] if beside else [])}
     normal, line, mask, height, _, preview = (files[each] for each in names.split())
     assert line == art
     found = pixels(normal)

@@ -148,7 +148,8 @@ class Outputs:
     def _write_shading(self, job: Job, preds: NormalMap, height: Floats | None) -> None:
         if not (self.ao or self.curvature or self.specular):
             return
-        from normalgan.painting.shading_maps import curvature, gloss, occlusion
+        from normalgan.painting.occlusion import occlusion
+        from normalgan.painting.shading_maps import curvature, gloss
 
         maps = {}
         if height is not None and (self.ao or self.specular):

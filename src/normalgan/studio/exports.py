@@ -12,6 +12,7 @@ import numpy as np
 from PIL import Image
 
 from normalgan.normals import Floats, encode_grey
+from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import DrawingFiles, Job
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.outputs import Outputs, encode_height
@@ -38,49 +39,61 @@ class Preset:
     """How a program wants its files.
 
     Args:
-        names: of the files, with ``{}`` for the drawing's: map, line art, mask, height, occlusion, preview.
-        outputs: how they are written.
+        names: of the files but the map, with ``{}`` for the drawing's: line art, mask, height, occlusion,
+            preview.
         notes: what is to be set there, a sentence.
+        engine: which has conventions for the map, and a file by which it imports it; None has none.
+        prefix: of all names.
+        height: kind of the height map.
     """
 
-    names: tuple[str, str, str, str, str, str]
-    outputs: Outputs
+    names: tuple[str, str, str, str, str]
     notes: str
+    engine: Engine | None = None
+    prefix: str = ""
+    height: Literal["png", "tiff"] = "png"
+
+    @property
+    def outputs(self) -> Outputs:
+        """How its files are written: as `normalgan generate --engine` does."""
+        plain = Outputs(height=self.height, alpha=True)
+        if self.engine is None:
+            return plain
+        wanted = CONVENTIONS[self.engine]
+        return replace(plain, y=wanted.y, bits=wanted.bits, suffix=wanted.suffix)
 
 
-_PNG8 = Outputs(height="png", alpha=True)
+_LOWER: Final = ("{}_line", "{}_mask", "{}_height", "{}_ao", "{}_preview")
 PRESETS: Final = {
     "unity": Preset(
-        ("{}_Normal", "{}_LineArt", "{}_Mask", "{}_Height", "{}_Occlusion", "{}_Preview"),
-        _PNG8,
-        "Unity: set the Texture Type of _Normal to Normal map (for sprites: add it as a secondary texture "
-        "_NormalMap), and switch sRGB off for _Mask, _Height and _Occlusion.",
+        ("{}_LineArt", "{}_Mask", "{}_Height", "{}_Occlusion", "{}_Preview"),
+        "Unity: the file .meta makes _NormalMap a normal map, which sprites take for a secondary texture. "
+        "Switch sRGB off for _Mask, _Height and _Occlusion.",
+        "unity",
     ),
     "unreal": Preset(
-        ("T_{}_N", "T_{}_L", "T_{}_M", "T_{}_H", "T_{}_AO", "T_{}_Preview"),
-        replace(_PNG8, y="down"),
+        ("{}_L", "{}_M", "{}_H", "{}_AO", "{}_Preview"),
         "Unreal: green points down (DirectX) as the engine expects. Set the compression of _N to Normalmap, "
-        "and of _M, _H and _AO to Masks (no sRGB).",
+        "and of _M, _H and _AO to Masks (no sRGB); the script does so for _N.",
+        "unreal",
+        prefix="T_",
     ),
     "godot": Preset(
-        ("{}_normal", "{}_line", "{}_mask", "{}_height", "{}_ao", "{}_preview"),
-        _PNG8,
-        "Godot: green points up (OpenGL) as the engine expects. Use _normal as the normal texture of a "
+        _LOWER,
+        "Godot: green points up (OpenGL) as the engine expects. Use _n as the normal texture of a "
         "CanvasTexture, or as Normal Map of a StandardMaterial3D.",
+        "godot",
     ),
     "blender": Preset(
-        ("{}_normal", "{}_line", "{}_mask", "{}_height", "{}_ao", "{}_preview"),
-        replace(_PNG8, bits=16, height="tiff"),
+        _LOWER,
         "Blender: set the colour space of all but _line and _preview to Non-Color, and put _normal through a "
-        "Normal Map node. _height is in pixels.",
+        "Normal Map node, as the script does. _height is in pixels.",
+        "blender",
+        height="tiff",
     ),
 }
-_PARTS: Final = ("normal", "line", "mask", "height", "occlusion", "preview")
-_PLAIN: Final = Preset(
-    ("{}_normal", "{}_line", "{}_mask", "{}_height", "{}_occlusion", "{}_preview"),
-    _PNG8,
-    "Green points up (OpenGL); flip it for DirectX.",
-)
+_PARTS: Final = ("line", "mask", "height", "occlusion", "preview")
+_PLAIN: Final = Preset(_LOWER, "Green points up (OpenGL); flip it for DirectX.")
 
 
 @dataclass(frozen=True)
@@ -109,7 +122,7 @@ class Wish:
             case "mask":
                 return f"{self.name}_mask.png", encode_grey(preds.alpha)
             case "occlusion":
-                return f"{self.name}_occlusion.png", encode_grey(_occlusion(preds, preds.height()))
+                return f"{self.name}_ao.png", encode_grey(_occlusion(preds, preds.height()))
             case "all":
                 return f"{self.name}_{self.preset}.zip", self._zip(preds)
         with TemporaryDirectory() as folder:
@@ -130,13 +143,16 @@ class Wish:
         return file.getvalue()
 
     def _files(self, preset: Preset, preds: NormalMap) -> Iterator[tuple[str, bytes]]:
-        names = dict(zip(_PARTS, (each.format(self.name) for each in preset.names), strict=True))
+        own = preset.prefix + self.name
+        names = dict(zip(_PARTS, (each.format(own) for each in preset.names), strict=True))
         outputs, height = preset.outputs, preds.height()
-        normals = preds.encode(outputs.format, outputs.bits, outputs.y, outputs.alpha)
-        yield f"{names['normal']}.{outputs.format}", normals
+        target = Path(own + outputs.ending)
+        yield target.name, preds.encode(outputs.format, outputs.bits, outputs.y, outputs.alpha)
+        if preset.engine is not None:
+            beside, content = sidecar(preset.engine, target)
+            yield beside.name, content
         yield f"{names['mask']}.png", encode_grey(preds.alpha)
-        kind = outputs.height or "png"
-        yield f"{names['height']}.{kind}", encode_height(height, preds, kind)
+        yield f"{names['height']}.{preset.height}", encode_height(height, preds, preset.height)
         yield f"{names['occlusion']}.png", encode_grey(_occlusion(preds, height))
         yield f"{names['preview']}.png", _preview(preds)
         if self.line_art is not None:
