@@ -27,7 +27,7 @@ LAYERS = (
     {"rendering", "hints", "models", "objectives", "drawings", "gallery"}
     | {"checkpoints", "config_files", "overruled", "parser_errors", "run_lock"},
     {"animals"},
-    {"painter", "painting", "weights"},
+    {"painting", "weights"},
     {"inference"},
     {"data", "gan"},
     {"callbacks", "plugins", "testing"},

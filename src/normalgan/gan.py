@@ -1,26 +1,28 @@
-"""NormalGAN: a painter that learns, with the optimisation of both networks by hand."""
+"""NormalGAN: paints normal maps, and learns to, with the optimisation of both networks by hand."""
 
 import warnings
 from collections.abc import Callable
 from typing import Any, cast
 
 import torch
+from lightning.pytorch import LightningModule
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
 from torch.optim.lr_scheduler import LRScheduler
 
-from normalgan.batch import Batch
+from normalgan.batch import Batch, Sketches
 from normalgan.errors import InputError
-from normalgan.hints import HintSampler
+from normalgan.hints import ErrorHintSampler, HintSampler
+from normalgan.hints.draw import draw_hints, draw_hints_by_name
 from normalgan.hints.noise import turn_hints
+from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
 from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.objectives.finite import loss_error, not_finite, read_behind
-from normalgan.painter import NormalPainter
 from normalgan.seeds import derive_seed
 from normalgan.torch_seeds import seed_torch
 from normalgan.weights.checkpoint import settings_to_save
@@ -39,7 +41,7 @@ def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
 
 
-class NormalGAN(NormalPainter):
+class NormalGAN(LightningModule):
     """Paints a normal map from a sketch and hints, and learns to against a discriminator.
 
     All randomness of a training step (dropout, hints, the gradient penalty) is seeded by the number of the
@@ -88,7 +90,7 @@ class NormalGAN(NormalPainter):
         noise_at_test: bool = False,
         seed: int = 0,
     ) -> None:
-        super().__init__(generator, hint_sampler, noise_at_test, seed)
+        super().__init__()
         if n_critic < 1:
             raise InputError(f"n_critic must be 1 or more, not {n_critic}.")
         if gradient_clip is not None and gradient_clip <= 0:
@@ -106,7 +108,9 @@ class NormalGAN(NormalPainter):
             warnings.filterwarnings("ignore", message=".*is an instance of `nn.Module`.*")
             self.save_hyperparameters()
         self.automatic_optimization = False
+        self.generator = generator
         self.discriminator = discriminator
+        self.hint_sampler = hint_sampler
         self.objective = objective
         self.generator_optimizer = generator_optimizer
         self.discriminator_optimizer = discriminator_optimizer
@@ -117,6 +121,33 @@ class NormalGAN(NormalPainter):
         self.n_critic = n_critic
         self.hint_noise = hint_noise
         self.share_every = share_every
+        self.noise_at_test = noise_at_test
+        self.seed = seed
+        self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
+        self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
+
+    # --- painting -------------------------------------------------------------------------------------
+
+    def forward(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
+        """Paint normal maps.
+
+        Args:
+            sketch: (N, 1, H, W) in [0, 1], ink 1.
+            hints: (N, 4, H, W) normals at the hints and where they are; None for none.
+
+        Returns:
+            (N, 3, H, W) in [-1, 1], of about unit length on the object and of none off it.
+        """
+        return self.paint_with_confidence(sketch, hints)[:, :3]
+
+    def paint_with_confidence(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
+        """Return what `forward` does, (N, 3, H, W), or (N, 4, H, W) if the generator paints a confidence."""
+        if hints is None:
+            hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
+        painted: Tensor = self.generator(make_condition(sketch, hints))
+        return painted
+
+    # --- training -------------------------------------------------------------------------------------
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Step the discriminator, and with every n-th batch the generator."""
@@ -139,6 +170,12 @@ class NormalGAN(NormalPainter):
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
             self._step_generator(condition, terms, preds.direction, fake, batch)
+
+    def training_hints(self, batch: Batch, seed: int) -> Tensor:
+        """Return the hints (N, 4, H, W) of a batch: its own, or else the sampler's under a seed."""
+        if "hints" in batch:
+            return batch["hints"]
+        return draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
 
     def _step_discriminator(
         self, discriminator: Discriminator, condition: Tensor, batch: Batch, fake: Tensor
@@ -252,3 +289,101 @@ class NormalGAN(NormalPainter):
     def _optimizers(self) -> list[LightningOptimizer]:
         optimizers = self.optimizers()
         return cast(list[LightningOptimizer], optimizers if isinstance(optimizers, list) else [optimizers])
+
+    # --- validating, testing, predicting --------------------------------------------------------------
+
+    def measured_hints(self, batch: Batch) -> Tensor:
+        """Return the hints (N, 4, H, W) that validation and testing give with a batch.
+
+        A sample always gets the same, whatever the epoch, the size of the batch and the number of processes.
+        """
+        if "hints" in batch:
+            return batch["hints"]
+        names = batch.get("name") or [str(i) for i in range(len(batch["normal"]))]
+        given = batch["normal"], batch["mask"], names, self.seed, self._error(batch)
+        return draw_hints_by_name(self.hint_sampler, *given)
+
+    @torch.no_grad()
+    def _error(self, batch: Batch) -> Tensor | None:
+        """Return the error without hints (N, 1, H, W), for a sampler that asks for it.
+
+        It is painted as in testing, so that statistics of norms stay as they are and no noise is drawn.
+        """
+        if not isinstance(self.hint_sampler, ErrorHintSampler):
+            return None
+        modes = {module: module.training for module in self.generator.modules()}
+        self.generator.eval()
+        painted = self._paint(batch, None)
+        for module, training in modes.items():
+            module.training = training
+        return angular_error(painted, batch["normal"])
+
+    def validation_step(self, batch: Batch, batch_idx: int) -> None:
+        """Measure with the sampler's hints, the same ones every epoch, and with none."""
+        target, mask = batch["normal"], batch["mask"]
+        hints = self.measured_hints(batch)
+        self.val_metrics.update("hints", self._paint(batch, hints), target, mask)
+        self.val_metrics.update("no_hints", self._paint(batch, None), target, mask)
+
+    def on_validation_epoch_end(self) -> None:
+        """Log the metrics of the validation split."""
+        self._log_figures(self.val_metrics.pop())
+
+    def test_step(self, batch: Batch, batch_idx: int) -> dict[str, tuple[Tensor, Tensor]]:
+        """Measure with the sampler's hints, also without the hinted pixels, and with no hints.
+
+        Returns:
+            What was measured, for callbacks: by row, the maps (N, 3, H, W) and the pixels (N, 1, H, W).
+        """
+        mask = batch["mask"]
+        hints = self.measured_hints(batch)
+        preds = self._paint(batch, hints)
+        measured = {
+            "hints": (preds, mask),
+            "unhinted": (preds, without_hints(mask, hints[:, 3:])),
+            "no_hints": (self._paint(batch, None), mask),
+        }
+        for row, (painted, where) in measured.items():
+            self.test_metrics.update(row, painted, batch["normal"], where)
+        return measured
+
+    def on_test_epoch_end(self) -> None:
+        """Log the metrics of the test split."""
+        self._log_figures(self.test_metrics.pop())
+
+    def _log_figures(self, figures: dict[str, Tensor]) -> None:
+        # They are over all processes already; sync_dist averages equal numbers, and keeps Lightning quiet.
+        self.log_dict(figures, sync_dist=True)
+
+    def predict_step(self, batch: Sketches, batch_idx: int) -> Tensor:
+        """Return painted normals (N, 3, H, W), with the user's hints if there are any.
+
+        One at a time: in a batch the last bits of a map would depend on its neighbours.
+        """
+        hints = batch.get("hints")
+        return torch.cat(
+            [
+                self._paint({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
+                for i, sketch in enumerate(batch["sketch"])
+            ]
+        )
+
+    def _paint(self, batch: Sketches, hints: Tensor | None) -> Tensor:
+        painted: Tensor = self(batch["sketch"], hints)
+        return painted.float()  # under bf16, figures and files are still made of full precision
+
+    def on_test_model_eval(self) -> None:
+        """Switch to evaluation, but keep the noise on if asked."""
+        super().on_test_model_eval()
+        self._keep_noise()
+
+    def on_predict_model_eval(self) -> None:
+        """Switch to evaluation, but keep the noise on if asked."""
+        super().on_predict_model_eval()
+        self._keep_noise()
+
+    def _keep_noise(self) -> None:
+        if self.noise_at_test:
+            for module in self.generator.modules():
+                if isinstance(module, nn.Dropout):
+                    module.train()
