@@ -114,7 +114,7 @@ def film(page: Page, path: Path) -> None:
     page.locator("#export-format").select_option("unity")
     shot(painted=False)
     page.keyboard.press("Escape")
-    tiled(frames).save(path, optimize=True)
+    tiled(frames).quantize(256, kmeans=4, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def tiled(frames: list[Image.Image]) -> Image.Image:

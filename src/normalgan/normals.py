@@ -94,7 +94,7 @@ def vectors(levels: NDArray[Any]) -> Floats:
 
     Floats below 0 are the vectors themselves, as in the normal pass of a renderer; others are colours.
 
-    >>> vectors(np.array([255, 0, 51], dtype=np.uint8)).round(2).tolist()
+    >>> vectors(np.array([255, 0, 51], dtype=np.uint8)).astype(float).round(2).tolist()
     [1.0, -1.0, -0.6]
     >>> vectors(np.array([[0.5, 0.5, 1.0]], dtype=np.float32)).tolist()
     [[0.0, 0.0, 1.0]]

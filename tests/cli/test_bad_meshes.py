@@ -86,4 +86,4 @@ def test_split_and_orientation_files_that_cannot_be_used(bench: Bench, tmp_path:
     for setting in ("--data.split_file", "--data.orientation"):
         bench.run("fit", tmp_path / "run", setting, tmp_path / "text.json").refused("text.json", "JSON")
     few = ("--data.meshes", f"[{bench.meshes}/ball.ply,{bench.meshes}/box.obj]")
-    bench.run("fit", tmp_path / "run", *few).refused("2 mesh(es) cannot be split in 3 parts")
+    bench.run("fit", tmp_path / "run", *few).refused("2 meshes cannot be split in 3 parts")

@@ -37,7 +37,10 @@ def test_a_plugin_that_is_not_known_is_answered_by_its_near_miss(setting: str, t
         ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
         ("model: {lr_scheduler: {class_path: StepLr}}", ["no LRScheduler", "Did you mean StepLR?"]),
         ("model: {lr_scheduler: {class_path: StepLR}}", ["model.lr_scheduler", "missing: step_size"]),
-        ("data: {augmentation: Augment}", ["no Augmentation named 'Augment'. Did you mean Augmentation?"]),
+        (
+            "data: {augmentation: Augment}",
+            ["no BatchAugmentation named 'Augment'. Did you mean Augmentation?"],
+        ),
         ("trainer: {callbacks: [{class_path: EarlyStoping}]}", ["Did you mean EarlyStopping?"]),
         (
             "model: {generator: {class_path: UNetGenerator, init_args: {widht: 4}}}",

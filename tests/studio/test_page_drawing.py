@@ -29,6 +29,15 @@ def ball(studio: Studio) -> Studio:
     return studio
 
 
+def test_nothing_lies_on_the_empty_paper(studio: Studio) -> None:
+    """The first stroke may begin anywhere; samples are offered beside it."""
+    for x in range(8, SIDE, 24):
+        for y in range(8, SIDE, 24):
+            at = studio.on_board(x, y)
+            assert studio.page.evaluate("([x, y]) => document.elementFromPoint(x, y).id", at) == "board"
+    assert studio.page.locator("#samples button").count() == 3
+
+
 def test_the_mouse_draws_and_the_model_paints(ball: Studio) -> None:
     middle = SIDE / 2
     assert ball.inked(middle + 80, middle)

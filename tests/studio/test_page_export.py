@@ -78,6 +78,8 @@ def test_the_map_is_copied_to_the_clipboard(ball: Studio) -> None:
     page = ball.page
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.locator("#export").click()
+    page.locator("#export-what").select_option("map")
+    page.locator("#export-size").fill("")  # the last export's is there again
     page.locator("#export-copy").click()
     ball.wait_for_status("Copied")
     size = page.evaluate(

@@ -36,7 +36,7 @@ def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_]) -> Float
         >>> groove = np.abs(x).astype(np.float32)
         >>> lean = np.stack([-np.sign(x), 0 * x, np.ones_like(x)], -1).astype(np.float32) / np.float32(2**0.5)
         >>> open_sky = occlusion(groove, lean, np.ones((64, 64), bool))
-        >>> bool(open_sky[32, 33] < 0.8 < open_sky[32, 60])
+        >>> bool(open_sky[32, 32] < 0.8 < open_sky[32, 60])
         True
     """
     shape = (mask.shape[0], mask.shape[1])

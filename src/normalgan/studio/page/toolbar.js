@@ -99,7 +99,9 @@ export function followTools(editor, ink) {
     enable("suggest", doc.strokes.length > 0);
     $("project-name").textContent = doc.settings.name || text.untitled;
     document.title = `${doc.settings.name || text.untitled} – ${text.title}`;
-    $("empty-board").hidden = doc.strokes.length + doc.layers.length > 0 || Boolean(ink.live);
+    const begun = doc.strokes.length + doc.layers.length > 0 || Boolean(ink.live);
+    $("empty-board").hidden = begun;
+    $("offer").hidden = begun;
     $("pixels").textContent = say("pixels", { width: doc.width, height: doc.height });
   };
   editor.addEventListener("change", show);
