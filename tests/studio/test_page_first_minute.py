@@ -59,6 +59,7 @@ def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server:
             studio.line((100, 20), (100, 140))
         rows = page.locator("#history-list button")
         page.locator("#history summary").click()
+        rows.nth(4).wait_for()
         assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Eraser"]
         rows.nth(2).click()
         assert studio.inked(60, 80)
@@ -70,6 +71,7 @@ def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server:
         with studio.repainting():
             page.locator("#restore-yes").click()
         page.locator("#history summary").click()
+        rows.nth(4).wait_for()
         assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Eraser"]
         assert rows.nth(2).get_attribute("aria-current") == "step"
         assert not studio.inked(60, 120)
