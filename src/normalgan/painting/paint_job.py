@@ -23,7 +23,7 @@ from normalgan.painting.packing import Packing
 from normalgan.painting.painter import Painter
 from normalgan.painting.picture import Picture, read_picture, resize, to_picture
 from normalgan.painting.preparation import Mark
-from normalgan.painting.series import Member, flat_map, paint_series
+from normalgan.painting.series import Member, flat_map, left_flat, paint_series
 from normalgan.painting.sheets import paint_sheet
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPainter", "target_of"]
@@ -147,7 +147,7 @@ class JobPainter:
             if isinstance(each, InputError):
                 preds = flat_map(members[number - 1].picture.shape, self.size)
                 failed.append(each)
-                said.append(f"frame {number}: it is left flat, as {str(each).rstrip('.')}")
+                said.append(f"frame {number}: {left_flat(each)}")
             else:
                 preds = each
                 said += [f"frame {number}: {each.warning}"] if each.warning else []

@@ -18,7 +18,7 @@ from normalgan.painting.picture import Picture, fitted
 from normalgan.painting.pipeline import finish
 from normalgan.painting.preparation import Mark, Prepared, hinted, prepare, reframed
 
-__all__ = ["Member", "flat_map", "paint_series", "steadied"]
+__all__ = ["Member", "flat_map", "left_flat", "paint_series", "steadied"]
 
 _REACH = 4
 """Frames before and after that a frame is averaged with, as far as they show the same."""
@@ -124,6 +124,11 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
         np.asarray(total / weight[..., None], np.float32)
         for total, weight in zip(totals, weights, strict=True)
     ]
+
+
+def left_flat(error: InputError) -> str:
+    """Return what is to be said of a drawing that could not be painted, a part of a sentence."""
+    return f"it is left flat, as {str(error).rstrip('.')}"
 
 
 def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:

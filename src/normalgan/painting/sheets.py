@@ -19,7 +19,7 @@ from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.painter import Painter
 from normalgan.painting.picture import to_picture
 from normalgan.painting.preparation import Mark
-from normalgan.painting.series import Member, paint_series
+from normalgan.painting.series import Member, left_flat, paint_series
 
 __all__ = ["MOST_CELLS", "Cell", "grid_cells", "paint_sheet", "parse_grid"]
 
@@ -201,11 +201,7 @@ def _tiled(seen: Sequence[Floats]) -> Floats:
 
 def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]]) -> str:
     """Return what is to be said of the cells, a part of a sentence; empty if nothing is."""
-    said = [(cell, _flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
+    said = [(cell, left_flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
     named = [f"{cell.name}: {words}" for cell, words in said if words]
     more = f"; and so on, in {len(named)} of its {len(done)} drawings" if len(named) > _NAMED else ""
     return "; ".join(named[:_NAMED]) + more
-
-
-def _flat(error: InputError) -> str:
-    return f"it is left flat, as {str(error).rstrip('.')}"
