@@ -1,6 +1,5 @@
 """Sheets: several drawings in one picture; each is painted for itself and put back in its place."""
 
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from normalgan.decoding import Decoded, Pixels
 from normalgan.drawings import SMALLEST
 from normalgan.errors import InputError
-from normalgan.normals import Floats
+from normalgan.painting.composition import tiled
 from normalgan.painting.hint_files import Hints
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.painter import Painter
@@ -188,15 +187,7 @@ def _assembled(shape: tuple[int, int], painted: Sequence[tuple[Cell, NormalMap]]
         alpha[cell.box][there] = cell.turn(preds.alpha)[there]
         if confidence is not None and preds.confidence is not None:
             confidence[cell.box][there] = cell.turn(preds.confidence)[there]
-    return NormalMap(normals, mask, alpha, _tiled([each.seen for _, each in painted]), confidence, warning)
-
-
-def _tiled(seen: Sequence[Floats]) -> Floats:
-    """Return what the network was shown of each cell, side by side in a square or nearly one."""
-    columns = math.ceil(math.sqrt(len(seen)))
-    blank = [np.zeros_like(seen[0])] * (-len(seen) % columns)
-    every = [*seen, *blank]
-    return np.vstack([np.hstack(every[i : i + columns]) for i in range(0, len(every), columns)])
+    return NormalMap(normals, mask, alpha, tiled([each.seen for _, each in painted]), confidence, warning)
 
 
 def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]]) -> str:
