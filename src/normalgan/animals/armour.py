@@ -36,13 +36,13 @@ class Armour:
     def grow(self, neck: Sweep, skull: Sweep, torso: Sweep, tail: Sweep, rng: Rng) -> list[Part]:
         """Return the parts of it, on one individual's body."""
         parts = []
-        size = self.height * float(rng.uniform(0.85, 1.2))
+        size = self.height * rng.uniform(0.85, 1.2)
         if self.plates:
             parts += _rows(back(neck, torso, tail), self.plates, size)
         if self.spikes:
             parts.append(fuse(*_spikes(tail, self.spikes, size), blend=0.03))
         if self.frill:
-            parts.append(fuse(_frill(skull, self.frill * float(rng.uniform(0.85, 1.15))), blend=0.06))
+            parts.append(fuse(_frill(skull, self.frill * rng.uniform(0.85, 1.15)), blend=0.06))
         return parts
 
 

@@ -78,7 +78,7 @@ class Robot:
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
         """Return the parts in the order in which they blend."""
-        edge = float(rng.uniform(0.012, 0.04))
+        edge = rng.uniform(0.012, 0.04)
         boxy = bool(rng.uniform() < 0.5)
         depth, width = measures.chest.half_depth, measures.chest.half_width
         chest = bones.chest
@@ -217,7 +217,7 @@ def _skirt(measures: Measures, bones: Skeleton) -> Shape:
 
 
 def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
-    lift, aside = float(rng.uniform(0.1, 0.7)), float(rng.normal(0, 0.25))
+    lift, aside = rng.uniform(0.1, 0.7), rng.normal(0, 0.25)
     rows = np.array([[0, 0, 0], [-0.25, -0.08, 0.1], [-0.55, 0.0, 0.4], [-0.72, 0.5, 0.7], [-0.6, 0.95, 1.0]])
     rows = rows * [1.0, lift, aside] * length
     start = Frame(bones.spine[1] + np.array([-0.04, 0.0, 0.0]), np.eye(3))

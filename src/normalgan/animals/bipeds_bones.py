@@ -148,30 +148,25 @@ class Stance:
 
 
 def _head(stance: Stance, rng: Rng) -> Stance:
-    return replace(stance, nod=float(rng.uniform(-8, 8)), turn=float(rng.normal(0, 14)))
+    return replace(stance, nod=rng.uniform(-8, 8), turn=rng.normal(0, 14))
 
 
 def _hanging(rng: Rng) -> Arm:
-    return Arm(
-        float(rng.uniform(-12, 14)),
-        float(rng.uniform(12, 28)),
-        float(rng.uniform(0, 30)),
-        float(rng.uniform(8, 35)),
-    )
+    return Arm(rng.uniform(-12, 14), rng.uniform(12, 28), rng.uniform(0, 30), rng.uniform(8, 35))
 
 
 def _stand(rng: Rng) -> Stance:
-    out = float(rng.uniform(4, 11))
-    legs = (Leg(float(rng.uniform(-2, 6)), out), Leg(float(rng.uniform(-6, 3)), out))
-    return _head(Stance(legs, (_hanging(rng), _hanging(rng)), lean=float(rng.uniform(-2, 5))), rng)
+    out = rng.uniform(4, 11)
+    legs = (Leg(rng.uniform(-2, 6), out), Leg(rng.uniform(-6, 3), out))
+    return _head(Stance(legs, (_hanging(rng), _hanging(rng)), lean=rng.uniform(-2, 5)), rng)
 
 
 def _stride(rng: Rng, swing: float, knee: float, elbow: float, lean: float) -> Stance:
-    wide = swing * float(rng.uniform(0.75, 1.1))
+    wide = swing * rng.uniform(0.75, 1.1)
     ahead = Leg(wide, 2.0, 0.25 * knee, 10.0)
     behind = Leg(-0.7 * wide, 2.0, knee, -25.0)
     with_leg, against = Arm(-wide, 12.0, 10.0, elbow * 0.7), Arm(wide, 12.0, 10.0, elbow)
-    stance = Stance((ahead, behind), (with_leg, against), lean, float(rng.uniform(4, 14)))
+    stance = Stance((ahead, behind), (with_leg, against), lean, rng.uniform(4, 14))
     if rng.uniform() < 0.5:
         stance = replace(stance, legs=(behind, ahead), arms=(against, with_leg), twist=-stance.twist)
     return _head(stance, rng)
@@ -188,15 +183,15 @@ def _run(rng: Rng) -> Stance:
 def _sit(rng: Rng) -> Stance:
     """On a bench nobody sees, or on the ground with the legs ahead."""
     ground = rng.uniform() < 0.5
-    knee, out = (float(rng.uniform(5, 30)), 16.0) if ground else (float(rng.uniform(75, 95)), 9.0)
-    legs = tuple(Leg(88.0, out + float(rng.uniform(-3, 6)), knee, 0.0) for _ in range(2))
-    arms = tuple(Arm(float(rng.uniform(20, 38)), 14.0, 15.0, float(rng.uniform(25, 60))) for _ in range(2))
-    return _head(Stance((legs[0], legs[1]), (arms[0], arms[1]), lean=float(rng.uniform(-8, 6))), rng)
+    knee, out = (rng.uniform(5, 30), 16.0) if ground else (rng.uniform(75, 95), 9.0)
+    legs = tuple(Leg(88.0, out + rng.uniform(-3, 6), knee, 0.0) for _ in range(2))
+    arms = tuple(Arm(rng.uniform(20, 38), 14.0, 15.0, rng.uniform(25, 60)) for _ in range(2))
+    return _head(Stance((legs[0], legs[1]), (arms[0], arms[1]), lean=rng.uniform(-8, 6)), rng)
 
 
 def _wave(rng: Rng) -> Stance:
     stance = _stand(rng)
-    up = Arm(0.0, float(rng.uniform(80, 115)), -90.0, float(rng.uniform(30, 85)))
+    up = Arm(0.0, rng.uniform(80, 115), -90.0, rng.uniform(30, 85))
     hand = int(rng.integers(2))
     return replace(stance, arms=(up, stance.arms[1]) if hand else (stance.arms[0], up))
 
@@ -204,7 +199,7 @@ def _wave(rng: Rng) -> Stance:
 def _arms_out(rng: Rng) -> Stance:
     """Both arms stretched sideways, or raised."""
     stance = _stand(rng)
-    out, elbow = float(rng.uniform(62, 140)), float(rng.uniform(0, 20))
+    out, elbow = rng.uniform(62, 140), rng.uniform(0, 20)
     twist = -90.0 if out > 100 else 0.0
     return replace(stance, arms=(Arm(0.0, out, twist, elbow), Arm(0.0, out, twist, elbow)))
 
@@ -222,10 +217,10 @@ STANCES: Mapping[str, Callable[[Rng], Stance]] = {
 def vary(measures: Measures, spread: float, rng: Rng) -> Measures:
     """Return an individual's measures: lengths each on their own, all girths by one factor."""
     long = {
-        name: getattr(measures, name) * float(rng.uniform(1 - spread, 1 + spread))
+        name: getattr(measures, name) * rng.uniform(1 - spread, 1 + spread)
         for name in ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
     }
-    fat = float(rng.uniform(1 - 1.3 * spread, 1 + 1.8 * spread))
+    fat = rng.uniform(1 - 1.3 * spread, 1 + 1.8 * spread)
     thick = {n: getattr(measures, n) * fat for n in ("thigh", "calf", "upper_arm", "forearm", "belly")}
     chest, waist, pelvis = (
         Girth(girth.half_depth * fat, girth.half_width * (1 + 0.6 * (fat - 1)))

@@ -25,8 +25,8 @@ def _mouth(x: float, y: float, wide: float, curve: float = 0.03) -> Part:
 
 def human(rng: Rng) -> list[Part]:
     """A person's: skull, jaw, nose, ears, and hair or a hat."""
-    wide = float(rng.uniform(0.93, 1.08))
-    jaw = float(rng.uniform(0.9, 1.1))
+    wide = rng.uniform(0.93, 1.08)
+    jaw = rng.uniform(0.9, 1.1)
     parts = [
         fuse(ball([0.03, 0.60, 0], [0.45, 0.41, 0.36 * wide])),
         fuse(ball([0.15, 0.24, 0], [0.25 * jaw, 0.28, 0.26 * wide * jaw]), blend=0.3),
@@ -34,7 +34,7 @@ def human(rng: Rng) -> list[Part]:
         *_eyes(0.40, 0.46, 0.155 * wide, 0.055, 1.2),
         _mouth(0.405, 0.17, 0.12),
     ]
-    nose = float(rng.uniform(0.8, 1.35))
+    nose = rng.uniform(0.8, 1.35)
     bridge = [[0.40, 0.50, 0], [0.43 + 0.05 * nose, 0.36, 0], [0.40 + 0.10 * nose, 0.29, 0]]
     parts.append(fuse(tube(bridge, [0.035, 0.05, 0.062]), blend=0.05))
     ear = ball([0.0, 0.42, 0.355 * wide], [0.085, 0.13, 0.05], yaw(25) @ roll(-8))
@@ -49,23 +49,23 @@ def _hair(kind: str, wide: float, rng: Rng) -> list[Part]:
     if kind == "bald":
         return []
     if kind in {"hat", "brim"}:
-        tilt = pitch(float(rng.uniform(-4, 10)))
+        tilt = pitch(rng.uniform(-4, 10))
         crown = ball([0.01, 0.72, 0], [0.49, 0.36, 0.42 * wide], tilt)
         if kind == "brim":
             disc = ball([0.0, 0.72, 0], [0.85, 0.05, 0.72], tilt)
             return [fuse(crown), fuse(disc, blend=0.06)]
         return [fuse(crown), fuse(ball([0.42, 0.70, 0], [0.30, 0.04, 0.28], tilt), blend=0.03)]
-    fringe = float(rng.uniform(-0.10, -0.04))
+    fringe = rng.uniform(-0.10, -0.04)
     cap = ball([fringe, 0.68, 0], [0.50, 0.43, 0.44 * wide])
     nape = ball([-0.20, 0.40, 0], [0.29, 0.34, 0.37 * wide])
     parts = [fuse(cap, blend=0.015), fuse(nape, blend=0.08)]
     if kind == "bun":
-        parts.append(fuse(ball([-0.32, 1.0, 0], float(rng.uniform(0.17, 0.24))), blend=0.04))
+        parts.append(fuse(ball([-0.32, 1.0, 0], rng.uniform(0.17, 0.24)), blend=0.04))
     elif kind == "tail":
         rows = [[-0.40, 0.78, 0], [-0.66, 0.76, 0], [-0.74, 0.42, 0], [-0.70, 0.0, 0]]
         parts.append(fuse(tube(rows, [0.10, 0.14, 0.15, 0.06]), blend=0.03))
     elif kind == "long":
-        end = float(rng.uniform(-0.55, 0.0))
+        end = rng.uniform(-0.55, 0.0)
         rows = [[-0.12, 0.62, 0.0], [-0.24, 0.25, 0.0], [-0.24, end, 0.0]]
         parts.append(fuse(tube(rows, [0.30, 0.23, 0.14], [0.40, 0.42, 0.36]), blend=0.06))
     elif kind == "curly":
@@ -76,12 +76,12 @@ def _hair(kind: str, wide: float, rng: Rng) -> list[Part]:
 
 def toon(rng: Rng) -> list[Part]:
     """A cartoon's: a great ball with great eyes."""
-    wide = float(rng.uniform(0.95, 1.12))
+    wide = rng.uniform(0.95, 1.12)
     parts = [
         fuse(ball([0.0, 0.52, 0], [0.46, 0.47, 0.48 * wide])),
         pair(ball([0.20, 0.32, 0.2], [0.22, 0.2, 0.22]), blend=0.12),
         pair(ball([0.37, 0.52, 0.155], [0.10, 0.15, 0.105]), blend=0.01),
-        fuse(ball([0.48, 0.37, 0], float(rng.uniform(0.06, 0.13))), blend=0.02),
+        fuse(ball([0.48, 0.37, 0], rng.uniform(0.06, 0.13)), blend=0.02),
         _mouth(0.43, 0.19, 0.16, 0.07),
         pair(ball([-0.02, 0.42, 0.48 * wide], [0.10, 0.12, 0.06], yaw(20)), blend=0.02),
     ]
@@ -110,7 +110,7 @@ def toon(rng: Rng) -> list[Part]:
 
 def monkey(rng: Rng) -> list[Part]:
     """A monkey's: round skull, heart-shaped face, muzzle, big ears."""
-    ears = float(rng.uniform(0.85, 1.25))
+    ears = rng.uniform(0.85, 1.25)
     return [
         fuse(ball([0.0, 0.60, 0], [0.42, 0.42, 0.40])),
         fuse(ball([0.30, 0.30, 0], [0.26, 0.24, 0.29]), blend=0.12),
@@ -125,7 +125,7 @@ def monkey(rng: Rng) -> list[Part]:
 
 def gorilla(rng: Rng) -> list[Part]:
     """A gorilla's: crest, brow, broad muzzle, small ears."""
-    crest = float(rng.uniform(0.75, 1.1))
+    crest = rng.uniform(0.75, 1.1)
     return [
         fuse(ball([-0.02, 0.52, 0], [0.42, 0.40, 0.36])),
         fuse(ball([-0.10, 0.78, 0], [0.28, 0.30 * crest, 0.20]), blend=0.25),
@@ -140,7 +140,7 @@ def gorilla(rng: Rng) -> list[Part]:
 
 def bear(rng: Rng) -> list[Part]:
     """A bear's: broad skull, long muzzle, round ears on top."""
-    long = float(rng.uniform(0.9, 1.15))
+    long = rng.uniform(0.9, 1.15)
     tip = 0.24 + 0.46 * long
     return [
         fuse(ball([0.05, 0.48, 0], [0.44, 0.40, 0.43])),
@@ -156,12 +156,12 @@ def bear(rng: Rng) -> list[Part]:
 
 def robot(rng: Rng) -> list[Part]:
     """A machine's: a box with lamps, a grille and antennas."""
-    tall, wide = float(rng.uniform(0.36, 0.5)), float(rng.uniform(0.38, 0.55))
+    tall, wide = rng.uniform(0.36, 0.5), rng.uniform(0.38, 0.55)
     low = 0.5 - tall
-    lamp = float(rng.uniform(0.07, 0.12))
+    lamp = rng.uniform(0.07, 0.12)
     parts = [
         fuse(tube([[0, -0.3, 0], [0, 0.2, 0]], 0.16)),
-        fuse(block([0, 0.5, 0], [0.36, tall, wide], float(rng.uniform(0.04, 0.2)))),
+        fuse(block([0, 0.5, 0], [0.36, tall, wide], rng.uniform(0.04, 0.2))),
         pair(tube([[0.25, 0.58, 0.45 * wide], [0.42, 0.58, 0.45 * wide]], lamp, flat=True)),
     ]
     for y in (0.16, 0.24, 0.32):

@@ -55,11 +55,7 @@ class Legs:
         stretched = thigh + shank
         middle = body.place(np.array([[*self.hip[:2], 0.0]]))[0]
         high = stretched * (0.62 * self.stance if pose == "perch" else self.stance)
-        stride = (
-            {"walk": 0.34, "feed": 0.1, "land": 0.06}.get(pose, 0.05)
-            * stretched
-            * float(rng.uniform(0.6, 1.1))
-        )
+        stride = {"walk": 0.34, "feed": 0.1, "land": 0.06}.get(pose, 0.05) * stretched * rng.uniform(0.6, 1.1)
         side = 1.0 if rng.uniform() < 0.5 else -1.0
         meat: list[Sweep] = []
         feet: list[Part] = []
@@ -96,7 +92,7 @@ def _toes(shape: Legs, foot: Floats, heading: float, flat: bool, rng: Rng) -> li
     toes = []
     for angle in TOES:
         length = shape.toe * {0.0: 1.0, 180.0: 0.55}.get(angle, 0.88)
-        turn = yaw(heading + angle + float(rng.normal(0, 3)))
+        turn = yaw(heading + angle + rng.normal(0, 3))
         drop = 0.0 if flat else (-0.5 if abs(angle) < 90 else -0.8)
         r = shape.thick
         bones = [

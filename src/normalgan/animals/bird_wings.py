@@ -112,8 +112,8 @@ def opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng
     y, z = _on_body(body, np.array([0.74]), np.array([0.45]))
     shoulder = np.array([0.74, y[0], 0.7 * z[0]])
     raised = {"soar": (-4.0, 20.0), "spread": (8.0, 38.0), "land": (28.0, 55.0)}[pose]
-    lift, sweep = float(rng.uniform(*raised)), float(rng.uniform(-6, 12))
-    flap = float(rng.uniform(0.0, 16.0))
+    lift, sweep = rng.uniform(*raised), rng.uniform(-6, 12)
+    flap = rng.uniform(0.0, 16.0)
     feathers = _feathers(wing, span)
     # The hand is turned up against the arm a little more.
     wrist = np.array([0.0, 0.0, 0.5 * span])

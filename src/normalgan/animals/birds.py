@@ -37,7 +37,7 @@ Extra = Callable[[Rng, float], list[Part]]
 
 def comb(rng: Rng, _: float) -> list[Part]:
     """Return a cock's comb and wattles; a hen's are smaller."""
-    size = float(rng.uniform(0.6, 1.25))
+    size = rng.uniform(0.6, 1.25)
     edge = [(-0.42, 0.28), (-0.46, 0.60), (-0.28, 0.52), (-0.20, 0.80), (-0.06, 0.56), (0.06, 0.84),
             (0.18, 0.54), (0.32, 0.68), (0.40, 0.40), (0.30, 0.20)]  # fmt: skip
     outline = rounded([(x, 0.3 + (y - 0.3) * size) for x, y in edge], 1)
@@ -160,7 +160,7 @@ class Bird(PosedPlan):
         """Return the parts of one individual in a pose."""
         young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < YOUNG_SHARE)
         build = proportions(RANGES, self.ranges, rng, CHICK if young else None)
-        tilt = float(rng.uniform(*self.pitch))
+        tilt = rng.uniform(*self.pitch)
         tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)
         turn = pitch(tilt)
         middle = turn @ np.array([0.5, 0.0, 0.0])
@@ -180,9 +180,7 @@ class Bird(PosedPlan):
         )  # the ends of an open fan
         widest = {"soar": 40.0, "spread": 46.0, "land": 60.0}
         spread = min(widest[pose], float(np.rad2deg(touching))) if out else tail.closed
-        fan = tail_fan(
-            self.tail, build["tail"], spread * float(rng.uniform(0.8, 1.2)), float(rng.normal(0, 5))
-        )
+        fan = tail_fan(self.tail, build["tail"], spread * rng.uniform(0.8, 1.2), rng.normal(0, 5))
         parts += carried(fan, body)
         if self.train is not None and not young:
             parts += carried(TRAINS[self.train](rng, build["tail"]), body)
@@ -196,7 +194,7 @@ class Bird(PosedPlan):
 
 
 def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: Rng) -> tuple[Part, Frame]:
-    share = float(rng.uniform(0.85, 1.0)) if pose == "feed" else float(rng.uniform(0.0, 0.22))
+    share = rng.uniform(0.85, 1.0) if pose == "feed" else rng.uniform(0.0, 0.22)
     up, low = kind.neck, kind.low
     points = up.points + share * (low.points - up.points)
     if pose == "soar":  # stretched ahead, or drawn in as a heron does
@@ -208,7 +206,7 @@ def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: R
     bent, _ = bend(points, 0.0, 0.4 * aside)
     radii = up.radius + share * (low.radius - up.radius)
     sweep = tube(bent, radii * np.linspace(1.0, build["head"], len(bent)))
-    nod = float(rng.uniform(-8, 10)) - (38.0 * share if pose == "feed" else 0.0)
+    nod = rng.uniform(-8, 10) - (38.0 * share if pose == "feed" else 0.0)
     return fuse(sweep, blend=0.14), Frame(bent[-1], yaw(aside) @ pitch(nod))
 
 

@@ -52,10 +52,10 @@ def creature(pose: str, rng: Rng) -> list[Part]:
 
 def _grown(rng: Rng, both_sides: bool) -> list[Part]:
     core = _core(rng, both_sides)
-    soft = float(rng.uniform(0.0, 0.22))
+    soft = rng.uniform(0.0, 0.22)
     ripple = None
     if rng.uniform() < 0.15:
-        ripple = Ripple(float(rng.uniform(0.006, 0.02)), float(rng.uniform(0.12, 0.3)))
+        ripple = Ripple(rng.uniform(0.006, 0.02), rng.uniform(0.12, 0.3))
     parts = [fuse(core.shape, ripple=ripple)]
     if rng.uniform() < 0.4:
         parts.append(_dents(core, both_sides, rng))
@@ -63,27 +63,23 @@ def _grown(rng: Rng, both_sides: bool) -> list[Part]:
     for _ in range(int(rng.integers(2, 6) if both_sides else rng.integers(3, 8))):
         parent = pieces[int(rng.integers(len(pieces)))]
         root = parent.roots[int(rng.integers(len(parent.roots)))]
-        size = float(rng.uniform(0.5, 1.0)) * 0.85 ** (len(pieces) // 3)
+        size = rng.uniform(0.5, 1.0) * 0.85 ** (len(pieces) // 3)
         # Only of the core is a root that is brought to the middle still inside.
         middle = both_sides and parent is core and bool(rng.uniform() < 0.45)
         piece = _piece(str(rng.choice(KINDS)), root * [1, 1, 0] if middle else root, size, middle, rng)
         shapes = both(piece.shape) if both_sides else (piece.shape,)
-        parts.append(fuse(*shapes, blend=soft * size * float(rng.uniform(0.4, 1.2))))
+        parts.append(fuse(*shapes, blend=soft * size * rng.uniform(0.4, 1.2)))
         pieces.append(piece)
     return parts
 
 
 def _core(rng: Rng, both_sides: bool) -> Piece:
     radii = rng.uniform(0.24, 0.5, 3)
-    turn = pitch(float(rng.uniform(-90, 90)))
+    turn = pitch(rng.uniform(-90, 90))
     if not both_sides:
-        turn = yaw(float(rng.uniform(0, 360))) @ turn
+        turn = yaw(rng.uniform(0, 360)) @ turn
     boxy = rng.uniform() < 0.25
-    shape = (
-        block([0, 0, 0], radii, float(rng.uniform(0.05, 0.25)), turn)
-        if boxy
-        else ball([0, 0, 0], radii, turn)
-    )
+    shape = block([0, 0, 0], radii, rng.uniform(0.05, 0.25), turn) if boxy else ball([0, 0, 0], radii, turn)
     within = rng.normal(size=(12, 3))
     within *= INNER / np.linalg.norm(within, axis=1, keepdims=True)
     return Piece(shape, (within * radii) @ turn.T)
@@ -93,8 +89,8 @@ def _dents(core: Piece, both_sides: bool, rng: Rng) -> Part:
     """Return hollows about points of the core's surface, too shallow to reach its roots."""
     dents = []
     for root in core.roots[: int(rng.integers(1, 4))]:
-        size = float(rng.uniform(0.06, 0.11))
-        dents.append(ball(root / INNER, [size, size * float(rng.uniform(0.8, 1.6)), size]))
+        size = rng.uniform(0.06, 0.11)
+        dents.append(ball(root / INNER, [size, size * rng.uniform(0.8, 1.6), size]))
     return fuse(*(both(*dents) if both_sides else dents), blend=0.06, carve=True)
 
 
@@ -104,7 +100,7 @@ def _piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) -> Piec
     if middle:
         way[2] = 0.0  # along the mirror
     way /= np.linalg.norm(way)
-    turn = yaw(float(rng.uniform(0, 360))) @ roll(float(rng.uniform(0, 360)))
+    turn = yaw(rng.uniform(0, 360)) @ roll(rng.uniform(0, 360))
     if kind == "ball":
         radii = size * rng.uniform(0.3, 0.75, 3)
         centre = root + 0.7 * float(radii.min()) * way
@@ -112,20 +108,20 @@ def _piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) -> Piec
     if kind == "block":
         half = size * rng.uniform(0.25, 0.6, 3)
         centre = root + 0.7 * float(half.min()) * way
-        return Piece(block(centre, half, size * float(rng.uniform(0.04, 0.15)), turn), np.array([centre]))
+        return Piece(block(centre, half, size * rng.uniform(0.04, 0.15), turn), np.array([centre]))
     if kind == "ring":
-        major = size * float(rng.uniform(0.4, 0.65))
+        major = size * rng.uniform(0.4, 0.65)
         side = np.cross(way, rng.normal(size=3))
         side /= np.linalg.norm(side)
         axes = np.column_stack([way, side, np.cross(way, side)])
-        hoop = ring(root + major * way, major, major * float(rng.uniform(0.22, 0.4)), axes)
+        hoop = ring(root + major * way, major, major * rng.uniform(0.22, 0.4), axes)
         return Piece(hoop, np.array([root + 2 * major * way]))
-    tip = root + size * float(rng.uniform(0.9, 1.4)) * way
-    thick = size * float(rng.uniform(0.14, 0.3))
+    tip = root + size * rng.uniform(0.9, 1.4) * way
+    thick = size * rng.uniform(0.14, 0.3)
     if kind == "cone":
         return Piece(tube([root, tip], [1.6 * thick, 0.15 * thick]), np.array([root]))
     if kind == "rod":
-        knob = thick * float(rng.uniform(0.8, 1.5))
+        knob = thick * rng.uniform(0.8, 1.5)
         return Piece(
             tube([root, (root + tip) / 2, tip], [thick, thick, knob]), np.array([tip, (root + tip) / 2])
         )

@@ -144,7 +144,7 @@ class Fish(PosedPlan):
         parts = [fuse(spine.sweep(body))]
         if self.tail is not None:
             parts.append(fuse(*plates(self.tail, spine, build["tail"]), blend=0.03))
-        flare, flap = float(rng.normal(0, 7)), float(rng.normal(0, 7))
+        flare, flap = rng.normal(0, 7), rng.normal(0, 7)
         for each in self.fins:
             moved = _moved(each.fin(), stretch)
             parts.append(fuse(*plates(moved, spine, build["fins"], flare, flap), blend=0.018))
@@ -160,9 +160,9 @@ def _spine(pose: str, wave: float, rng: Rng) -> Spine:
     xs = np.linspace(-0.1, 1.0, 23)
     behind = 1.0 - xs
     side = 1.0 if rng.uniform() < 0.5 else -1.0
-    size = float(rng.uniform(0.5, 1.0)) * side * wave
+    size = rng.uniform(0.5, 1.0) * side * wave
     if pose == "swim":  # a travelling wave that grows towards the tail
-        turns = size * behind**1.4 * np.sin(2 * np.pi * (0.8 * behind + float(rng.uniform())))
+        turns = size * behind**1.4 * np.sin(2 * np.pi * (0.8 * behind + rng.uniform()))
     elif pose == "turn":
         turns = 1.5 * size * behind**1.2
     else:

@@ -82,12 +82,12 @@ def legs(
         bent: length of the leg over the distance it bridges.
         at: height at which they grow.
     """
-    swing = float(rng.uniform(9, 17)) * (1 if rng.uniform() < 0.5 else -1)
+    swing = rng.uniform(9, 17) * (1 if rng.uniform() < 0.5 else -1)
     shapes: list[Shape] = []
     for i, (x, z, azimuth, reach) in enumerate(rows):
         for side in (0, 1):
             phase = 1 if (i + side) % 2 else -1
-            angle = azimuth + float(rng.uniform(-4, 4)) + (phase * swing if pose == "walk" else 0.0)
+            angle = azimuth + rng.uniform(-4, 4) + (phase * swing if pose == "walk" else 0.0)
             lift = 0.22 * ground if pose == "walk" and phase * swing > 0 else 0.0
             far, low = (0.55 * reach, 0.9 * ground) if pose == "fly" else (reach, ground - lift)
             away = np.array([np.cos(np.deg2rad(angle)), 0.0, np.sin(np.deg2rad(angle))])
@@ -185,7 +185,7 @@ def held(
 ) -> tuple[float, float]:
     """Draw how high and how far back wings are held, in degrees."""
     up, sweep = (raised, back) if pose == "fly" else (raised_at_rest, back_at_rest)
-    return float(rng.uniform(*up)), float(rng.uniform(*sweep))
+    return rng.uniform(*up), rng.uniform(*sweep)
 
 
 def beetle(pose: str, rng: Rng) -> list[Part]:
@@ -234,7 +234,7 @@ def beetle(pose: str, rng: Rng) -> list[Part]:
         prong = [[nose + 0.2, 0.0, 0.15], [nose + 0.24, 0.0, 0.06]]
         parts.append(pair(tube(jaw, [0.045, 0.038, 0.03, 0.018]), tube(prong, [0.03, 0.015]), blend=0.01))
     elif kind == "horn":
-        tip = float(rng.uniform(0.22, 0.36))
+        tip = rng.uniform(0.22, 0.36)
         horn = [[nose - 0.08, 0.0, 0], [nose + 0.05, 0.10, 0], [nose + 0.09, 0.7 * tip, 0], [nose, tip, 0]]
         parts.append(fuse(tube(horn, [0.06, 0.045, 0.035, 0.016]), blend=0.02))
     ends = [[0.10, 0.05, 0.10], [0.16, 0.05, 0.22]]
@@ -279,7 +279,7 @@ def ladybird(pose: str, rng: Rng) -> list[Part]:
 def ant(pose: str, rng: Rng) -> list[Part]:
     """Return an ant: three beads, a waist, elbowed antennae."""
     f = factors(rng, 0.15, "gaster", "head", "legs", "thorax")
-    tip = float(rng.uniform(-0.05, 0.08))
+    tip = rng.uniform(-0.05, 0.08)
     gaster, head = 0.17 * f["gaster"], 0.135 * f["head"]
     middle = -0.26 - 1.25 * gaster
     nose = 0.20 + head
@@ -316,8 +316,8 @@ def ant(pose: str, rng: Rng) -> list[Part]:
 def caterpillar(pose: str, rng: Rng) -> list[Part]:
     """Return a caterpillar: rings on stumpy legs; one that walks arches its back."""
     rings = int(rng.integers(8, 12))
-    arch = float(rng.uniform(0.16, 0.30)) if pose == "walk" else float(rng.uniform(0.0, 0.05))
-    fat, sway = float(rng.uniform(0.085, 0.115)), float(rng.uniform(-0.1, 0.1))
+    arch = rng.uniform(0.16, 0.30) if pose == "walk" else rng.uniform(0.0, 0.05)
+    fat, sway = rng.uniform(0.085, 0.115), rng.uniform(-0.1, 0.1)
     x = np.linspace(-0.6, 0.6, rings)
     y = arch * np.cos(np.pi * x / 1.2) ** 2 * (1 + np.sin(3 * x)) + 0.12 * np.clip(x - 0.3, 0, None)
     z = sway * np.sin(4 * x)
@@ -421,7 +421,7 @@ def grasshopper(pose: str, rng: Rng) -> list[Part]:
     )
     end = -0.52 * f["tail"]
     cover = [[0.08, 0.10, 0], [-0.2, 0.09, 0], [end - 0.1, 0.03, 0]]
-    long = float(rng.uniform(0.25, 0.7)) * f["feelers"]
+    long = rng.uniform(0.25, 0.7) * f["feelers"]
     parts = [
         fuse(ringed([[0.14, 0, 0], [-0.15, -0.01, 0], [end, -0.01, 0]], [0.11, 0.10, 0.045], 6, 0.08, 0.85)),
         fuse(tube(cover, [0.045, 0.05, 0.02], [0.10, 0.08, 0.04]), blend=0.015),
@@ -444,7 +444,7 @@ def grasshopper(pose: str, rng: Rng) -> list[Part]:
 def mantis(pose: str, rng: Rng) -> list[Part]:
     """Return a praying mantis: raised breast, folded arms, a head like a triangle."""
     f = factors(rng, 0.12, "neck", "belly", "arms")
-    tilt = np.deg2rad(float(rng.uniform(35, 65)))
+    tilt = np.deg2rad(rng.uniform(35, 65))
     top = np.array([0.05, 0.02, 0]) + 0.45 * f["neck"] * np.array([np.cos(tilt), np.sin(tilt), 0])
     reach = 0.32 * f["arms"]
     open_by = 0.09 if pose == "strike" else 0.0
@@ -489,7 +489,7 @@ def mantis(pose: str, rng: Rng) -> list[Part]:
 def spider(pose: str, rng: Rng) -> list[Part]:
     """Return a spider: two balls, eight legs, palps."""
     f = factors(rng, 0.2, "belly", "legs", "front")
-    belly, thick = 0.25 * f["belly"], float(rng.uniform(0.022, 0.04))
+    belly, thick = 0.25 * f["belly"], rng.uniform(0.022, 0.04)
     reach = 0.62 * f["legs"]
     coat = Ripple(0.005, 0.06) if rng.uniform() < 0.4 else None
     parts = [
@@ -511,14 +511,14 @@ def spider(pose: str, rng: Rng) -> list[Part]:
     rows = tuple(
         LegRow(0.22 - 0.065 * i, 0.10, a, reach * (1.12, 0.95, 0.9, 1.15)[i]) for i, a in enumerate(azimuths)
     )
-    parts.append(legs(rows, pose, rng, 0.26, thick, float(rng.uniform(1.3, 1.6))))
+    parts.append(legs(rows, pose, rng, 0.26, thick, rng.uniform(1.3, 1.6)))
     return parts
 
 
 def scorpion(pose: str, rng: Rng) -> list[Part]:
     """Return a scorpion: pincers ahead, the sting over the back."""
     f = factors(rng, 0.15, "tail", "claw", "legs", "wide")
-    curl = np.deg2rad(np.linspace(165, float(rng.uniform(10, 50)), 7))
+    curl = np.deg2rad(np.linspace(165, rng.uniform(10, 50), 7))
     radius = 0.27 * f["tail"]
     tail = np.column_stack(
         [-0.36 + radius * np.cos(curl), 0.04 + radius + radius * np.sin(curl) * 1.15, 0 * curl]
@@ -528,7 +528,7 @@ def scorpion(pose: str, rng: Rng) -> list[Part]:
     claw = 0.13 * f["claw"]
     hand = np.array([0.62, 0.0, 0.30])
     arm = [[0.24, 0.0, 0.08], [0.36, 0.06, 0.28], [0.52, 0.02, 0.36], hand.tolist()]
-    pincer = yaw(float(rng.uniform(-5, 20)))
+    pincer = yaw(rng.uniform(-5, 20))
     fingers = [
         [[0, 0, 0], [1.0 * claw, 0, s * 0.6 * claw], [2.0 * claw, 0, s * 0.12 * claw + 0.02]] for s in (1, -1)
     ]
@@ -574,7 +574,7 @@ def butterfly(pose: str, rng: Rng) -> list[Part]:
     """Return a butterfly, its wings spread or folded over the back."""
     f = factors(rng, 0.18, "fore", "hind", "deep", "slim")
     raised, back = held(pose, rng, (8, 52), (-8, 10), (66, 80), (-4, 8))
-    tilt = float(rng.uniform(15, 65)) if pose == "fly" else float(rng.uniform(0, 15))
+    tilt = rng.uniform(15, 65) if pose == "fly" else rng.uniform(0, 15)
     fore, hind = np.array(FORE) * [f["fore"], f["fore"] * f["deep"]], np.array(HIND) * f["hind"]
     if rng.uniform() < 0.4:  # a swallowtail
         hind[4] = [0.40, -0.80 * f["hind"]]
@@ -604,8 +604,8 @@ def butterfly(pose: str, rng: Rng) -> list[Part]:
 def dragonfly(pose: str, rng: Rng) -> list[Part]:
     """Return a dragonfly: a long rod of a tail, four long wings held out."""
     f = factors(rng, 0.13, "tail", "wings", "eyes", "breast")
-    raised = float(rng.uniform(-5, 30)) if pose == "fly" else float(rng.uniform(-4, 8))
-    droop, thin = float(rng.uniform(-0.1, 0.12)), 0.042
+    raised = rng.uniform(-5, 30) if pose == "fly" else rng.uniform(-4, 8)
+    droop, thin = rng.uniform(-0.1, 0.12), 0.042
     end = -0.20 - 0.75 * f["tail"]
     size = 0.085 * f["eyes"]
     wings = [(a, b) for a, b in np.array(LONG) * [0.85, 1.35] * f["wings"]]

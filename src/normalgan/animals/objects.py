@@ -77,7 +77,7 @@ def vase(pose: str, rng: Rng) -> list[Part]:
     parts = turned(heights, radii, 0.05)
     if kind in {"belly", "bottle"} and rng.uniform() < 0.5:
         low, high = heights[2] + 0.1, heights[4]
-        out = radii[2] + float(rng.uniform(0.0, 0.12))
+        out = radii[2] + rng.uniform(0.0, 0.12)
         loop = [
             [0, low, 0.85 * radii[2]],
             [0, (low + high) / 2 + 0.1, out + 0.02],
@@ -181,7 +181,7 @@ def car(pose: str, rng: Rng) -> list[Part]:
     long, wide, wheel = 0.52 * f["long"], 0.23 * f["wide"], 0.12 * f["wheel"]
     low, high = 0.10 * f["high"], 0.13 * f["high"]
     floor = wheel + low
-    edge = float(rng.uniform(0.04, 0.09))
+    edge = rng.uniform(0.04, 0.09)
     parts = [fuse(block([0, floor, 0], [long, low, wide], edge))]
     if kind == "beetle":
         parts.append(
@@ -303,7 +303,7 @@ def plane(pose: str, rng: Rng) -> list[Part]:
     f = factors(rng, 0.16, "long", "fat", "span", "tail")
     fat, span = 0.115 * f["fat"], 0.62 * f["span"]
     rear = -0.62 * f["long"]
-    back, up = float(rng.uniform(0.0, 0.32)), float(rng.uniform(-0.02, 0.10))
+    back, up = rng.uniform(0.0, 0.32), rng.uniform(-0.02, 0.10)
     hull = tube(
         [[rear, 0.06, 0], [-0.3, 0.02, 0], [0.1, 0, 0], [0.38, 0, 0], [0.5, -0.01, 0]],
         np.array([0.3, 0.85, 1.0, 0.9, 0.55]) * fat,
@@ -369,7 +369,7 @@ def snowman(pose: str, rng: Rng) -> list[Part]:
     belly = middle - 0.8 * head - 0.72 * sizes[-2]
     nose = tube([[0.8 * head, middle, 0], [head + 0.20 * f["nose"], middle - 0.02, 0]], [0.05, 0.014])
     buttons = [ball([sizes[-2] * np.cos(a), belly + sizes[-2] * np.sin(a), 0], 0.034) for a in (0.0, 0.4)]
-    up = float(rng.uniform(0.0, 0.35))
+    up = rng.uniform(0.0, 0.35)
     arm = [
         [0, belly + 0.05, 0.5 * sizes[-2]],
         [0.03, belly + 0.12, sizes[-2] + 0.14],
@@ -382,9 +382,7 @@ def snowman(pose: str, rng: Rng) -> list[Part]:
         brim = middle + 0.75 * head
         parts.append(fuse(ball([0, brim, 0], [1.25 * head, 0.03, 1.25 * head])))
         crown = tube(
-            [[0, brim, 0], [0, brim + float(rng.uniform(0.14, 0.28)), 0]],
-            [0.72 * head, 0.75 * head],
-            flat=True,
+            [[0, brim, 0], [0, brim + rng.uniform(0.14, 0.28), 0]], [0.72 * head, 0.75 * head], flat=True
         )
         parts.append(fuse(crown, blend=0.01))
     if rng.uniform() < 0.5:
@@ -396,7 +394,7 @@ def house(pose: str, rng: Rng) -> list[Part]:
     """Return a small house: gabled roof, door, windows, chimney."""
     f = factors(rng, 0.18, "long", "wide", "high")
     deep, wide, high = 0.30 * f["wide"], 0.36 * f["long"], 0.26 * f["high"]
-    steep = float(rng.uniform(32, 52))
+    steep = rng.uniform(32, 52)
     slant = deep / np.cos(np.deg2rad(steep)) + 0.09
     ridge = 2 * high + deep * np.tan(np.deg2rad(steep))
     walls = [block([0, high, 0], [deep, high, wide], 0.015)]
@@ -414,7 +412,7 @@ def house(pose: str, rng: Rng) -> list[Part]:
         down = np.array([sign * np.cos(np.deg2rad(steep)), -np.sin(np.deg2rad(steep)), 0])
         middle = np.array([0, ridge + 0.02, 0]) + down * slant / 2
         roof.append(block(middle, [slant / 2 + 0.02, 0.035, wide + 0.07], 0.02, pitch(-sign * steep)))
-    door = block([deep, 0.55 * high, float(rng.uniform(-0.4, 0.4)) * wide], [0.05, 0.55 * high, 0.075], 0.015)
+    door = block([deep, 0.55 * high, rng.uniform(-0.4, 0.4) * wide], [0.05, 0.55 * high, 0.075], 0.015)
     panes: list[Shape] = [
         block([deep, 1.3 * high, s * 0.62 * wide], [0.04, 0.2 * high, 0.065], 0.01) for s in (1, -1)
     ]
@@ -437,7 +435,7 @@ def tree(pose: str, rng: Rng) -> list[Part]:
     parts = [fuse(trunk)]
     roots = []
     for i in range(int(rng.integers(3, 6))):
-        turn = yaw(float(rng.uniform(-15, 15)) + 72 * i)
+        turn = yaw(rng.uniform(-15, 15) + 72 * i)
         roots.append(
             tube(
                 [np.array([0, 0.10, 0]), turn @ [1.6 * thick, 0.02, 0], turn @ [3.2 * thick, -0.02, 0]],
@@ -451,7 +449,7 @@ def tree(pose: str, rng: Rng) -> list[Part]:
         a, e = 2 * np.pi * (i * 0.618 + rng.uniform(-0.06, 0.06)), rng.uniform(-0.25, 1.1)
         ray = np.array([np.cos(a) * np.cos(e), np.sin(e), np.sin(a) * np.cos(e)])
         at = by(top, 0, 0.75 * wide, 0) + 0.75 * wide * ray
-        crown.append(ball(at, wide * float(rng.uniform(0.45, 0.68))))
+        crown.append(ball(at, wide * rng.uniform(0.45, 0.68)))
         boughs.append(tube([top * 0.75, at], 0.4 * thick))
     leaves = Ripple(0.012, 0.13) if rng.uniform() < 0.6 else None
     parts.append(fuse(*boughs, blend=0.03))
@@ -487,9 +485,9 @@ def cactus(pose: str, rng: Rng) -> list[Part]:
     parts = [fuse(column)]
     arms = []
     for i in range(int(rng.integers(1, 4))):
-        turn = yaw(90 + 180 * i + float(rng.uniform(-25, 25)))
-        low, out = tall * float(rng.uniform(0.25, 0.6)), thick + 0.18 * f["arms"]
-        up = low + 0.30 * f["arms"] * float(rng.uniform(0.5, 1.2))
+        turn = yaw(90 + 180 * i + rng.uniform(-25, 25))
+        low, out = tall * rng.uniform(0.25, 0.6), thick + 0.18 * f["arms"]
+        up = low + 0.30 * f["arms"] * rng.uniform(0.5, 1.2)
         rows = [[0, low, 0], [0.75 * out, low, 0], [out + 0.03, low + 0.09, 0], [out + 0.03, up, 0]]
         arms.append(tube(np.array(rows) @ turn.T, 0.62 * thick))
     parts.append(fuse(*arms, blend=0.03))
@@ -511,7 +509,7 @@ def mushroom(pose: str, rng: Rng) -> list[Part]:
     parts = _mushroom(rng, np.zeros(3), 1.0, blend=0.0)
     if rng.uniform() < 0.4:
         at = np.array([0.10, 0.0, float(rng.choice((-1, 1))) * 0.12])
-        parts += _mushroom(rng, at, float(rng.uniform(0.45, 0.6)), blend=0.03, lean=0.15)
+        parts += _mushroom(rng, at, rng.uniform(0.45, 0.6), blend=0.03, lean=0.15)
     return parts
 
 
@@ -534,6 +532,6 @@ def _mushroom(rng: Rng, at: np.ndarray, size: float, blend: float, lean: float =
         for _ in range(9):
             a, e = rng.uniform(0, 2 * np.pi), np.deg2rad(rng.uniform(25, 90))
             ray = np.array([np.cos(a) * np.cos(e), np.sin(e), np.sin(a) * np.cos(e)])
-            spots.append(ball(top + ray * [wide, high, wide], 0.05 * size * float(rng.uniform(0.7, 1.3))))
+            spots.append(ball(top + ray * [wide, high, wide], 0.05 * size * rng.uniform(0.7, 1.3)))
         parts.append(fuse(*spots, blend=0.03 * size))
     return parts

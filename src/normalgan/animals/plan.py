@@ -127,7 +127,7 @@ def proportions(
     >>> proportions({"legs": (1.0, 1.0), "tail": (0.8, 1.2)}, {"tail": (2.0, 2.0)}, np.random.default_rng(0))
     {'legs': 1.0, 'tail': 2.0}
     """
-    drawn = {name: float(rng.uniform(*own.get(name, span))) for name, span in general.items()}
+    drawn = {name: rng.uniform(*own.get(name, span)) for name, span in general.items()}
     return {name: value * (young or {}).get(name, 1.0) for name, value in drawn.items()}
 
 

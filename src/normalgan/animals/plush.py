@@ -119,19 +119,19 @@ def smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:
 
 
 def _nod(rng: Rng) -> Floats:
-    turned: Floats = yaw(float(rng.normal(0, 12))) @ pitch(float(rng.uniform(-10, 8)))
+    turned: Floats = yaw(rng.normal(0, 12)) @ pitch(rng.uniform(-10, 8))
     return turned
 
 
 def _leg(depth: float, half: float, width: float, thick: float, sits: bool, rng: Rng) -> list[Shape]:
-    spread = float(rng.uniform(12, 34))
+    spread = rng.uniform(12, 34)
     if not sits:
         hip, sole = np.array([0.0, 0.35 * half, 0.52 * width]), np.array([0.02, -0.16, 0.60 * width])
         return [
             tube([hip, sole], [1.2 * thick, 1.1 * thick]),
             ball(by(sole, 0.05, -0.01, 0.0), [1.6 * thick, thick, 1.2 * thick]),
         ]
-    ahead = yaw(-spread) @ np.array([0.85 * depth + float(rng.uniform(0.10, 0.18)), 0.0, 0.0])
+    ahead = yaw(-spread) @ np.array([0.85 * depth + rng.uniform(0.10, 0.18), 0.0, 0.0])
     hip, sole = (
         np.array([0.1 * depth, 1.05 * thick, 0.5 * width]),
         np.array([0.0, 1.05 * thick, 0.5 * width]) + ahead,
@@ -158,7 +158,7 @@ def _arm(
 
 def teddy(pose: str, rng: Rng) -> list[Part]:
     """Return a teddy bear."""
-    ear, muzzle = float(rng.uniform(0.34, 0.46)), float(rng.uniform(0.85, 1.15))
+    ear, muzzle = rng.uniform(0.34, 0.46), rng.uniform(0.85, 1.15)
     at = [0.0, 0.80, 0.72]
     face = [
         *skull(),
@@ -174,12 +174,12 @@ def teddy(pose: str, rng: Rng) -> list[Part]:
 
 def _button(rng: Rng) -> list[Part]:
     """Return a stub of a tail."""
-    return [fuse(ball([-0.24, 0.10, 0], float(rng.uniform(0.06, 0.09))), blend=0.03)]
+    return [fuse(ball([-0.24, 0.10, 0], rng.uniform(0.06, 0.09)), blend=0.03)]
 
 
 def bunny(pose: str, rng: Rng) -> list[Part]:
     """Return a bunny, an ear flopped on some."""
-    long = float(rng.uniform(1.0, 1.6))
+    long = rng.uniform(1.0, 1.6)
     flop = [rng.uniform() < 0.3 for _ in range(2)]
     ears = []
     for sign, bent in zip((1.0, -1.0), flop, strict=True):
@@ -195,13 +195,13 @@ def bunny(pose: str, rng: Rng) -> list[Part]:
         buttons(30, 12, 0.10),
         fuse(*ears, blend=0.06),
     ]
-    tail = ball([-0.27, 0.13, 0], float(rng.uniform(0.09, 0.13)))
+    tail = ball([-0.27, 0.13, 0], rng.uniform(0.09, 0.13))
     return [*sewn(Toy(belly=(0.24, 0.31, 0.25), limbs=0.95), face, pose, rng), fuse(tail, blend=0.02)]
 
 
 def cat(pose: str, rng: Rng) -> list[Part]:
     """Return a cat with pointed ears and a long tail."""
-    ear = float(rng.uniform(0.9, 1.2))
+    ear = rng.uniform(0.9, 1.2)
     prick = tube([[-0.02, 0.55, 0.52], [-0.05, 0.55 + 0.72 * ear, 0.80]], [0.16, 0.05], [0.42, 0.05])
     face = [
         *skull(0.3),
@@ -211,7 +211,7 @@ def cat(pose: str, rng: Rng) -> list[Part]:
         pair(prick, blend=0.06),
         pair(ball([0.16, 0.86, 0.66], [0.13, 0.26, 0.17], roll(-20)), blend=0.05, carve=True),
     ]
-    up, aside = float(rng.uniform(0.1, 0.5)), float(rng.choice((-1, 1)))
+    up, aside = rng.uniform(0.1, 0.5), float(rng.choice((-1, 1)))
     tail = [
         [-0.15, 0.12, 0],
         [-0.38, 0.11, 0.08 * aside],
@@ -223,8 +223,8 @@ def cat(pose: str, rng: Rng) -> list[Part]:
 
 def pig(pose: str, rng: Rng) -> list[Part]:
     """Return a pig: a flat snout, folded ears, a curl."""
-    wide = float(rng.uniform(0.38, 0.48))
-    fold = float(rng.uniform(0.2, 0.5))
+    wide = rng.uniform(0.38, 0.48)
+    fold = rng.uniform(0.2, 0.5)
     tip = [0.2 + 0.35 * fold, 1.12 - 0.3 * fold, 0.84]
     ear = tube([[0.02, 0.58, 0.56], tip], [0.15, 0.05], [0.42, 0.05])
     disc = block([1.62, -0.12, 0], [0.4, 0.48, 0.5], 0.05)
@@ -248,7 +248,7 @@ def pig(pose: str, rng: Rng) -> list[Part]:
 
 def frog(pose: str, rng: Rng) -> list[Part]:
     """Return a frog: eyes on top, a mouth from ear to ear."""
-    size = float(rng.uniform(0.30, 0.40))
+    size = rng.uniform(0.30, 0.40)
     face = [
         fuse(ball([0, 0, 0], [0.98, 0.78, 1.15]), blend=0.05),
         pair(ball([0.30, 0.66, 0.55], size), blend=0.08),
@@ -260,7 +260,7 @@ def frog(pose: str, rng: Rng) -> list[Part]:
 
 def elephant(pose: str, rng: Rng) -> list[Part]:
     """Return an elephant: a trunk, great ears, tusks on some."""
-    ear, lift = float(rng.uniform(0.85, 1.2)), float(rng.uniform(0.0, 1.0))
+    ear, lift = rng.uniform(0.85, 1.2), rng.uniform(0.0, 1.0)
     trunk = [
         [0.75, -0.1, 0],
         [1.25, -0.35, 0],
@@ -293,7 +293,7 @@ def penguin(pose: str, rng: Rng) -> list[Part]:
     f = factors(rng, 0.14, "fat", "tall", "head", "beak", "flipper")
     fat, tall, head = 0.30 * f["fat"], 0.42 * f["tall"], 0.26 * f["head"]
     middle = 2 * tall + 0.35 * head
-    out = {"cheer": 62.0, "hug": 24.0}.get(pose, float(rng.uniform(12, 34)))
+    out = {"cheer": 62.0, "hug": 24.0}.get(pose, rng.uniform(12, 34))
     swing = 40.0 if pose == "hug" else 0.0
     long = 0.44 * f["flipper"]
     turn = roll(out) @ pitch(swing)
@@ -333,13 +333,13 @@ def octopus(pose: str, rng: Rng) -> list[Part]:
     """Return an octopus: a bulb on eight arms that end in curls."""
     f = factors(rng, 0.14, "tall", "wide", "arms")
     tall, wide = 0.42 * f["tall"], 0.36 * f["wide"]
-    reach, thick = 0.50 * f["arms"], float(rng.uniform(0.075, 0.10))
+    reach, thick = 0.50 * f["arms"], rng.uniform(0.075, 0.10)
     raised = {"cheer": 0.30, "hug": 0.14}.get(pose, 0.0)
     arms = []
     for i in range(8):
-        turn = yaw(22.5 + 45 * i + float(rng.normal(0, 5)))
-        curl = float(rng.uniform(0.02, 0.16)) + raised * float(rng.uniform(0.5, 1.2))
-        side = float(rng.choice((-1, 1))) * float(rng.uniform(0.0, 0.14))
+        turn = yaw(22.5 + 45 * i + rng.normal(0, 5))
+        curl = rng.uniform(0.02, 0.16) + raised * rng.uniform(0.5, 1.2)
+        side = float(rng.choice((-1, 1))) * rng.uniform(0.0, 0.14)
         rows = [
             [0.1, 0.22, 0],
             [0.28, 0.10, 0],
@@ -365,7 +365,7 @@ def octopus(pose: str, rng: Rng) -> list[Part]:
 
 def dragon(pose: str, rng: Rng) -> list[Part]:
     """Return a dragon: snout, horns, a comb down the back, small wings, a tail with a barb."""
-    horn, snout = float(rng.uniform(0.5, 0.95)), float(rng.uniform(0.85, 1.15))
+    horn, snout = rng.uniform(0.5, 0.95), rng.uniform(0.85, 1.15)
     prongs = tube(
         [[-0.15, 0.72, 0.42], [-0.35, 0.95 + 0.5 * horn, 0.55], [-0.40, 1.0 + horn, 0.5]], [0.17, 0.11, 0.03]
     )
@@ -410,7 +410,7 @@ def dragon(pose: str, rng: Rng) -> list[Part]:
         at = np.array([0.0, 0.30, 0]) + out * [0.22, 0.27, 0]
         comb.append(tube([at, at + 0.15 * out], [0.07, 0.012], 0.035))
     parts.append(fuse(*comb, blend=0.02))
-    span = float(rng.uniform(0.8, 1.2))
+    span = rng.uniform(0.8, 1.2)
     bat = (
         np.array(
             [
@@ -426,7 +426,7 @@ def dragon(pose: str, rng: Rng) -> list[Part]:
         )
         * span
     )
-    web = wing([0, 0, 0], [(float(a), float(b)) for a, b in bat], float(rng.uniform(15, 50)), 0.0, 0.02)
+    web = wing([0, 0, 0], [(float(a), float(b)) for a, b in bat], rng.uniform(15, 50), 0.0, 0.02)
     place = Frame(np.array([-0.20, 0.44, 0.0]), pitch(62))
     return [*parts, *carried([fuse(*web, blend=0.02)], place)]
 

@@ -98,12 +98,12 @@ def _carriage(rng: np.random.Generator) -> Pose:
     still: Angles = (0.0, 0.0, 0.0, 0.0)
     return Pose(
         (still, still, still, still),
-        neck_pitch=float(rng.uniform(0, 1)),
-        neck_yaw=float(rng.normal(0, 14)),
-        head_pitch=float(rng.uniform(-8, 10)),
-        head_yaw=float(rng.normal(0, 9)),
-        tail_lift=float(rng.uniform(0, 1)),
-        tail_swing=float(rng.normal(0, 18)),
+        neck_pitch=rng.uniform(0, 1),
+        neck_yaw=rng.normal(0, 14),
+        head_pitch=rng.uniform(-8, 10),
+        head_yaw=rng.normal(0, 9),
+        tail_lift=rng.uniform(0, 1),
+        tail_swing=rng.normal(0, 18),
     )
 
 
@@ -122,22 +122,22 @@ def _trot(rng: np.random.Generator) -> Pose:
 
 
 def _gallop(rng: np.random.Generator) -> Pose:
-    return replace(_going(GALLOP, rng), tail_lift=float(rng.uniform(0.6, 1.0)))
+    return replace(_going(GALLOP, rng), tail_lift=rng.uniform(0.6, 1.0))
 
 
 def _graze(rng: np.random.Generator) -> Pose:
-    ahead = float(rng.uniform(8, 17))
-    back = float(rng.uniform(-9, 0))
+    ahead = rng.uniform(8, 17)
+    back = rng.uniform(-9, 0)
     fronts = [(ahead, 0.0, 0.0, -ahead), (back, 0.0, 0.0, -back)]
     first = int(rng.integers(2))
     pose = _stand(rng)
     legs = (fronts[first], fronts[1 - first], pose.legs[2], pose.legs[3])
-    return replace(pose, legs=legs, graze=True, neck_yaw=float(rng.normal(0, 10)))
+    return replace(pose, legs=legs, graze=True, neck_yaw=rng.normal(0, 10))
 
 
 def _sit(rng: np.random.Generator) -> Pose:
-    front = float(rng.uniform(-2, 8))
-    fold = float(rng.uniform(-4, 6))
+    front = rng.uniform(-2, 8)
+    fold = rng.uniform(-4, 6)
     fore = (front, 0.0, 0.0, -front)
     hind = (62.0 + fold, -102.0, 98.0, -58.0 - fold)
     return replace(_carriage(rng), legs=(fore, fore, hind, hind), sit=True)

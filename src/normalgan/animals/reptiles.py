@@ -81,16 +81,16 @@ class Crawler(PosedPlan):
         spine = _crawler_spine(rows, pose, rng)
         parts = [fuse(spine.sweep(rows))]
         at = spine.frame(self.neck[0])
-        lift = float(rng.uniform(0, 10)) + (8.0 if pose == "gape" else 0.0)
+        lift = rng.uniform(0, 10) + (8.0 if pose == "gape" else 0.0)
         turn = float(np.clip(rng.normal(0, 14), -30, 30))
         head = Frame(at.place(np.array([[0.0, self.neck[1], 0.0]]))[0], at.rotation @ yaw(turn) @ pitch(lift))
-        gape = float(rng.uniform(20, 32)) if pose == "gape" else float(rng.uniform(1, 4))
+        gape = rng.uniform(20, 32) if pose == "gape" else rng.uniform(1, 4)
         parts += carried(_crawler_head(self, gape), head, self.head * build["head"])
         for number, root in enumerate((self.shoulder, self.hip)):
             for sign in (1.0, -1.0):
-                swing = float(rng.normal(0, 6))
+                swing = rng.normal(0, 6)
                 if pose == "crawl":  # diagonal legs go together
-                    swing += 26.0 * sign * (1 if number == 0 else -1) * float(rng.uniform(0.6, 1.0))
+                    swing += 26.0 * sign * (1 if number == 0 else -1) * rng.uniform(0.6, 1.0)
                 parts.append(
                     _crawler_leg(self, np.array(root), sign, number == 0, swing, build["legs"], spine)
                 )
@@ -145,9 +145,9 @@ class Turtle(PosedPlan):
             [[0.36, rim - 0.01, 0], [0.48, rim + 0.01, 0], [0.50 + out, rim + 0.10 * (out > 0.1), 0]]
         )
         aside = float(np.clip(rng.normal(0, 16), -35, 35))
-        bent, _ = bend(stretch, float(rng.uniform(-10, 22)), aside)
+        bent, _ = bend(stretch, rng.uniform(-10, 22), aside)
         parts.append(fuse(tube(bent, [0.11, 0.085, 0.07]), blend=0.05))
-        head = Frame(bent[-1], yaw(aside) @ pitch(float(rng.uniform(-12, 14))))
+        head = Frame(bent[-1], yaw(aside) @ pitch(rng.uniform(-12, 14)))
         beak = tube([(0.15, 0.0, 0), (0.20, -0.02, 0), (0.205, -0.06, 0)], [0.05, 0.035, 0.012])
         mouth = tube([(0.06, -0.045, 0.092), (0.13, -0.045, 0.066), (0.18, -0.05, 0.028)], 0.007)
         face = [
@@ -174,7 +174,7 @@ class Snake(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        fat = float(rng.uniform(0.060, 0.085))
+        fat = rng.uniform(0.060, 0.085)
         line = {"coil": _coil, "wind": _wind, "rear": _rear}[pose](fat, rng)
         steps = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
         share = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
@@ -182,7 +182,7 @@ class Snake(PosedPlan):
         line[:, 1] += radii - fat  # every part of it lies on the ground, or on the coil below
         way = line[-1] - line[-2]
         heading = float(np.rad2deg(np.arctan2(-way[2], way[0])))
-        level = float(rng.uniform(-18, 4)) - (8.0 if self.hooded else 0.0)
+        level = rng.uniform(-18, 4) - (8.0 if self.hooded else 0.0)
         head = Frame(line[-1], yaw(heading) @ pitch(level))
         parts = [fuse(tube(line, list(radii)))]
         if self.hooded and pose == "rear":
@@ -196,7 +196,7 @@ class Snake(PosedPlan):
             fuse(SNAKE_HEAD.sweep(), blend=0.4), pair(eyes),
             pair(mouth, pits, carve=True, blend=0.02),
         ]  # fmt: skip
-        return parts + carried(face, head, 1.75 * fat * float(rng.uniform(0.9, 1.2)))
+        return parts + carried(face, head, 1.75 * fat * rng.uniform(0.9, 1.2))
 
 
 def _crawler_spine(rows: Profile, pose: str, rng: Rng) -> Spine:
@@ -204,13 +204,11 @@ def _crawler_spine(rows: Profile, pose: str, rng: Rng) -> Spine:
     share = (xs[-1] - xs) / (xs[-1] - xs[0])
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     if pose == "crawl":
-        turns = (
-            side * (14 + 34 * share) * np.sin(2 * np.pi * (1.15 * share + float(rng.uniform(-0.08, 0.08))))
-        )
+        turns = side * (14 + 34 * share) * np.sin(2 * np.pi * (1.15 * share + rng.uniform(-0.08, 0.08)))
     elif pose == "bask":  # curled to one side, the tail most of all
-        turns = side * float(rng.uniform(90, 165)) * share**1.8
+        turns = side * rng.uniform(90, 165) * share**1.8
     else:
-        turns = side * float(rng.uniform(0, 40)) * share**1.3 + float(rng.normal(0, 10)) * np.sin(5 * share)
+        turns = side * rng.uniform(0, 40) * share**1.3 + rng.normal(0, 10) * np.sin(5 * share)
     return Spine(xs, turns - turns[-1])
 
 
@@ -336,7 +334,7 @@ def _turtle_legs(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) 
     legs, toes = [], []
     for x, fore in ((0.30, True), (-0.32, False)):
         for sign in (1.0, -1.0):
-            step = float(rng.uniform(0.06, 0.12)) * sign * (1 if fore else -1) if pose == "walk" else 0.0
+            step = rng.uniform(0.06, 0.12) * sign * (1 if fore else -1) if pose == "walk" else 0.0
             z = sign * radii[2] * 0.66
             foot = np.array([x + step + (0.07 if fore else -0.05), 0.06, 1.16 * z])
             knee = np.array([x + 0.5 * step + (0.05 if fore else -0.06), 0.5 * rim + 0.04, 1.14 * z])
@@ -351,7 +349,7 @@ def _turtle_legs(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) 
 
 def _flippers(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
     parts = []
-    lift = float(rng.uniform(-28, 34)) if pose == "swim" else float(rng.uniform(-8, 6))
+    lift = rng.uniform(-28, 34) if pose == "swim" else rng.uniform(-8, 6)
     fore = rounded([(0.0, 0.08), (0.20, 0.11), (0.42, 0.0), (0.66, -0.24), (0.68, -0.30), (0.44, -0.20),
         (0.16, -0.09),
                     (0.0, -0.08)])  # fmt: skip
@@ -380,14 +378,14 @@ SNAKE_HEAD = Profile(
 
 def _coil(fat: float, rng: Rng) -> Floats:
     """Return a spiral from the tip of the tail outside to the head raised in the middle."""
-    turns, gap = float(rng.uniform(2.2, 3.0)), 1.9 * fat
+    turns, gap = rng.uniform(2.2, 3.0), 1.9 * fat
     angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
     radius = 0.16 + gap * (angle[-1] - angle) / (2 * np.pi)
     rise = fat + 0.75 * fat * angle / (2 * np.pi)  # each turn lies half on the one outside it
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     phase = -angle[-1] - np.pi / 2
     spiral = np.column_stack([radius * np.cos(angle + phase), rise, side * radius * np.sin(angle + phase)])
-    tall = float(rng.uniform(0.10, 0.30))
+    tall = rng.uniform(0.10, 0.30)
     end = spiral[-1]
     neck = np.array(
         [[0.12, 0.05, 0.02], [0.16, 0.45, 0.0], [0.04, 0.9, 0.0], [0.10, 1.15, 0.0], [0.26, 1.18, 0.0]]
@@ -400,23 +398,23 @@ def _coil(fat: float, rng: Rng) -> Floats:
 def _wind(fat: float, rng: Rng) -> Floats:
     """Return a line that winds over the ground, to a head held a little high."""
     x = np.linspace(-1.0, 0.72, 40)
-    waves, size = float(rng.uniform(1.4, 2.3)), float(rng.uniform(0.16, 0.26))
+    waves, size = rng.uniform(1.4, 2.3), rng.uniform(0.16, 0.26)
     grow = np.clip((0.80 - x) / 0.45, 0, 1)
-    z = size * grow * np.sin(waves * np.pi * (x + 1.0) + float(rng.uniform(0, 2 * np.pi)))
-    y = fat + float(rng.uniform(0.0, 0.14)) * np.clip((x - 0.45) / 0.27, 0, 1) ** 1.5
+    z = size * grow * np.sin(waves * np.pi * (x + 1.0) + rng.uniform(0, 2 * np.pi))
+    y = fat + rng.uniform(0.0, 0.14) * np.clip((x - 0.45) / 0.27, 0, 1) ** 1.5
     return np.column_stack([x, y, z])
 
 
 def _rear(fat: float, rng: Rng) -> Floats:
     """Return a coil from which the front third stands up."""
-    turns = float(rng.uniform(1.3, 1.9))
+    turns = rng.uniform(1.3, 1.9)
     angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
     radius = 0.20 + 1.9 * fat * (angle[-1] - angle) / (2 * np.pi)
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     phase = -angle[-1] - 0.75 * np.pi
     rise = fat + 0.5 * fat * angle / (2 * np.pi)
     spiral = np.column_stack([radius * np.cos(angle + phase), rise, side * radius * np.sin(angle + phase)])
-    end, tall = spiral[-1], float(rng.uniform(0.55, 0.85))
+    end, tall = spiral[-1], rng.uniform(0.55, 0.85)
     up = np.array([[0.15, 0.06], [0.20, 0.26], [0.14, 0.52], [0.10, 0.78], [0.13, 0.94], [0.24, 1.0]])
     stand = np.column_stack([end[0] + up[:, 0], end[1] + tall * up[:, 1], np.linspace(end[2], 0, 7)[1:]])
     return np.vstack([spiral, stand])
@@ -425,5 +423,5 @@ def _rear(fat: float, rng: Rng) -> Floats:
 def _hood(line: Floats, fat: float, side: Floats, rng: Rng) -> Sweep:
     """Return the spread neck of a cobra."""
     upper = line[-5:]
-    wide = fat * float(rng.uniform(2.2, 2.9)) * np.array([0.35, 0.72, 1.0, 0.80, 0.35])
+    wide = fat * rng.uniform(2.2, 2.9) * np.array([0.35, 0.72, 1.0, 0.80, 0.35])
     return tube(upper, [0.8 * fat, 0.62 * fat, 0.5 * fat, 0.5 * fat, 0.5 * fat], list(wide), side)

@@ -79,7 +79,7 @@ class Theropod(PosedPlan):
         """Return the parts of one individual in a pose."""
         young = YOUNG if rng.uniform() < YOUNG_SHARE else None
         build = proportions(RANGES, self.ranges, rng, young)
-        tilt = float(rng.uniform(*self.pitch)) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
+        tilt = rng.uniform(*self.pitch) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
         whole = about((0, 0, 0), pitch(tilt))
         torso = self.torso.wider(build["girth"])
         tail = replace(self.tail, x=self.tail.x * build["tail"])
@@ -87,11 +87,11 @@ class Theropod(PosedPlan):
         points = self.neck.points
         points = whole.place(points[0] + (points - points[0]) * build["neck"])
         aside = float(np.clip(rng.normal(0, 13), -30, 30))
-        bent, _ = bend(points, float(rng.uniform(-8, 8)) + (10.0 if pose == "roar" else -0.3 * tilt), aside)
+        bent, _ = bend(points, rng.uniform(-8, 8) + (10.0 if pose == "roar" else -0.3 * tilt), aside)
         parts.append(
             fuse(tube(bent, self.neck.radius * np.linspace(1, build["head"], len(bent))), blend=0.15)
         )
-        nod = float(rng.uniform(-14, 2)) + (16.0 if pose == "roar" else 0.0)
+        nod = rng.uniform(-14, 2) + (16.0 if pose == "roar" else 0.0)
         head = Frame(bent[-1], yaw(1.4 * aside) @ pitch(nod))
         gape = float(rng.uniform(24, 36) if pose == "roar" else rng.choice([4.0, 6.0, 18.0]))
         parts += carried(_head(self, gape), head, self.length * build["head"])
@@ -105,10 +105,10 @@ class Theropod(PosedPlan):
 def _tail(rows: Profile, tilt: float, rng: Rng) -> Sweep:
     xs = np.linspace(rows.x[0], 0.0, 17)
     behind = xs / xs[0]
-    sway = float(rng.normal(0, 32)) * behind + float(rng.normal(0, 24)) * np.sin(2 * np.pi * behind)
+    sway = rng.normal(0, 32) * behind + rng.normal(0, 24) * np.sin(2 * np.pi * behind)
     spine = Spine(xs, sway - sway[-1])
     # The root is turned with the trunk, the rest stays level or is carried a little high.
-    drop = np.tan(np.deg2rad(tilt)) * np.maximum(rows.x, -0.35) + float(rng.uniform(-0.1, 0.22)) * (
+    drop = np.tan(np.deg2rad(tilt)) * np.maximum(rows.x, -0.35) + rng.uniform(-0.1, 0.22) * (
         np.minimum(rows.x + 0.5, 0) ** 2
     )
     sweep = spine.sweep(replace(rows, top=rows.top + drop, bottom=rows.bottom + drop))
@@ -137,7 +137,7 @@ def _arms(kind: Theropod, factor: float, rng: Rng) -> list[Part]:
     length, radius = kind.arm.length * factor, kind.arm.radius
     parts = []
     for sign in (1.0, -1.0):
-        swing = pitch(float(rng.normal(0, 14)))
+        swing = pitch(rng.normal(0, 14))
         shoulder = np.array(kind.arm.shoulder)
         bones = np.array([[0, 0, 0], [-0.25, -0.42, 0.10], [0.12, -0.60, 0.10], [0.26, -0.66, 0.06]]) * length
         points = shoulder + bones @ swing.T
