@@ -4,7 +4,7 @@ from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, c
 
 from normalgan.animals import Animal
 from normalgan.animals.insects import INSECTS, LegRow, legs, wing
-from normalgan.animals.plate import Plate
+from normalgan.animals.solids import Plate
 
 
 @pytest.mark.parametrize("species", INSECTS)

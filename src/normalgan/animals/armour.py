@@ -7,10 +7,10 @@ import numpy as np
 
 from normalgan.animals.field import Part
 from normalgan.animals.forms import fuse, tube
-from normalgan.animals.frames import Frame
+from normalgan.animals.frames import Frame, spanned
 from normalgan.animals.plan import Between, Rng
-from normalgan.animals.plate import Plate, rounded
-from normalgan.animals.sweep import Floats, Sweep, smoothed
+from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.sweep import Floats, Sweep, smoothed, way_along
 
 __all__ = ["LEAF", "Armour", "back"]
 
@@ -67,16 +67,14 @@ def _rows(line: Floats, count: int, size: float) -> list[Part]:
 
 
 def _plate(line: Floats, share: float, tall: float, side: float) -> Plate:
-    steps = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    at = np.array([np.interp(share * steps[-1], steps, column) for column in line.T])
-    near = [np.array([np.interp(share * steps[-1] + d, steps, c) for c in line.T]) for d in (-0.12, 0.12)]
-    ahead = near[0] - near[1]
-    ahead /= np.linalg.norm(ahead)
-    up = np.array([0.0, 1.0, 0.30 * side])
-    up = up - (up @ ahead) * ahead
-    up /= np.linalg.norm(up)
-    frame = Frame(at + np.array([0.0, 0.0, 0.035 * side]), np.column_stack([ahead, up, np.cross(ahead, up)]))
-    return Plate(rounded(LEAF, 1) * tall * [0.92, 1.0], frame, 0.012, 0.12, 0.035)
+    steps = way_along(line)
+    before, at, after = (
+        np.array([np.interp(share * steps[-1] + far, steps, column) for column in line.T])
+        for far in (-0.12, 0.0, 0.12)
+    )
+    ahead = (before - after) / np.linalg.norm(before - after)
+    frame = spanned(at + np.array([0.0, 0.0, 0.035 * side]), ahead, np.array([0.0, 1.0, 0.30 * side]))
+    return Plate(frame, rounded(LEAF, 1) * tall * [0.92, 1.0], 0.012, 0.12, 0.035)
 
 
 def _spikes(tail: Sweep, pairs: int, size: float) -> list[Sweep]:
@@ -105,4 +103,4 @@ def _frill(skull: Sweep, reach: float) -> Plate:
         rim.append((0.86 * far * float(np.cos(angle)), far * (0.20 + 0.80 * float(np.sin(angle)))))
     origin = skull.points[0] + length * (0.12 * ahead + 0.06 * up)
     frame = Frame(origin, np.column_stack([right, tall, across]))
-    return Plate(rounded(rim, 1), frame, 0.03, 0.10, 0.05, bow=(0.5 / length, 0.0))
+    return Plate(frame, rounded(rim, 1), 0.03, 0.10, 0.05, bow=(0.5 / length, 0.0))

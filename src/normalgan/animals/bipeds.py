@@ -1,5 +1,6 @@
 """The bipeds' body plan: bones that a pose bends, and the flesh, or the metal, that goes round them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
@@ -9,7 +10,7 @@ from normalgan.animals.bipeds_bones import STANCES, Limb, Measures, Skeleton, sk
 from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, block, both, carried, fuse, mirrored, moved, tube
+from normalgan.animals.forms import Shape, ball, block, both, carried, fuse, moved, on_side, tube
 from normalgan.animals.frames import Frame
 from normalgan.animals.plan import Between, PosedPlan, Rng
 from normalgan.animals.sweep import Floats, Sweep
@@ -49,17 +50,23 @@ class Flesh:
         if measures.belly:
             parts.append(fuse(_belly(measures, bones), blend=0.05, ripple=coat))
         dressed = bool(rng.uniform() < self.skirt)
-        legs = [_side(_leg(measures, limb), i) for i, limb in enumerate(bones.legs)]
+        legs = [on_side(_leg(measures, limb), right) for right, limb in _sides(bones.legs)]
         parts.append(fuse(*legs, blend=0.03, ripple=coat))
         feet = [
-            _side(one, i) for i, limb in enumerate(bones.legs) for one in _foot(self.foot, measures, limb)
+            on_side(one, right)
+            for right, limb in _sides(bones.legs)
+            for one in _foot(self.foot, measures, limb)
         ]
         parts.append(fuse(*feet, blend=0.012))
         if dressed and bones.legs[0].points[1, 0] - bones.legs[0].points[0, 0] < 0.3 * measures.leg:
             parts.append(fuse(_skirt(measures, bones), blend=0.006))
-        arms = [(_arm(measures, limb), i) for i, limb in enumerate(bones.arms)]
-        parts.append(fuse(*(moved(_side(arm, i), bones.chest) for arm, i in arms), blend=0.022, ripple=coat))
-        hands = [_side(s, i) for i, limb in enumerate(bones.arms) for s in _hand(self.hand, measures, limb)]
+        arms = [on_side(_arm(measures, limb), right) for right, limb in _sides(bones.arms)]
+        parts.append(fuse(*(moved(arm, bones.chest) for arm in arms), blend=0.022, ripple=coat))
+        hands = [
+            on_side(one, right)
+            for right, limb in _sides(bones.arms)
+            for one in _hand(self.hand, measures, limb)
+        ]
         parts.append(fuse(*(moved(shape, bones.chest) for shape in hands), blend=0.010))
         throat = bones.skull.place(np.array([0.08, 0.3, 0.0]) * measures.head)
         neck = tube([bones.chest.origin, bones.skull.origin, throat], self.neck)
@@ -92,13 +99,13 @@ class Robot:
             fuse(tube([chest.origin, bones.skull.place(np.array([0.0, 0.1, 0.0]) * measures.head)], 0.035)),
         ]
         limbs: list[Shape] = []
-        for i, limb in enumerate(bones.legs):
+        for right, limb in _sides(bones.legs):
             leg = [*_pipes(limb, measures.thigh, measures.calf, edge, boxy), *_boot(limb, measures, edge)]
-            limbs += leg if i == 0 else [mirrored(shape) for shape in leg]
-        for i, limb in enumerate(bones.arms):
+            limbs += [on_side(shape, right) for shape in leg]
+        for right, limb in _sides(bones.arms):
             arm = [*_pipes(limb, measures.upper_arm, measures.forearm, edge, boxy), *_claw(limb, measures)]
             arm.append(tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm))
-            limbs += [moved(shape if i == 0 else mirrored(shape), chest) for shape in arm]
+            limbs += [moved(on_side(shape, right), chest) for shape in arm]
         parts.append(fuse(*limbs))
         return parts + carried(robot_head(rng), bones.skull, measures.head)
 
@@ -130,6 +137,11 @@ class Biped(PosedPlan):
         return self.body.parts(measures, skeleton(measures, STANCES[pose](rng)), rng)
 
 
+def _sides(limbs: tuple[Limb, Limb]) -> Iterator[tuple[bool, Limb]]:
+    """Go over the right and the left limb, each with whether it is the right one."""
+    return zip((True, False), limbs, strict=True)
+
+
 def trunk(measures: Measures, bones: Skeleton) -> Sweep:
     """Return the trunk, from the crotch to the base of the neck."""
     pelvis, waist, chest = (
@@ -146,10 +158,6 @@ def _belly(measures: Measures, bones: Skeleton) -> Shape:
     at, turn = (bones.spine[1] + 1.4 * bones.spine[2]) / 2.4, bones.turns[2]
     size = np.array([measures.waist.half_depth, 0.40 * measures.torso, 1.02 * measures.waist.half_width])
     return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size.tolist(), turn)
-
-
-def _side(shape: Shape, index: int) -> Shape:
-    return shape if index == 0 else mirrored(shape)
 
 
 def _leg(measures: Measures, limb: Limb) -> Shape:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from normalgan.animals.frames import Frame, bend, pitch, roll, yaw
-from normalgan.animals.plan import Rng
+from normalgan.animals.plan import Rng, factors
 from normalgan.animals.sweep import Floats
 
 __all__ = ["STANCES", "Arm", "Girth", "Leg", "Limb", "Measures", "Skeleton", "Stance", "skeleton", "vary"]
@@ -216,10 +216,8 @@ STANCES: Mapping[str, Callable[[Rng], Stance]] = {
 
 def vary(measures: Measures, spread: float, rng: Rng) -> Measures:
     """Return an individual's measures: lengths each on their own, all girths by one factor."""
-    long = {
-        name: getattr(measures, name) * rng.uniform(1 - spread, 1 + spread)
-        for name in ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
-    }
+    lengths = ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
+    long = {name: getattr(measures, name) * by for name, by in factors(rng, spread, *lengths).items()}
     fat = rng.uniform(1 - 1.3 * spread, 1 + 1.8 * spread)
     thick = {n: getattr(measures, n) * fat for n in ("thigh", "calf", "upper_arm", "forearm", "belly")}
     chest, waist, pelvis = (

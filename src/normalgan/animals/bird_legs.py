@@ -8,7 +8,7 @@ from normalgan.animals.field import Part
 from normalgan.animals.forms import fuse, tube
 from normalgan.animals.frames import Frame, hinge, yaw
 from normalgan.animals.plan import Point, Rng
-from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.solids import Plate, rounded
 from normalgan.animals.sweep import Floats, Sweep, smoothed
 
 __all__ = ["TOES", "Legs"]
@@ -116,4 +116,4 @@ def _web(shape: Legs, foot: Floats, heading: float, flat: bool) -> Plate:
     lay = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # its axes: x, -z, y
     slope = 0.0 if flat else -0.5
     tilt = np.array([[np.cos(slope), -np.sin(slope), 0], [np.sin(slope), np.cos(slope), 0], [0, 0, 1]])
-    return Plate(outline, Frame(foot, yaw(heading) @ tilt @ lay.T), rim=0.6 * shape.thick)
+    return Plate(Frame(foot, yaw(heading) @ tilt @ lay.T), outline, rim=0.6 * shape.thick)

@@ -12,7 +12,7 @@ from normalgan.animals.field import Part, Ripple
 from normalgan.animals.forms import Shape, ball, both, carried, fuse, moved, pair, tube
 from normalgan.animals.frames import Frame, bend, pitch, yaw
 from normalgan.animals.plan import Eyeball, PosedPlan, Range, Rng, proportions
-from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.solids import Plate, rounded
 from normalgan.animals.stations import Profile, Stations
 from normalgan.animals.sweep import Sweep
 
@@ -43,7 +43,7 @@ def comb(rng: Rng, _: float) -> list[Part]:
     outline = rounded([(x, 0.3 + (y - 0.3) * size) for x, y in edge], 1)
     lobes = both(tube([(0.34, -0.22, 0.10), (0.36, -0.22 - 0.36 * size, 0.14)], [0.08, 0.13], 0.05))
     return [
-        fuse(Plate(outline, Frame(np.zeros(3), np.eye(3)), rim=0.055), blend=0.03),
+        fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, rim=0.055), blend=0.03),
         fuse(*lobes, blend=0.03),
     ]
 

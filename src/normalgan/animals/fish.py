@@ -8,9 +8,9 @@ import numpy as np
 
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball, fuse, tube
-from normalgan.animals.frames import Frame
+from normalgan.animals.frames import spanned
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
-from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.solids import Plate, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.animals.sweep import Floats, Sweep
 from normalgan.errors import InputError
@@ -237,13 +237,11 @@ def plates(fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap
         h = 0.05
         before, after = (spine.frame(middle + d).rotation for d in (-h, h))
         turn = float(np.arctan2(-after[2, 0], after[0, 0]) - np.arctan2(-before[2, 0], before[0, 0]))
-        return [Plate(flat, spine.frame(middle), fin.thick, fin.swell, 4 * fin.thick, (-turn / (2 * h), 0.0))]
+        return [Plate(spine.frame(middle), flat, fin.thick, fin.swell, 4 * fin.thick, (-turn / (2 * h), 0.0))]
     x, y, z = fin.root
     out, drop = np.deg2rad(fin.spread + flare), np.deg2rad(fin.droop + flap)
     first = np.array([-np.cos(out) * np.cos(drop), -np.sin(drop), np.sin(out) * np.cos(drop)])
-    second = np.array(fin.chord) - (np.array(fin.chord) @ first) * first
-    second /= np.linalg.norm(second)
-    frame = Frame(np.array([0.0, y, z]), np.column_stack([first, second, np.cross(first, second)]))
+    frame = spanned(np.array([0.0, y, z]), first, np.array(fin.chord))
     outline = rounded([(a * factor, b) for a, b in corners], times)
-    right = Plate(outline, frame, fin.thick, fin.swell, 4 * fin.thick)
+    right = Plate(frame, outline, fin.thick, fin.swell, 4 * fin.thick)
     return [each.placed(spine.frame(x), 1.0) for each in (right, right.mirrored())]

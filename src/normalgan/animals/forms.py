@@ -21,6 +21,7 @@ __all__ = [
     "fuse",
     "mirrored",
     "moved",
+    "on_side",
     "pair",
     "ring",
     "tube",
@@ -42,18 +43,18 @@ def by(start: Floats, x: float, y: float, z: float) -> Floats:
 
 def ball(at: ArrayLike, radii: ArrayLike, turn: Floats | None = None) -> Ellipsoid:
     """Return a sphere, or an ellipsoid if three radii are given."""
-    return Ellipsoid(np.array(at, float), np.broadcast_to(np.array(radii, float), 3).copy(), _turn(turn))
+    return Ellipsoid(_frame(at, turn), np.broadcast_to(np.array(radii, float), 3).copy())
 
 
 def block(at: ArrayLike, half: ArrayLike, rounding: float, turn: Floats | None = None) -> Box:
     """Return a box with rounded edges; ``half`` its lengths halved."""
     sides = np.array(half, float)
-    return Box(np.array(at, float), sides, min(rounding, float(sides.min())), _turn(turn))
+    return Box(_frame(at, turn), sides, min(rounding, float(sides.min())))
 
 
 def ring(at: ArrayLike, major: float, minor: float, turn: Floats | None = None) -> Ring:
     """Return a torus, flat on the ground unless turned."""
-    return Ring(np.array(at, float), major, minor, _turn(turn))
+    return Ring(_frame(at, turn), major, minor)
 
 
 def tube(
@@ -101,6 +102,11 @@ def mirrored(shape: Shape) -> Shape:
     return Sweep(shape.points * MIRROR, shape.radii, shape.widths, shape.sides * MIRROR, cut)
 
 
+def on_side(shape: Shape, right: bool) -> Shape:
+    """Return a shape of the right side, or its image on the left."""
+    return shape if right else mirrored(shape)
+
+
 def both(*shapes: Shape) -> tuple[Shape, ...]:
     """Return the shapes and their images."""
     return (*shapes, *(mirrored(shape) for shape in shapes))
@@ -138,5 +144,5 @@ def _moved_sweep(sweep: Sweep, frame: Frame, size: float) -> Sweep:
     return Sweep(frame.place(sweep.points * size), sweep.radii * size, sweep.widths * size, sides, cut)
 
 
-def _turn(turn: Floats | None) -> Floats:
-    return np.eye(3) if turn is None else turn
+def _frame(at: ArrayLike, turn: Floats | None) -> Frame:
+    return Frame(np.array(at, float), np.eye(3) if turn is None else turn)

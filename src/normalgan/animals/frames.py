@@ -7,7 +7,7 @@ import numpy as np
 
 from normalgan.animals.sweep import Floats
 
-__all__ = ["Frame", "about", "bend", "fold", "hinge", "pitch", "roll", "yaw"]
+__all__ = ["Frame", "about", "bend", "fold", "hinge", "pitch", "roll", "spanned", "yaw"]
 
 
 def pitch(degrees: float) -> Floats:
@@ -56,6 +56,26 @@ class Frame:
         """Return (n, 3) local points in the world."""
         placed: Floats = self.origin + points @ self.rotation.T
         return placed
+
+    def carried(self, frame: "Frame", size: float = 1.0) -> "Frame":
+        """Return it with its place scaled by ``size``, then carried along with another frame."""
+        return Frame(frame.place(self.origin * size), frame.rotation @ self.rotation)
+
+
+def spanned(origin: Floats, first: Floats, second: Floats) -> Frame:
+    """Return the frame whose second axis is as near to a direction as its first one allows.
+
+    Args:
+        origin: (3,)
+        first: (3,) the first axis, of unit length.
+        second: (3,) not along the first.
+
+    >>> spanned(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([5.0, 2.0, 0.0])).rotation.tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    second = second - (second @ first) * first
+    second /= np.linalg.norm(second)
+    return Frame(origin, np.column_stack([first, second, np.cross(first, second)]))
 
 
 def bend(points: Floats, up: float, left: float) -> tuple[Floats, Floats]:

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, both, by, carried, fuse, mirrored, pair, tube
+from normalgan.animals.forms import Shape, ball, both, by, carried, fuse, on_side, pair, tube
 from normalgan.animals.frames import Frame, hinge, pitch, roll, yaw
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
-from normalgan.animals.plate import Plate
+from normalgan.animals.solids import Plate
 from normalgan.animals.sweep import Floats, Sweep
 
 __all__ = [
@@ -97,7 +97,7 @@ def legs(
             length = bent * float(np.linalg.norm(foot - hip))
             knee = hinge(hip, foot, 0.46 * length, 0.54 * length, (0.0, 1.0, 0.0))
             leg = _leg(hip, knee, foot, foot + 0.16 * far * away, thick)
-            shapes.append(leg if side == 0 else mirrored(leg))
+            shapes.append(on_side(leg, side == 0))
     return fuse(*shapes, blend=0.6 * thick)
 
 
@@ -172,7 +172,7 @@ def wing(
     at = np.linspace(0, len(outline), 6 * len(outline) + 1)[:-1]
     smooth = CubicSpline(np.arange(len(corners)), corners, bc_type="periodic")(at)
     frame = Frame(np.array(hinge_at, float), roll(raised) @ yaw(-back) @ OUT)
-    return both(Plate(smooth, frame, thick, bow=(-bow, -bow)))
+    return both(Plate(frame, smooth, thick, bow=(-bow, -bow)))
 
 
 def held(

@@ -8,6 +8,7 @@ import numpy as np
 
 from normalgan.animals.armour import Armour
 from normalgan.animals.field import Part, Ripple
+from normalgan.animals.forms import fuse, tube
 from normalgan.animals.frames import Frame, bend, fold, pitch, yaw
 from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
 from normalgan.animals.quadruped_pose import POSES, Pose
@@ -409,18 +410,14 @@ def assemble(species: Quadruped, build: Build, pose: Pose, rng: Rng) -> list[Par
     torso = _torso(species, build, body)
     neck, head = _neck(species, build, pose, body)
     parts = [torso, neck, skull(species.head, build, head)]
-    blades = [shoulder_blade(species.fore, build, body, right) for right in (True, False)]
-    parts.append(Part(tuple(blades), blend=0.06))
+    blades = (shoulder_blade(species.fore, build, body, right) for right in (True, False))
+    parts.append(fuse(*blades, blend=0.06))
     limbs = (species.fore, species.fore, species.hind, species.hind)
-    parts.append(
-        Part(
-            tuple(
-                leg(limb, build, angles, stance, body, right=i % 2 == 0)
-                for i, (limb, angles, stance) in enumerate(zip(limbs, pose.legs, pose.stance, strict=True))
-            ),
-            blend=0.055,
-        )
+    legs = (
+        leg(limb, build, angles, stance, body, right=i % 2 == 0)
+        for i, (limb, angles, stance) in enumerate(zip(limbs, pose.legs, pose.stance, strict=True))
     )
+    parts.append(fuse(*legs, blend=0.055))
     parts.append(_tail(species, build, pose, body))
     if species.mane is not None:
         parts.append(_crest(neck.sweeps[0], species.mane, 1.0 if rng.uniform() < 0.5 else -1.0))
@@ -462,8 +459,8 @@ def _torso(species: Quadruped, build: Build, body: Frame) -> Part:
     middle = np.sin(np.linspace(0, np.pi, len(x)))  # belly and waist change, breast and buttocks hardly
     deeper = top - (top - bottom) * (1 + (build.depth - 1) * middle)
     rows = Profile(x * build.length, top, deeper, species.torso.half_width * build.girth).stations
-    sides = np.tile(body.rotation[:, 2], (len(x), 1))
-    return Part((Sweep(body.place(rows.points), rows.radius, rows.widths, sides),), 0.0, ripple=species.coat)
+    sweep = tube(body.place(rows.points), rows.radius, rows.widths, body.rotation[:, 2])
+    return fuse(sweep, ripple=species.coat)
 
 
 def _neck(species: Quadruped, build: Build, pose: Pose, body: Frame) -> tuple[Part, Frame]:
@@ -482,10 +479,9 @@ def _neck(species: Quadruped, build: Build, pose: Pose, body: Frame) -> tuple[Pa
     if pose.sit:
         rotation = yaw(pose.neck_yaw + pose.head_yaw) @ pitch(angle)
     placed = body.place(moved)
-    sides = (body.rotation @ turns)[:, :, 2]
     grow = np.linspace(1, build.head, len(points)) * build.crest
-    sweep = Sweep(placed, rows.radius * grow, rows.widths * grow, sides)
-    return Part((sweep,), blend=0.12, ripple=species.ruff or species.coat), Frame(placed[-1], rotation)
+    sweep = tube(placed, rows.radius * grow, rows.widths * grow, (body.rotation @ turns)[:, :, 2])
+    return fuse(sweep, blend=0.12, ripple=species.ruff or species.coat), Frame(placed[-1], rotation)
 
 
 def _lowered(species: Quadruped, build: Build, points: Floats, body: Frame) -> tuple[float, float]:
@@ -516,8 +512,8 @@ def _tail(species: Quadruped, build: Build, pose: Pose, body: Frame) -> Part:
     placed = body.place(moved)
     if pose.sit:
         placed[:, 1] = np.maximum(placed[:, 1], ground(build) + rows.radius)
-    sides = (body.rotation @ turns)[:, :, 2]
-    return Part((Sweep(placed, rows.radius, rows.radius, sides),), blend=0.03, ripple=species.tail_ripple)
+    sweep = tube(placed, rows.radius, side=(body.rotation @ turns)[:, :, 2])
+    return fuse(sweep, blend=0.03, ripple=species.tail_ripple)
 
 
 def _crest(neck: Sweep, mane: Mane, sign: float) -> Part:
@@ -526,9 +522,8 @@ def _crest(neck: Sweep, mane: Mane, sign: float) -> Part:
     dorsal /= np.linalg.norm(dorsal, axis=1, keepdims=True)
     points = neck.points + dorsal * (neck.radii * mane.height)[:, None]
     points += neck.sides * (neck.widths * mane.aside * sign)[:, None]
-    radii, widths = np.full(len(points), mane.radius), np.full(len(points), mane.half_width)
     ripple = Ripple(mane.bumps, 0.06) if mane.bumps else None
-    return Part((Sweep(points, radii, widths, neck.sides),), 0.01, ripple=ripple)
+    return fuse(tube(points, mane.radius, mane.half_width, neck.sides), blend=0.01, ripple=ripple)
 
 
 def ground(build: Build) -> float:
@@ -571,8 +566,7 @@ def leg(limb: Limb, build: Build, angles: tuple[float, ...], stance: bool, body:
     if stance:
         sole = np.array([0.0, -1.0, 0.0])
     cut = Cut(points[-1] * mirror, sole * mirror) if limb.template.sole else None
-    sides = np.tile([0.0, 0.0, 1.0], (len(rows.x), 1))
-    return Sweep(points[:-1] * mirror, rows.radius * thick, rows.widths * thick, sides, cut)
+    return replace(tube(points[:-1] * mirror, rows.radius * thick, rows.widths * thick), cut=cut)
 
 
 def shoulder_blade(limb: Limb, build: Build, body: Frame, right: bool) -> Sweep:
@@ -587,7 +581,7 @@ def shoulder_blade(limb: Limb, build: Build, body: Frame, right: bool) -> Sweep:
         ]
     )
     radii, widths = np.array([0.13, 0.115, 0.075]) * size, np.array([0.085, 0.060, 0.040]) * size
-    return Sweep(body.place(points), radii, widths, np.tile(body.rotation[:, 2], (3, 1)))
+    return tube(body.place(points), radii, widths, body.rotation[:, 2])
 
 
 def stretch(x: Floats, muzzle: float) -> Floats:
@@ -602,9 +596,9 @@ def skull(head: Head, build: Build, frame: Frame) -> Part:
     points = replace(rows, x=stretch(rows.x, build.muzzle)).points
     size = head.length * build.head
     placed = frame.place(points * size)
-    sides = np.tile(frame.rotation[:, 2], (len(points), 1))
+    sweep = tube(placed, rows.radius * size, rows.widths * size, frame.rotation[:, 2])
     cut = Cut(placed[-1], frame.rotation[:, 0]) if head.flat else None
-    return Part((Sweep(placed, rows.radius * size, rows.widths * size, sides, cut),), blend=0.1 * head.length)
+    return fuse(replace(sweep, cut=cut), blend=0.1 * head.length)
 
 
 def ornament(item: Ornament, size: float, build: Build, frame: Frame, rng: Rng, muzzle: float = 1.0) -> Part:
@@ -629,8 +623,8 @@ def ornament(item: Ornament, size: float, build: Build, frame: Frame, rng: Rng, 
         flip = np.diag([1.0, 1.0, sign])
         placed = frame.place((pivot + (points - pivot) @ turn.T) @ flip * size)
         side = frame.rotation @ flip @ turn @ np.array(item.side)
-        sweeps.append(Sweep(placed, radii, widths, np.tile(side, (len(points), 1))))
-    return Part(tuple(sweeps), item.blend, item.carve, item.ripple)
+        sweeps.append(tube(placed, radii, widths, side))
+    return fuse(*sweeps, blend=item.blend, carve=item.carve, ripple=item.ripple)
 
 
 def on_skull(head: Head, x: float, degrees: float) -> Floats:
@@ -668,7 +662,7 @@ def eyes(head: Head, build: Build, frame: Frame) -> list[Part]:
     sockets = _both(head, build, frame, ahead, 1.15 * radius)
     balls = _both(head, build, frame, at - radius * np.array([0.0, 0.0, 0.35]), radius)
     size = head.length * build.head
-    return [Part(sockets, 0.05 * size, carve=True), Part(balls, 0.0)]
+    return [fuse(*sockets, blend=0.05 * size, carve=True), fuse(*balls)]
 
 
 def mouth(head: Head, build: Build, frame: Frame) -> Part | None:
@@ -685,12 +679,14 @@ def mouth(head: Head, build: Build, frame: Frame) -> Part | None:
     ahead, up = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
     cap = np.array([end + PROUD + rows.radius[-1] * ahead, rows.y[-1] + rows.radius[-1] * up, 0.0])
     bow = side[-1] * 0.3 + cap * 0.7 + np.array([0.0, 0.0, 0.25 * side[-1, 2]])
-    return Part(_both(head, build, frame, np.vstack([side, bow, cap]), LIP), 0.01 * head.length, carve=True)
+    groove = _both(head, build, frame, np.vstack([side, bow, cap]), LIP)
+    return fuse(*groove, blend=0.01 * head.length, carve=True)
 
 
 def _both(head: Head, build: Build, frame: Frame, points: Floats, radius: float) -> tuple[Sweep, ...]:
     size = head.length * build.head
     stretched = np.column_stack([stretch(points[:, 0], build.muzzle), points[:, 1:]])
-    fat = np.full(len(points), radius * size)
-    sides = np.tile(frame.rotation[:, 2], (len(points), 1))
-    return tuple(Sweep(frame.place(stretched * [1, 1, sign] * size), fat, fat, sides) for sign in (1, -1))
+    return tuple(
+        tube(frame.place(stretched * [1, 1, sign] * size), radius * size, side=frame.rotation[:, 2])
+        for sign in (1, -1)
+    )

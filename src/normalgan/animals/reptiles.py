@@ -7,12 +7,12 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, by, carried, fuse, moved, pair, tube
-from normalgan.animals.frames import Frame, about, bend, pitch, yaw
+from normalgan.animals.forms import ball, by, carried, fuse, moved, on_side, pair, tube
+from normalgan.animals.frames import Frame, about, bend, pitch, spanned, yaw
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
-from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.solids import Plate, rounded
 from normalgan.animals.stations import Profile, Spine
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.sweep import Floats, Sweep, way_along
 
 __all__ = [
     "COILED",
@@ -176,7 +176,7 @@ class Snake(PosedPlan):
         """Return the parts of one individual in a pose."""
         fat = rng.uniform(0.060, 0.085)
         line = {"coil": _coil, "wind": _wind, "rear": _rear}[pose](fat, rng)
-        steps = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        steps = way_along(line)
         share = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
         radii = fat * np.interp(share, [0, 0.18, 0.5, 0.85, 1.0], [0.16, 0.62, 1.0, 0.92, 0.62])
         line[:, 1] += radii - fat  # every part of it lies on the ground, or on the coil below
@@ -213,13 +213,12 @@ def _crawler_spine(rows: Profile, pose: str, rng: Rng) -> Spine:
 
 
 def _crawler_head(kind: Crawler, gape: float) -> list[Part]:
-    skull, jaw = kind.skull, kind.jaw
-    hinge = (float(jaw.x[0]), float(jaw.stations.y[0]), 0.0)
+    skull = kind.skull
     x, y, z = skull.x[-1], skull.top[-1], skull.half_width[-1]
     nostril = tube([(x, y, 0.55 * z), (x - 0.05, y + 0.015, 0.6 * z)], 0.022)
     return [
         fuse(skull.sweep(), blend=0.18),
-        fuse(moved(jaw.sweep(), about(hinge, pitch(-gape))), blend=0.02),
+        fuse(kind.jaw.opened(gape), blend=0.02),
         pair(ball(kind.eye.at, kind.eye.radius), blend=0.03),
         pair(nostril, blend=0.01, carve=True),
     ]
@@ -246,9 +245,7 @@ def _crawler_leg(
         middle = foot + 0.55 * way + [0.0, 0.25 * r, 0.0]
         tip[1], middle[1] = ground + 0.1 * r, max(middle[1], ground + 0.4 * r)
         parts.append(tube([foot, middle, tip], [0.55 * r, 0.42 * r, 0.22 * r]))
-    shape = fuse(*parts, blend=0.05)
-    flip = Frame(np.zeros(3), np.diag([1.0, 1.0, sign]))
-    return carried(carried([shape], flip), spine.frame(x))[0]
+    return fuse(*(moved(on_side(one, sign > 0), spine.frame(x)) for one in parts), blend=0.05)
 
 
 def _crest(rows: Profile, height: float, spine: Spine) -> list[Sweep]:
@@ -357,13 +354,8 @@ def _flippers(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> 
     for outline, x, sweep, up in ((fore, 0.30, 8.0, lift), (hind, -0.36, 52.0, -0.4 * lift)):
         out, rise = np.deg2rad(sweep), np.deg2rad(up)
         first = np.array([-np.sin(out) * np.cos(rise), np.sin(rise), np.cos(out) * np.cos(rise)])
-        second = np.array([1.0, 0.0, 0.0]) - first[0] * first
-        second /= np.linalg.norm(second)
-        frame = Frame(
-            np.array([x, rim - 0.02, 0.74 * radii[2]]),
-            np.column_stack([first, second, np.cross(first, second)]),
-        )
-        right = Plate(outline * factor, frame, 0.016, 0.25, 0.05)
+        frame = spanned(np.array([x, rim - 0.02, 0.74 * radii[2]]), first, np.array([1.0, 0.0, 0.0]))
+        right = Plate(frame, outline * factor, 0.016, 0.25, 0.05)
         parts.append(fuse(right, right.mirrored(), blend=0.05))
     return parts
 

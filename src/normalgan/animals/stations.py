@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from normalgan.animals.forms import tube
-from normalgan.animals.frames import Frame, yaw
+from normalgan.animals.forms import Shape, moved, tube
+from normalgan.animals.frames import Frame, about, pitch, yaw
 from normalgan.animals.sweep import Floats, Sweep
 from normalgan.errors import InputError
 
@@ -96,6 +96,11 @@ class Profile:
         """Return the straight body."""
         stations = self.stations
         return tube(stations.points, stations.radius, stations.widths)
+
+    def opened(self, degrees: float) -> Shape:
+        """Return the straight body, a lower jaw, turned down about its first station."""
+        hinge = (float(self.x[0]), float(self.top[0] + self.bottom[0]) / 2, 0.0)
+        return moved(self.sweep(), about(hinge, pitch(-degrees)))
 
 
 class Spine:

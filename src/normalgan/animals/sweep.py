@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cut", "Floats", "Sweep", "Volume", "area", "reach", "segment_distance", "smoothed"]
+__all__ = ["Cut", "Floats", "Sweep", "Volume", "area", "reach", "segment_distance", "smoothed", "way_along"]
 
 Floats = NDArray[np.float64]
 Volume = NDArray[np.float32]
@@ -64,6 +64,15 @@ def reach(sweep: Sweep) -> tuple[Floats, Floats]:
     """Return the lowest and highest corner, (3,) each, of a box that holds the sweep."""
     fat = np.maximum(sweep.radii, sweep.widths)[:, None]
     return (sweep.points - fat).min(axis=0), (sweep.points + fat).max(axis=0)
+
+
+def way_along(points: Floats) -> Floats:
+    """Return how far each of (n, 3) points is along the line through them, (n,), from 0.
+
+    >>> way_along(np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [3.0, 4.0, 1.0]])).tolist()
+    [0.0, 5.0, 6.0]
+    """
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
 def area(sweep: Sweep) -> float:

@@ -8,10 +8,10 @@ import numpy as np
 
 from normalgan.animals.bird_legs import Legs
 from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, carried, fuse, moved, pair, tube
+from normalgan.animals.forms import ball, carried, fuse, moved, on_side, pair, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
-from normalgan.animals.plate import Plate, rounded
+from normalgan.animals.solids import Plate, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
 from normalgan.animals.sweep import Sweep
 
@@ -119,14 +119,13 @@ def _tail(rows: Profile, tilt: float, rng: Rng) -> Sweep:
 def _head(kind: Theropod, gape: float) -> list[Part]:
     """Return the head in its own frame and unit."""
     (x, y, z), radius = kind.eye.at, kind.eye.radius
-    skull, jaw = kind.skull, kind.jaw
-    hinge = (float(jaw.x[0]), float(jaw.stations.y[0]), 0.0)
+    skull = kind.skull
     brow = tube([(x - 0.10, y + radius, 0.9 * z), (x + 0.10, y + 0.9 * radius, 0.95 * z)], [0.045, 0.035])
     nose, high, wide = skull.x[-1], skull.top[-1], skull.half_width[-1]
     nostril = tube([(nose + 0.01, high * 0.7, wide * 0.9), (nose - 0.05, high * 0.85, wide)], 0.022)
     return [
         fuse(skull.sweep(), blend=0.20),
-        fuse(moved(jaw.sweep(), about(hinge, pitch(-gape))), blend=0.03),
+        fuse(kind.jaw.opened(gape), blend=0.03),
         pair(brow, blend=0.05),
         pair(ball((x, y, z), radius)),
         pair(nostril, blend=0.01, carve=True),
@@ -136,7 +135,7 @@ def _head(kind: Theropod, gape: float) -> list[Part]:
 def _arms(kind: Theropod, factor: float, rng: Rng) -> list[Part]:
     length, radius = kind.arm.length * factor, kind.arm.radius
     parts = []
-    for sign in (1.0, -1.0):
+    for right in (True, False):
         swing = pitch(rng.normal(0, 14))
         shoulder = np.array(kind.arm.shoulder)
         bones = np.array([[0, 0, 0], [-0.25, -0.42, 0.10], [0.12, -0.60, 0.10], [0.26, -0.66, 0.06]]) * length
@@ -146,8 +145,7 @@ def _arms(kind: Theropod, factor: float, rng: Rng) -> list[Part]:
         for spread in (-0.09, 0.0, 0.09):
             reach = np.array([[0, 0, 0], [0.16, -0.02, spread], [0.26, -0.13, 1.3 * spread]]) * length
             claws.append(tube(points[-1] + reach @ swing.T, [0.55 * radius, 0.5 * radius, 0.2 * radius]))
-        limb = fuse(arm, *claws, blend=0.05)
-        parts += carried([limb], Frame(np.zeros(3), np.diag([1.0, 1.0, sign])))
+        parts.append(fuse(*(on_side(one, right) for one in (arm, *claws)), blend=0.05))
     return parts
 
 
@@ -159,4 +157,4 @@ def _sail(torso: Profile, height: float) -> list[Part]:
         start + (end - start) * share, base + 0.12 + height * np.sin(np.pi * share) ** 0.7, strict=True
     )
     outline = rounded([(start, base), *arch, (end, base)], 1)
-    return [fuse(Plate(outline, Frame(np.zeros(3), np.eye(3)), 0.018, 0.06, 0.05), blend=0.06)]
+    return [fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, 0.018, 0.06, 0.05), blend=0.06)]
