@@ -64,6 +64,8 @@ def generate(settings: Namespace) -> int:
     packing = Packing(settings.sheet, settings.split, settings.atlas)
     if packing.given and settings.size is not None:
         raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
+    if settings.layers and packing.given:
+        raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
     outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
     if is_file_name(Path(settings.output)):
         outputs = replace(outputs, format=format_of(Path(settings.output), outputs.format))
@@ -138,9 +140,16 @@ class _Batch:
         """
         settings = self._settings
         work = JobPainter(
-            painter, self._outputs, settings.size, self._packing, settings.frame, settings.strength
+            painter,
+            self._outputs,
+            settings.size,
+            self._packing,
+            settings.frame,
+            settings.strength,
+            settings.layers,
         )
-        together = settings.frame == "shared" and len(jobs) > 1 and not self._packing.given
+        alike = settings.frame == "shared" and len(jobs) > 1
+        together = alike and not self._packing.given and not settings.layers
         written = work.together(jobs) if together else stream(jobs, work)
         with _progress(len(jobs)) as advance:
             for job, outcome in written:
@@ -191,7 +200,7 @@ class _Batch:
         return 1 if self._failed else 0
 
     def _target(self, job: Job) -> Path:
-        return target_of(job, self._outputs, self._packing)
+        return target_of(job, self._outputs, self._packing, self._settings.layers)
 
     def _is_there(self, job: Job) -> bool:
         try:

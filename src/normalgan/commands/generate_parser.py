@@ -114,6 +114,12 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
         help="a sheet's JSON by TexturePacker or Aseprite, or a folder of them",
     )
     group.add_argument(
+        "--layers",
+        action="store_true",
+        help="paint each visible layer of a PSD, KRA, ORA or Aseprite file for itself, and write all as a "
+        "layered file; as files of their own with --bits 16, --engine, or another --format",
+    )
+    group.add_argument(
         "--frame",
         type=Literal["own", "shared"] | None,  # type: ignore[arg-type]
         help="what the model is shown: each drawing as large as can be, or the same square of all, so that "

@@ -6,6 +6,28 @@ it; it can open no files, has limits of memory and of processor time where the s
 by the clock everywhere.
 """
 
-from normalgan.decoding.process import Decoded, Part, Parts, Pixels, decode, decode_frames, start
+from normalgan.decoding.process import (
+    Decoded,
+    DecodedLayer,
+    DecodedLayers,
+    Part,
+    Parts,
+    Pixels,
+    decode,
+    decode_frames,
+    decode_layers,
+    start,
+)
 
-__all__ = ["Decoded", "Part", "Parts", "Pixels", "decode", "decode_frames", "start"]
+__all__ = [
+    "Decoded",
+    "DecodedLayer",
+    "DecodedLayers",
+    "Part",
+    "Parts",
+    "Pixels",
+    "decode",
+    "decode_frames",
+    "decode_layers",
+    "start",
+]

@@ -14,13 +14,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["UnreadableError", "aseprite_frames", "composite", "kind_of", "size_of"]
+__all__ = [
+    "Layer",
+    "UnreadableError",
+    "aseprite_frames",
+    "composite",
+    "durations_of",
+    "kind_of",
+    "layers",
+    "size_of",
+]
 
 _MOST_FRAMES = 1024
 _MOST_MEMBER = 2**29
 """Bytes of one file in a ZIP."""
 _ASEPRITE, _ASEPRITE_FRAME = 0xA5E0, 0xF1FA
 _LAYER, _CEL, _PALETTE, _OLD_PALETTE = 0x2004, 0x2005, 0x2019, 0x0004
+_TILE = 64
+"""Columns and rows of a tile of a Krita layer."""
+_ALTERS = {"adjustmentlayer", "generatorlayer"}
+"""Layers of Krita that alter what is below, or fill everything: nothing is drawn on them."""
 
 
 class UnreadableError(Exception):
@@ -28,20 +41,28 @@ class UnreadableError(Exception):
 
 
 @dataclass
-class _Layer:
-    """A visible layer.
+class Layer:
+    """A visible layer, or what it shows in one frame.
 
     Args:
         name: as the file has it.
+        groups: names of those that it lies in, the outermost first.
+        opacity: 0 to 255, with that of its groups; the image does not have it.
         left: of its first column in the picture; may be negative.
         top: of its first row.
         image: RGBA.
+        number: of the layer, counted from the lowest.
+        frame: in which it shows this.
     """
 
     name: str
+    groups: tuple[str, ...]
+    opacity: int
     left: int
     top: int
     image: "Image"
+    number: int = 0
+    frame: int = 0
 
 
 def kind_of(content: bytes) -> str | None:
@@ -109,9 +130,237 @@ def aseprite_frames(content: bytes) -> "Iterator[tuple[Image, int]]":
         canvas = Image.new("RGBA", file.size)
         for cel in file.cels(number):
             over = Image.new("RGBA", file.size)
-            over.paste(cel.image, (cel.left, cel.top))
+            over.paste(_faded(cel.image, cel.opacity), (cel.left, cel.top))
             canvas = Image.alpha_composite(canvas, over)
         yield canvas, duration
+
+
+def durations_of(content: bytes) -> list[int]:
+    """Return how many milliseconds each frame is shown; one frame of none of what does not move."""
+    return _Aseprite(content).durations if kind_of(content) == "aseprite" else [0]
+
+
+def layers(content: bytes) -> Iterator[Layer]:
+    """Yield the visible layers that something is drawn on, the lowest first, cut to what is opaque in them.
+
+    Those of an Aseprite file come frame by frame. What only alters the layers below it is left out.
+
+    Raises:
+        UnreadableError: if one cannot be read.
+    """
+    width, height = size_of(content)
+    match kind_of(content):
+        case "psd":
+            found = _psd_layers(content)
+        case "aseprite":
+            file = _Aseprite(content)
+            found = (cel for frame in range(len(file.durations)) for cel in file.cels(frame))
+        case _:
+            found = _zip_layers(content)
+    for number, each in enumerate(found):
+        box = max(-each.left, 0), max(-each.top, 0), width - each.left, height - each.top
+        image = each.image.convert("RGBA")
+        right, bottom = min(box[2], image.width), min(box[3], image.height)
+        if right <= box[0] or bottom <= box[1]:
+            continue  # all of it lies beside the picture
+        image = image.crop((box[0], box[1], right, bottom))
+        opaque = image.getchannel("A").getbbox()
+        if opaque is None:
+            continue
+        each.image = image.crop(opaque)
+        each.left, each.top = each.left + box[0] + opaque[0], each.top + box[1] + opaque[1]
+        if kind_of(content) != "aseprite":
+            each.number = number
+        yield each
+
+
+def _psd_layers(content: bytes) -> Iterator[Layer]:
+    psd = _psd(content)
+    if psd.color_mode.name not in {"RGB", "GRAYSCALE"}:
+        raise UnreadableError(
+            f"has its colours in {psd.color_mode.name}; layers of RGB and of greys can be painted"
+        )
+    return _psd_group(psd, (), 255)
+
+
+def _psd_group(group: Any, path: tuple[str, ...], opacity: int) -> Iterator[Layer]:
+    for layer in group:
+        if not layer.visible:
+            continue
+        own = opacity * layer.opacity // 255
+        if layer.is_group():
+            yield from _psd_group(layer, (*path, layer.name), own)
+            continue
+        image = layer.topil() if layer.has_pixels() else None
+        if image is not None:
+            yield Layer(layer.name, path, own, layer.left, layer.top, _masked(layer, image))
+        elif layer.kind in {"shape", "smartobject", "type"}:
+            raise UnreadableError(f"has a layer {layer.name!r} without pixels; rasterize it, or hide it")
+
+
+def _masked(layer: Any, image: "Image") -> "Image":
+    """Return the picture of a PSD's layer with its mask in its opacity."""
+    from PIL import Image, ImageChops
+
+    image, mask = image.convert("RGBA"), layer.mask
+    if mask is None or mask.disabled:
+        return image
+    whole = Image.new("L", image.size, mask.background_color)
+    part = mask.topil()
+    if part is not None:
+        whole.paste(part.convert("L"), (mask.left - layer.left, mask.top - layer.top))
+    image.putalpha(ImageChops.multiply(image.getchannel("A"), whole))
+    return image
+
+
+def _zip_layers(content: bytes) -> Iterator[Layer]:
+    from xml.etree import ElementTree as Tree
+
+    with _zip(content) as file:
+        krita = "maindoc.xml" in file.namelist()
+        name = "maindoc.xml" if krita else "stack.xml"
+        try:
+            root = Tree.fromstring(_member(file, name))
+        except Tree.ParseError as error:
+            raise UnreadableError(f"has a broken {name}: {error}") from None
+        for each in root.iter():
+            each.tag = each.tag.rpartition("}")[2]
+        if krita:
+            yield from _krita_layers(file, root.find("IMAGE/layers"), (), 255)
+        else:
+            yield from _openraster_layers(file, root.find("stack"), (), 1.0)
+
+
+def _openraster_layers(
+    file: zipfile.ZipFile, stack: Any, path: tuple[str, ...], opacity: float
+) -> Iterator[Layer]:
+    """Yield the layers of a stack; https://www.openraster.org/baseline/layer-stack-spec.html."""
+    for each in reversed(stack if stack is not None else ()):
+        name = each.get("name", "")
+        if each.get("visibility") == "hidden":
+            continue
+        try:
+            own = opacity * min(max(float(each.get("opacity", "1")), 0.0), 1.0)
+            left, top = int(each.get("x", "0")), int(each.get("y", "0"))
+        except ValueError as error:
+            raise UnreadableError(f"has a broken layer {name!r}: {error}") from None
+        if each.tag == "stack":
+            yield from _openraster_layers(file, each, (*path, name), own)
+        elif each.tag == "layer":
+            image = _png(_member(file, each.get("src", "")))
+            yield Layer(name, path, round(255 * own), left, top, image)
+
+
+def _krita_layers(file: zipfile.ZipFile, group: Any, path: tuple[str, ...], opacity: int) -> Iterator[Layer]:
+    for each in reversed(group if group is not None else ()):
+        name, kind = each.get("name", ""), each.get("nodetype", "")
+        if each.get("visible", "1") == "0" or kind in _ALTERS:
+            continue
+        masks = [mask.get("nodetype") for mask in each.findall("masks/mask") if mask.get("visible") != "0"]
+        if any(mask in {"transparencymask", "filtermask", "transformmask"} for mask in masks):
+            raise UnreadableError(f"has a layer {name!r} with a mask that only Krita applies; flatten it")
+        try:
+            own = opacity * min(max(int(each.get("opacity", "255")), 0), 255) // 255
+            at = int(each.get("x", "0")), int(each.get("y", "0"))
+            if kind == "grouplayer":
+                yield from _krita_layers(file, each.find("layers"), (*path, name), own)
+            elif kind == "paintlayer":
+                yield Layer(name, path, own, 0, 0, _krita_pixels(file, each, at))
+            else:
+                raise UnreadableError(f"has a layer {name!r} of the kind {kind}; rasterize it, or hide it")
+        except (ValueError, IndexError) as error:
+            raise UnreadableError(f"has a broken layer {name!r}: {error}") from None
+
+
+def _krita_pixels(file: zipfile.ZipFile, layer: Any, at: tuple[int, int]) -> "Image":
+    """Return the picture of a paint layer, as large as the whole.
+
+    The format is that of Krita's ``KisTiledDataManager`` and ``KisTileCompressor2``: lines of text, and then
+    tiles, each with a line that says where it lies, and its bytes, one plane after the other, packed by LZF.
+
+    Raises:
+        ValueError: if it is broken, and so is `IndexError`.
+    """
+    across, down = at
+    ending = f"/layers/{layer.get('filename', '')}"
+    name = next((each for each in file.namelist() if each.endswith(ending)), ending[1:])
+    space = layer.get("colorspacename", "RGBA")
+    bands = {"RGBA": "BGRA", "GRAYA": "LA"}.get(space)
+    if bands is None:
+        raise ValueError(f"it has its colours in {space}, and not in 8 bits of RGBA or GRAYA")
+    data, here, about = _member(file, name), 0, {}
+    while "DATA" not in about:
+        key, _, value = data[here : (end := data.index(b"\n", here))].decode("ascii").partition(" ")
+        about[key], here = int(value), end + 1
+    if (about.get("TILEWIDTH"), about.get("TILEHEIGHT"), about.get("PIXELSIZE")) != (
+        _TILE,
+        _TILE,
+        len(bands),
+    ):
+        raise ValueError("it has tiles or pixels of another size than 64 × 64 and 8 bits a channel")
+    ground = bytes(len(bands))
+    if f"{name}.defaultpixel" in file.namelist():
+        ground = _member(file, f"{name}.defaultpixel")[: len(bands)].ljust(len(bands), b"\0")
+    whole = _from_bands(ground, bands, (1, 1)).resize(_png(_member(file, "mergedimage.png")).size)
+    for _ in range(about["DATA"]):
+        left, top, packing, count = data[here : (end := data.index(b"\n", here))].decode("ascii").split(",")
+        here = end + 1 + int(count)
+        if packing != "LZF" or here > len(data):
+            raise ValueError("a tile of it is packed in a way that is not known, or ends too early")
+        whole.paste(_tile(data[end + 1 : here], bands), (int(left) + across, int(top) + down))
+    return whole
+
+
+def _tile(packed: bytes, bands: str) -> "Image":
+    from PIL import Image
+
+    count = _TILE * _TILE * len(bands)
+    if packed[0] == 0:
+        return _from_bands(packed[1 : 1 + count], bands, (_TILE, _TILE))
+    planes = _unpacked(packed[1:], count)
+    side = _TILE * _TILE
+    own = [Image.frombytes("L", (_TILE, _TILE), planes[i : i + side]) for i in range(0, count, side)]
+    ordered = (own[2], own[1], own[0], own[3]) if bands == "BGRA" else (own[0], own[0], own[0], own[1])
+    return Image.merge("RGBA", ordered)
+
+
+def _from_bands(data: bytes, bands: str, size: tuple[int, int]) -> "Image":
+    from PIL import Image
+
+    mode = "RGBA" if bands == "BGRA" else "LA"
+    return Image.frombytes(mode, size, data, "raw", bands).convert("RGBA")
+
+
+def _unpacked(packed: bytes, count: int) -> bytes:
+    r"""Return bytes that LZF has packed.
+
+    Raises:
+        ValueError: if they are not as many as ``count``.
+
+    >>> _unpacked(b"\x01ab\x60\x01", 7)
+    b'abababa'
+    """
+    out, at = bytearray(), 0
+    while at < len(packed) and len(out) < count:
+        control = packed[at]
+        at += 1
+        if control < 32:  # so many bytes as they are, and one
+            out += packed[at : at + control + 1]
+            at += control + 1
+            continue
+        length = (control >> 5) + 2
+        if length == 9:
+            length += packed[at]
+            at += 1
+        back = ((control & 31) << 8 | packed[at]) + 1
+        at += 1
+        if back > len(out):
+            raise ValueError("a tile of it refers to what is before its start")
+        once = bytes(out[len(out) - back : len(out) - back + length])
+        out += (once * (length // len(once) + 1))[:length]
+    if len(out) != count:
+        raise ValueError(f"a tile of it has {len(out)} bytes in place of {count}")
+    return bytes(out)
 
 
 def _psd(content: bytes) -> Any:
@@ -168,8 +417,8 @@ class _Aseprite:
             raise UnreadableError(f"has {frames} frames; 1 to {_MOST_FRAMES} can be read")
         self.durations: list[int] = []
         self._visible: list[bool] = []
-        self._names: list[tuple[str, int]] = []
-        self._levels: list[bool] = []
+        self._names: list[tuple[str, tuple[str, ...], int]] = []
+        self._levels: list[tuple[bool, str]] = []
         self._palette = [(0, 0, 0, 255)] * 256
         self._cels: list[dict[int, tuple[int, bytes]]] = []
         try:
@@ -191,26 +440,29 @@ class _Aseprite:
         except (struct.error, IndexError) as error:
             raise UnreadableError(f"is a broken Aseprite file: {error}") from None
 
-    def cels(self, frame: int) -> list[_Layer]:
+    def cels(self, frame: int) -> list[Layer]:
         """Return the visible layers of a frame, the lowest first."""
         found = []
         for number, visible in enumerate(self._visible):
             if visible and number in self._cels[frame]:
-                name, opacity = self._names[number]
+                name, groups, opacity = self._names[number]
                 try:
-                    found.append(self._cel(name, opacity, number, frame))
+                    left, top, own, image = self._cel(number, frame)
                 except (struct.error, ValueError, zlib.error, KeyError, IndexError) as error:
                     raise UnreadableError(f"has a broken layer {name!r}: {error}") from None
+                found.append(Layer(name, groups, opacity * own // 255, left, top, image, number, frame))
         return found
 
     def _take(self, kind: int, data: bytes) -> None:
         if kind == _LAYER:
             flags, what, level, opacity = struct.unpack_from("<HHH6xB", data)
-            visible = bool(flags & 1) and all(self._levels[:level])
-            self._levels[level:] = [visible]
-            self._visible.append(visible and what == 0)
             (length,) = struct.unpack_from("<H", data, 16)
-            self._names.append((data[18 : 18 + length].decode("utf-8", "replace"), opacity))
+            name = data[18 : 18 + length].decode("utf-8", "replace")
+            above = self._levels[:level]
+            visible = bool(flags & 1) and all(shown for shown, _ in above)
+            self._levels[level:] = [(visible, name)]
+            self._visible.append(visible and what == 0)
+            self._names.append((name, tuple(each for _, each in above), opacity))
         elif kind == _CEL:
             (number,) = struct.unpack_from("<H", data)
             self._cels[-1][number] = (len(self._cels) - 1, data)
@@ -222,7 +474,8 @@ class _Aseprite:
                 self._palette[index] = (colour[0], colour[1], colour[2], colour[3])
                 at += 6 + (2 + struct.unpack_from("<H", data, at + 6)[0] if flags & 1 else 0)
 
-    def _cel(self, name: str, opacity: int, number: int, frame: int) -> _Layer:
+    def _cel(self, number: int, frame: int) -> "tuple[int, int, int, Image]":
+        """Return left, top, opacity and picture of what a layer shows in a frame."""
         from PIL import Image
 
         data = self._cels[frame][number][1]
@@ -231,7 +484,7 @@ class _Aseprite:
             (other,) = struct.unpack_from("<H", data, 16)
             if other >= frame:
                 raise ValueError("it refers to a later frame")
-            return self._cel(name, opacity, number, other)
+            return self._cel(number, other)
         if kind not in {0, 2}:
             raise ValueError("it is made of tiles, which cannot be read")
         width, height = struct.unpack_from("<HH", data, 16)
@@ -252,4 +505,4 @@ class _Aseprite:
             palette[self._clear] = (0, 0, 0, 0)
             bands = [index.point([colour[band] for colour in palette]) for band in range(4)]
             image = Image.merge("RGBA", bands)
-        return _Layer(name, left, top, _faded(image, opacity * own // 255))
+        return left, top, own, image

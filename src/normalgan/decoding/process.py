@@ -17,12 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.decoding.worker import (
+    DURATION,
     EXACT,
     FRAMES,
+    LAYER,
+    LAYERS,
     MODES,
     MOST_PARTS,
     MOST_PIXELS,
-    PART,
     PARTS,
     PICTURE,
     PIXEL_BYTES,
@@ -38,11 +40,14 @@ __all__ = [
     "PATIENCE",
     "SECONDS",
     "Decoded",
+    "DecodedLayer",
+    "DecodedLayers",
     "Part",
     "Parts",
     "Pixels",
     "decode",
     "decode_frames",
+    "decode_layers",
     "start",
 ]
 
@@ -105,6 +110,46 @@ class Parts:
     loop: int
 
 
+@dataclass(frozen=True)
+class DecodedLayer:
+    """A visible layer, or what it shows in one frame.
+
+    Args:
+        name: as the file has it.
+        groups: names of those that it lies in, the outermost first.
+        opacity: 0 to 255, with that of its groups; the pixels do not have it.
+        left: column of the picture in which its first one lies.
+        top: row of the picture in which its first one lies.
+        number: of the layer, from the lowest up.
+        frame: in which it shows this.
+        pixels: (h, w, 4), all within the picture.
+    """
+
+    name: str
+    groups: tuple[str, ...]
+    opacity: int
+    left: int
+    top: int
+    number: int
+    frame: int
+    pixels: NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class DecodedLayers:
+    """The visible layers of a layered file.
+
+    Args:
+        shape: (H, W) of the picture.
+        durations: milliseconds that each frame is shown; one of 0 if it does not move.
+        layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
+    """
+
+    shape: tuple[int, int]
+    durations: list[int]
+    layers: list[DecodedLayer]
+
+
 def decode(
     name: str,
     content: bytes,
@@ -138,6 +183,12 @@ def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
     """Return all frames of an animation, each whole; arguments and errors are those of `decode`."""
     request = REQUEST.pack(len(content), *sides, sides[1], 0, False, FRAMES)
     return _pool.run(lambda child: child.decode_parts(name, request, content, sides[1]))
+
+
+def decode_layers(name: str, content: bytes, sides: tuple[int, int]) -> DecodedLayers:
+    """Return the visible layers of a layered file; arguments and errors are those of `decode`."""
+    request = REQUEST.pack(len(content), *sides, sides[1], 0, False, LAYERS)
+    return _pool.run(lambda child: child.decode_layers(name, request, content, sides[1]))
 
 
 def start() -> None:
@@ -176,6 +227,10 @@ class _Child:
     def decode_parts(self, name: str, request: bytes, content: bytes, most: int) -> Parts:
         """Return the parts of a file, as `decode` does."""
         return self._asked(name, request, content, lambda: self._receive_parts(name, most))
+
+    def decode_layers(self, name: str, request: bytes, content: bytes, most: int) -> DecodedLayers:
+        """Return the layers of a file, as `decode` does."""
+        return self._asked(name, request, content, lambda: self._receive_layers(name, most))
 
     def _asked(self, name: str, request: bytes, content: bytes, receive: Callable[[], T]) -> T:
         late = threading.Event()
@@ -258,12 +313,37 @@ class _Child:
         parts, pixels = [], 0
         for _ in range(count):
             decoded = self._receive(name, most)  # or its refusal
-            _, _, duration, _ = PART.unpack(self._read(PART.size))
+            (duration,) = DURATION.unpack(self._read(DURATION.size))
             pixels += decoded.shape[0] * decoded.shape[1]
             if pixels > MOST_PIXELS:
                 raise EOFError
             parts.append(Part(decoded, duration))
         return Parts(parts, loop)
+
+    def _receive_layers(self, name: str, most: int) -> DecodedLayers:
+        """Return layers as the child sends them; what it says of them is not believed."""
+        kind, width, height, frames, _, count = REPLY.unpack(self._read(REPLY.size))
+        if kind == REFUSED and count <= _WORDS:
+            raise InputError(f"{name} {_told(self._read(count))}.")
+        if kind != PARTS or not (0 < count <= MOST_PARTS and 0 < frames <= MOST_PARTS):
+            raise EOFError
+        if not all(0 < side <= most for side in (width, height)):
+            raise EOFError
+        durations = [each for (each,) in DURATION.iter_unpack(self._read(frames * DURATION.size))]
+        layers, total = [], 0
+        for _ in range(count):
+            pixels = self._receive(name, most).pixels
+            left, top, number, frame, opacity, length = LAYER.unpack(self._read(LAYER.size))
+            *groups, own = [_told(each) for each in self._read(length).split(b"\0")]
+            total += pixels.shape[0] * pixels.shape[1]
+            inside = 0 <= left <= width - pixels.shape[1] and 0 <= top <= height - pixels.shape[0]
+            if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.dtype != np.uint8:
+                raise EOFError
+            if total > MOST_PIXELS or frame >= frames or not inside:
+                raise EOFError
+            found = np.asarray(pixels, np.uint8)
+            layers.append(DecodedLayer(own, tuple(groups), opacity, left, top, number, frame, found))
+        return DecodedLayers((height, width), durations, layers)
 
     def _read(self, count: int) -> bytes:
         data = bytearray(count)

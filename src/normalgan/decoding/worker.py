@@ -22,14 +22,16 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 __all__ = [
+    "DURATION",
     "EXACT",
     "FRAMES",
+    "LAYER",
+    "LAYERS",
     "MODES",
     "MOST_DEPTH",
     "MOST_PARTS",
     "MOST_PIXELS",
     "MOST_TEXT",
-    "PART",
     "PARTS",
     "PICTURE",
     "PIXEL_BYTES",
@@ -49,19 +51,22 @@ __all__ = [
     "main",
     "send",
     "send_frames",
+    "send_layers",
     "send_levels",
 ]
 
 REQUEST = struct.Struct("<QIIIIBB")
 """Bytes that follow, least and greatest side, of an SVG, longest to reduce to or 0, whether grey, what."""
-PICTURE, FRAMES, EXACT = 0, 1, 2
-"""What is asked for: the picture; all frames of an animation; the picture's levels as they are stored."""
+PICTURE, FRAMES, EXACT, LAYERS = 0, 1, 2, 3
+"""What is asked for: the picture; all frames of an animation; its levels as they are stored; its layers."""
 REPLY = struct.Struct("<BIIIIQ")
 """Kind of what follows, width, height, those before it was reduced, bytes that follow."""
 PARTS, READY, REFUSED = 253, 254, 255
 """Kinds that are no pixels: so many parts follow; the process is ready; a refusal in words."""
-PART = struct.Struct("<iiIH")
-"""What follows the pixels of a part: its left and top, milliseconds, bytes of its name, and these."""
+DURATION = struct.Struct("<I")
+"""What follows the pixels of a frame: milliseconds that it is shown."""
+LAYER = struct.Struct("<iiHHBH")
+"""What follows the pixels of a layer: left, top, number, frame, opacity, bytes of its names, and these."""
 MOST_PARTS, MOST_PIXELS = 1024, 2**26
 """Frames of an animation, and pixels of all of them together: as many as the largest drawing has."""
 MODES = ("L", "RGB", "RGBA", "I;16", "I", "F", "RGB;16", "RGBA;16", "RGB;F", "RGBA;F")
@@ -93,6 +98,8 @@ _PLUGINS = {
 """What files begin with, and Pillow's module for them; it has forty more, one of which starts Ghostscript."""
 _KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg .psd .kra .ora .ase .aseprite"
 _STRIP = 2**22
+_LONGEST_NAME, _DEEPEST = 256, 32
+"""Characters of a layer's name, and groups within one another, of which the parent is told."""
 _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
 _EMBEDDED = re.compile(r"data:image/(?:png|jpe?g|gif|webp);base64,", re.IGNORECASE)
@@ -132,6 +139,8 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
         try:
             if what == FRAMES:
                 send_frames(content, least, most, seconds, replies)
+            elif what == LAYERS:
+                send_layers(content, least, most, seconds, replies)
             elif what == EXACT and loses_levels(content):
                 send_levels(exact_levels(content, least, most), replies)
             else:
@@ -270,11 +279,50 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
                 shown = _plain(image.copy())
                 milliseconds = min(max(int(image.info.get("duration", 0)), 0), 2**31)
                 send(shown, shown.size, replies)
-                _write(replies, PART.pack(0, 0, milliseconds, 0))
+                _write(replies, DURATION.pack(milliseconds))
     except (RefusedError, MemoryError):
         raise
     except Exception as error:  # as in `decode`
         raise RefusedError(f"cannot be read from its frame {number + 1} on: {_brief(error)}") from None
+
+
+def send_layers(content: bytes, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
+    """Write the visible layers of a layered file, the lowest first, after the durations of its frames.
+
+    Raises:
+        RefusedError: if it has none, or they cannot be decoded.
+    """
+    reader = _layered(content)
+    if reader is None:
+        raise RefusedError("has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted")
+    try:
+        width, height = reader.size_of(content)
+        _check_sides(width, height, least, most)
+        durations = reader.durations_of(content)
+        found, pixels = [], 0
+        for layer in reader.layers(content):
+            limit_time(seconds)
+            found.append(layer)
+            pixels += layer.image.width * layer.image.height
+            _check_parts(len(found), pixels, "layers")
+    except reader.UnreadableError as error:
+        raise RefusedError(str(error)) from None
+    except (RefusedError, MemoryError):
+        raise
+    except Exception as error:  # as in `decode`
+        raise RefusedError(f"has layers that cannot be read: {_brief(error)}") from None
+    if not found:
+        raise RefusedError("has no visible layer that anything is drawn on")
+    _write(replies, REPLY.pack(PARTS, width, height, len(durations), 0, len(found)))
+    _write(replies, b"".join(DURATION.pack(min(each, 2**31)) for each in durations))
+    for layer in found:
+        send(layer.image, layer.image.size, replies)
+        names = "\0".join(
+            each.replace("\0", "")[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)
+        )
+        encoded = names.encode(errors="replace")
+        place = layer.left, layer.top, layer.number, layer.frame, layer.opacity
+        _write(replies, LAYER.pack(*place, len(encoded)) + encoded)
 
 
 def _check_parts(count: int, pixels: int, name: str) -> None:
@@ -382,7 +430,7 @@ def _send_aseprite(
         _write(replies, REPLY.pack(PARTS, width, height, 0, 0, count))
         for image, milliseconds in itertools.chain([first], frames):
             send(image, image.size, replies)
-            _write(replies, PART.pack(0, 0, milliseconds, 0))
+            _write(replies, DURATION.pack(milliseconds))
     except reader.UnreadableError as error:
         raise RefusedError(str(error)) from None
 

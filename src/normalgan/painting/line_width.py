@@ -90,7 +90,8 @@ def areas(inked: Mark, width: float, depth: Floats, side: int) -> Mark:
     away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
     thick: Mark = inked & np.asarray(away <= 1.2 * thickest)
     count, labels = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)
-    share = np.bincount(labels[thick], minlength=count) / np.bincount(labels.ravel(), minlength=count)
+    whole = np.maximum(np.bincount(labels.ravel(), minlength=count), 1)  # ink may be everywhere
+    share = np.bincount(labels[thick], minlength=count) / whole
     found: Mark = thick | (inked & (share > 0.5)[labels])
     return found
 

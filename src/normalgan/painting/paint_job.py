@@ -16,6 +16,7 @@ from normalgan.limits import read_bounded
 from normalgan.painting.animation import encode_animation, kind_of, moving_kind
 from normalgan.painting.inputs import as_hints
 from normalgan.painting.jobs import DrawingFiles, Job
+from normalgan.painting.layered_job import LayeredJob, layered_target
 from normalgan.painting.masks import load_mask
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.outputs import Heights, Outputs, level_heights
@@ -60,6 +61,7 @@ class JobPainter:
         frame: whether the network is shown the same square of all drawings that belong together; None is
             ``shared`` for an animation, and ``own`` else.
         strength: what the slopes of all maps are multiplied by.
+        layers: whether each visible layer of a layered file is painted for itself.
     """
 
     painter: Painter
@@ -68,6 +70,7 @@ class JobPainter:
     packing: Packing = field(default_factory=Packing)
     frame: Framing | None = None
     strength: float = 1.0
+    layers: bool = False
 
     def __call__(self, job: Job) -> Done:
         """Paint and write one job.
@@ -76,6 +79,10 @@ class JobPainter:
             InputError: if the drawing cannot be used.
             OSError: if a file cannot be written.
         """
+        if self.layers:
+            shared = self.frame != "own"
+            paint = LayeredJob(self.painter, self.outputs, self.size, shared, self.strength)
+            return Done(self._target(job), *paint(job))
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
         if kind is not None and self.packing.given:
             raise InputError(f"{files.drawing} is an animation; a sheet is a still picture.")
@@ -160,7 +167,7 @@ class JobPainter:
                 self.outputs.write_map(own, preds)
         if len(failed) == len(members):
             raise failed[0]
-        target = target_of(job, self.outputs, self.packing)
+        target = self._target(job)
         if _moves(self.outputs):
             self.outputs.write_sidecar(target)
             durations = [each.duration for each in found.parts]
@@ -169,22 +176,30 @@ class JobPainter:
         more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
         return Done(target, said[0] + more if said else "", heights)
 
+    def _target(self, job: Job) -> Path:
+        return target_of(job, self.outputs, self.packing, self.layers)
+
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
 
 
-def target_of(job: Job, outputs: Outputs, packing: Packing) -> Path:
-    """Return where the map of a job goes; of an animation that does not fit in one, where the first goes.
+def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False) -> Path:
+    """Return where the map of a job goes; of several that do not go into one file, where the first goes.
 
     Raises:
-        InputError: if it is a broken animation.
+        InputError: if it is a broken animation, has no layers that are asked for, or would be written over.
     """
+    if layers:
+        return layered_target(job, outputs)
     kind = None if packing.given else moving_kind(job.files.drawing, job.files.content)
     if kind is None:
         return job.target
     if not _moves(outputs):
         return job.numbered(1, outputs.ending).target
-    return job.target if job.exact else job.target.with_suffix(f".{kind}")
+    target = job.target if job.exact else job.target.with_suffix(f".{kind}")
+    if target.resolve() == job.files.drawing.resolve():
+        raise InputError(f"{target} is read and would be written over; give another folder (-o) or --suffix.")
+    return target
 
 
 def _moves(outputs: Outputs) -> bool:
