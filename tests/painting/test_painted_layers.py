@@ -23,7 +23,7 @@ FILES = Path(__file__).parent / "layered"
 """A picture of three layers and a hidden one, saved by Krita 5.1: paper, a body, an arm in a faded group."""
 
 
-def drawn(centre: tuple[float, float], radius: float) -> Pixels:
+def drawn(centre: tuple[int, int], radius: int) -> Pixels:
     """Return a disc with a dark rim, transparent about it."""
     filled = blob(SHAPE, centre, radius)
     shade = np.rint(255 * (1 - 0.9 * outline(filled)))
@@ -152,7 +152,7 @@ def test_layers_of_an_animation_move(here: Path) -> None:
         *(("body", 0, 255), ("ball", 0, 255), ("body", 1, 128), ("ball", 1, 255)),
     ]
     still = [each.pixels for each in found.layers if each.name == "body"]
-    assert np.array_equal(*still)
+    assert np.array_equal(still[0], still[1])
     assert generate("walk.ase", "--layers", "--bits", "16", "-o", "each") == 0
     assert sorted(each.name for each in Path("each").iterdir())[0] == "walk_01_body_0001_normal.png"
 
