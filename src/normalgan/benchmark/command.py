@@ -17,7 +17,16 @@ if TYPE_CHECKING:  # they import torch
     from normalgan.benchmark.evaluation import Evaluation
     from normalgan.benchmark.methods import Method
 
-__all__ = ["build_parser", "check", "compare", "evaluate", "run", "score", "write_test_inputs"]
+__all__ = [
+    "build_parser",
+    "check",
+    "compare",
+    "evaluate",
+    "measure_human",
+    "run",
+    "score",
+    "write_test_inputs",
+]
 
 
 def run(arguments: list[str]) -> int:
@@ -28,6 +37,8 @@ def run(arguments: list[str]) -> int:
         KeyboardInterrupt: if it was stopped.
     """
     options = build_parser().parse_args(arguments)
+    if options.human is not None:
+        return measure_human(options)
     plan, scale = _read(options)
     with warnings.catch_warnings():
         filter_warnings()
@@ -96,6 +107,12 @@ def build_parser() -> LightParser:
         "--inputs",
         type=str | None,
         help="write the sketches and hints of the test into a folder, for another program, and train nothing",
+    )
+    parser.add_argument(
+        "--human",
+        type=str | None,
+        help="measure a model, --evaluate or shipped, on drawings by people: a folder in the layout of "
+        "OpenSketch, DifferSketching or Tracing versus Freehand; takes no plan; --rows names groups",
     )
     parser.add_argument(
         "--spec",
@@ -198,6 +215,25 @@ def write_test_inputs(plan: Plan, scale: Scale, folder: Path) -> int:
     for batch in evaluation.batches():
         write_inputs(folder, batch, plan.counts, plan.hint_seed)
     _say(f"Sketches and hints: {folder.resolve()}")
+    return 0
+
+
+def measure_human(options: Namespace) -> int:
+    """Measure a model on drawings by people, and return the exit code.
+
+    Raises:
+        InputError: if the folder or the model cannot be used, or something is given that has no say in it.
+    """
+    from normalgan.benchmark.human import human
+
+    for name in ("config", "seeds", "images", "budget", "set", "score", "inputs", "spec"):
+        if getattr(options, name):
+            raise InputError(f"--human takes no --{name}; it measures one model on the drawings of a folder.")
+    groups = [group.strip() for group in (options.rows or "").split(",") if group.strip()]
+    out = Path(options.output or "runs/human")
+    with warnings.catch_warnings():
+        filter_warnings()
+        human(Path(options.human), options.evaluate or "shipped", out, groups, _say)
     return 0
 
 

@@ -1,0 +1,179 @@
+"""Evaluation of drawings by people: painted by the one pipeline, compared with their meshes' normals."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from normalgan.batch import Batch
+from normalgan.benchmark.accumulator import Accumulator, Figure
+from normalgan.benchmark.human.drawing import HumanDrawing
+from normalgan.benchmark.human.registration import camera_of, read_placed_mesh
+from normalgan.benchmark.measure import Measured
+from normalgan.benchmark.points import hint_points
+from normalgan.errors import InputError
+from normalgan.gallery import Row
+from normalgan.hints import hints_at
+from normalgan.metrics import angular_error, without_hints
+from normalgan.metrics.contour import distance_from_contour
+from normalgan.painting.painter import Painter
+from normalgan.rendering.renderers.embree import EmbreeRenderer
+from normalgan.rendering.strokes.raster import rasterise
+
+__all__ = ["COUNTS", "Measurement", "measure_drawings", "sample_of"]
+
+COUNTS = (0, 15)
+"""Numbers of hints that every drawing is painted with, those of the benchmark's table 1."""
+_CPU = torch.device("cpu")
+_placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of one mesh follow one another
+
+
+@dataclass
+class Measurement:
+    """What was measured of a folder of drawings.
+
+    Args:
+        groups: figures of drawings that belong together, as those of a method of the benchmark.
+        drawings: name, group, mesh, size, camera and figures of each.
+        left_out: a sentence for each that could not be measured.
+        shown: rows of the gallery, without hints and with the most.
+    """
+
+    groups: dict[str, dict[str, Any]] = field(default_factory=dict)
+    drawings: list[dict[str, Any]] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    shown: list[tuple[Row, Row]] = field(default_factory=list)
+
+
+def sample_of(drawing: HumanDrawing) -> Batch:
+    """Return the drawing with the true normals beneath it, a batch of one.
+
+    Raises:
+        InputError: if its mesh or camera cannot be used, or none of the mesh is on the sheet.
+    """
+    placed = _placed(drawing.mesh)
+    camera = camera_of(drawing.projection, placed, drawing.side)
+    maps = EmbreeRenderer().render(placed.mesh, camera, drawing.side)
+    if not maps.mask.any():
+        raise InputError("its camera shows nothing of the mesh.")
+    return {
+        "sketch": torch.from_numpy(rasterise(drawing.strokes, drawing.side))[None, None],
+        "normal": torch.from_numpy(np.ascontiguousarray(maps.normal.transpose(2, 0, 1)))[None],
+        "mask": torch.from_numpy(maps.mask.astype(np.float32))[None, None],
+        "name": [drawing.name],
+    }
+
+
+def measure_drawings(
+    drawings: Sequence[HumanDrawing],
+    painter: Painter,
+    seed: int,
+    gallery: int,
+    say: Callable[[str], None],
+) -> Measurement:
+    """Return the figures of all drawings; what cannot be measured is named, not passed over.
+
+    Hints are the true normals at points drawn uniformly on the object; hinted pixels do not count. A drawing
+    in which no object is seen counts as one of which nothing is painted.
+
+    Args:
+        drawings: what was drawn.
+        painter: the model.
+        seed: of the hints.
+        gallery: drawings to show.
+        say: tells the user how far it is.
+    """
+    found = Measurement()
+    gathered: dict[str, dict[str, Accumulator]] = {}
+    ordered = sorted(drawings, key=lambda one: (str(one.mesh), one.name))
+    every = max(len(ordered) // max(gallery, 1), 1)
+    for number, drawing in enumerate(ordered):
+        try:
+            batch = sample_of(drawing)
+        except InputError as error:
+            found.left_out.append(f"{drawing.name} is left out: {error}")
+            continue
+        group = gathered.setdefault(drawing.group, {str(count): Accumulator(_CPU) for count in COUNTS})
+        record: dict[str, Any] = {"name": drawing.name, "group": drawing.group, "mesh": drawing.mesh.name}
+        record |= {"size": drawing.side, "camera_misses": drawing.misses, "figures": {}}
+        rows = []
+        for count in COUNTS:
+            painted, hints, warning = _paint(painter, batch, count, seed)
+            group[str(count)].update(
+                painted,
+                batch["normal"],
+                batch["mask"],
+                hints[:, 3:],
+                distance_from_contour(batch["mask"]),
+                batch["name"],
+            )
+            record["figures"][str(count)] = _of_one(painted, batch, hints[:, 3:])
+            record["warning"] = warning
+            rows.append(_row(drawing, batch, hints, painted))
+        found.drawings.append(record)
+        if number % every == 0 and len(found.shown) < gallery:
+            found.shown.append((rows[0], rows[-1]))
+        if (number + 1) % 25 == 0:
+            say(f"{number + 1} of {len(ordered)} drawings")
+    found.groups = {group: _measured(by_count) for group, by_count in sorted(gathered.items())}
+    return found
+
+
+def _paint(painter: Painter, batch: Batch, count: int, seed: int) -> tuple[Tensor, Tensor, str]:
+    """Return what is painted (1, 3 or 4, S, S), zero where nothing is, the hints, and what is to be said."""
+    where = hint_points(batch["mask"], batch["name"], seed, count)
+    hints = hints_at(batch["normal"], where)
+    given = np.ascontiguousarray(hints[0].permute(1, 2, 0).numpy()) if count else None
+    try:
+        seen = painter(1 - batch["sketch"][0, 0].numpy(), given)
+    except InputError as error:
+        return torch.zeros_like(batch["normal"]), hints, str(error)
+    channels = [seen.normal] if seen.confidence is None else [seen.normal, seen.confidence[..., None]]
+    painted = np.concatenate(channels, axis=-1).transpose(2, 0, 1)
+    return torch.from_numpy(np.ascontiguousarray(painted, np.float32))[None], hints, seen.warning
+
+
+def _of_one(painted: Tensor, batch: Batch, where: Tensor) -> Figure:
+    """Return the error on the object, on what is painted of it, and how far what is painted overlaps it."""
+    preds = painted[:, :3]
+    there, seen = batch["mask"] > 0.5, (preds != 0).any(1, keepdim=True)
+    counted = without_hints(batch["mask"], where) > 0.5
+    angle = angular_error(preds, batch["normal"])
+    return {
+        "angular_mean": _mean(angle[counted]),
+        "angular_shared": _mean(angle[counted & seen]),
+        "mask_iou": float((there & seen).sum() / (there | seen).sum()),
+    }
+
+
+def _mean(values: Tensor) -> float | None:
+    return float(values.double().mean()) if values.numel() else None
+
+
+def _measured(by_count: dict[str, Accumulator]) -> dict[str, Any]:
+    one = next(iter(by_count.values()))
+    return asdict(
+        Measured(
+            {given: each.figures() for given, each in by_count.items()},
+            names=one.names,
+            meshes={given: each.by_mesh() for given, each in by_count.items()},
+            views={given: each.by_view() for given, each in by_count.items()},
+            distance={given: each.by_distance() for given, each in by_count.items()},
+            calibration={given: each.calibration() for given, each in by_count.items()},
+        )
+    )
+
+
+def _row(drawing: HumanDrawing, batch: Batch, hints: Tensor, painted: Tensor) -> Row:
+    return Row(
+        drawing.name,
+        batch["sketch"][0, 0].numpy(),
+        hints[0].numpy(),
+        painted[0, :3].numpy(),
+        batch["normal"][0].numpy(),
+        batch["mask"][0, 0].numpy() > 0.5,
+    )
