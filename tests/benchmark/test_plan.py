@@ -1,10 +1,11 @@
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
-from normalgan.benchmark.plan import is_plan, read_plan
+from normalgan.benchmark.plan import Plan, is_plan, read_plan
 from normalgan.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -39,12 +40,54 @@ def test_plans_are_told_from_overlays() -> None:
     assert not is_plan(ROOT / "configs" / "cpu.yaml")
 
 
+def test_a_plan_takes_what_it_does_not_say_from_its_base(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("data: {size: 32}")
+    trained = {"name": "a", "label": "A", "configs": ["mine.yaml"]}
+    written(tmp_path, plan(seeds=[3, 4], data={"animals": 3, "size": 64}, reference="paper"))
+    child = tmp_path / "child.yaml"
+    child.write_text(
+        yaml.safe_dump({"base": "plan.yaml", "name": "c", "data": {"size": 32}, "rows": [trained]})
+    )
+    read = read_plan(child)
+    assert (read.name, read.seeds, read.reference) == ("c", [3, 4], "paper")
+    assert read.data == {"size": 32}  # as a whole: it is other data
+    assert [row.name for row in read.rows] == ["mean", "paper", "a"]
+    assert Path(read.rows[2].configs[0]) == tmp_path / "mine.yaml"
+    assert is_plan(child)
+    (tmp_path / "bare.yaml").write_text("base: child.yaml\n")
+    assert is_plan(tmp_path / "bare.yaml")
+    assert [row.name for row in read_plan(tmp_path / "bare.yaml").rows] == ["mean", "paper", "a"]
+
+
+def test_the_base_of_a_shipped_plan_is_found_by_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert read_plan("benchmark/people").rows == read_plan("benchmark/animals").rows
+
+
 def test_the_two_plans_differ_in_their_data_alone() -> None:
-    fourlegs, embedded = (yaml.safe_load((PLANS / f"{n}.yaml").read_text()) for n in ("fourlegs", "embedded"))
-    begun = fourlegs["rows"].pop()  # on animals made up like those that the other plan tests on
-    assert begun["name"] == "ours-tuned"
-    assert {k for k in fourlegs if fourlegs[k] != embedded[k]} == {"name", "data"}
-    assert "meshes" not in embedded["data"]
+    fourlegs, embedded = (read_plan(PLANS / f"{name}.yaml") for name in ("fourlegs", "embedded"))
+    begun = fourlegs.rows.pop()  # on animals made up like those that the other plan tests on
+    assert begun.name == "ours-tuned"
+    differ = {
+        each.name for each in fields(Plan) if getattr(fourlegs, each.name) != getattr(embedded, each.name)
+    }
+    assert differ == {"name", "data"}
+    assert "meshes" not in embedded.data
+
+
+@pytest.mark.parametrize(
+    ("base", "sentence"),
+    [
+        ("plan.yaml", r"plan\.yaml is its own base; a base must be another plan\."),
+        (3, r"the base of the plan .*plan\.yaml must be the name of a plan, not 3\."),
+        ("none.yaml", r"there is no configuration file .*none\.yaml"),
+    ],
+)
+def test_a_base_that_is_no_other_plan_is_told(tmp_path: Path, base: Any, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        read_plan(written(tmp_path, plan(base=base)))
 
 
 @pytest.mark.parametrize("name", ["fourlegs", "embedded"])

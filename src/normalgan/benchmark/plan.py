@@ -146,29 +146,53 @@ class Plan:
 
 
 def is_plan(path: str | Path) -> bool:
-    """Return whether a configuration is a plan: it has rows.
+    """Return whether a configuration is a plan: it has rows, or takes those of another plan.
 
     Raises:
         InputError: if it cannot be read as a configuration.
     """
-    return "rows" in read_yaml(path)
+    return not {"rows", "base"}.isdisjoint(read_yaml(path))
 
 
 def read_plan(path: str | Path) -> Plan:
     """Return the plan of a file.
 
+    Its ``base`` names another plan, beside it: what the file does not say is as there, and its rows come
+    after those of the base.
+
     Raises:
         InputError: if something in it cannot be used; the sentence names the file and the row.
     """
+    content, rows = _with_base(Path(path), ())
+    return _read(Plan, content, f"the plan {path}", rows=rows)
+
+
+def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]]:
+    """Return settings and rows of a plan, those of its base included.
+
+    Args:
+        path: of the plan.
+        above: plans of which it is a base.
+    """
+    path = Path(find_config(str(path)))  # its base lies beside it, be it one of the package's
+    if path.resolve() in above:
+        raise InputError(f"the plan {path} is its own base; a base must be another plan.")
     content = read_yaml(path)
-    rows = content.pop("rows", None)
-    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+    settings: Settings = {}
+    rows: list[Row] = []
+    base = content.pop("base", None)
+    if base is not None:
+        if not isinstance(base, str):
+            raise InputError(f"the base of the plan {path} must be the name of a plan, not {base!r}.")
+        settings, rows = _with_base(Path(_beside(path, base)), (*above, path.resolve()))
+    own = content.pop("rows", [] if base is not None else None)
+    if not isinstance(own, list) or not all(isinstance(row, dict) for row in own):
         raise InputError(f"the rows of the plan {path} are no list of settings.")
     read = [
-        _read(Row, row, f"the row {row.get('name', i + 1)} of the plan {path}") for i, row in enumerate(rows)
+        _read(Row, row, f"the row {row.get('name', i + 1)} of the plan {path}") for i, row in enumerate(own)
     ]
-    read = [replace(row, configs=[_beside(Path(path), name) for name in row.configs]) for row in read]
-    return _read(Plan, content, f"the plan {path}", rows=read)
+    read = [replace(row, configs=[_beside(path, name) for name in row.configs]) for row in read]
+    return {**settings, **content}, [*rows, *read]
 
 
 def _beside(plan: Path, name: str) -> str:
