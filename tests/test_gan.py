@@ -1,3 +1,4 @@
+import csv
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -6,9 +7,11 @@ from typing import Any
 import pytest
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
+from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.optim import Adam, RMSprop
 from torch.optim.lr_scheduler import ExponentialLR
+from torch.utils.data import DataLoader
 
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
@@ -417,7 +420,7 @@ def test_losses_are_read_while_backward_is_at_work(tmp_path: Path, monkeypatch: 
 
 
 def test_figures_of_training_are_logged_from_the_cpu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The progress bar asks for them at every batch."""
+    """To log one that is on a GPU would wait for it."""
     logged: dict[str, Any] = {}
     gan = make()
     monkeypatch.setattr(gan, "log", lambda name, value, **more: logged.update({name: value}))
@@ -426,3 +429,36 @@ def test_figures_of_training_are_logged_from_the_cpu(tmp_path: Path, monkeypatch
     trainer(tmp_path, limit_train_batches=1).fit(gan, loader())
     assert {"train/discriminator", "train/l1", "train/adversarial", "l1"} <= logged.keys()
     assert {float(value) for value in logged.values()} == {7.0}  # what was read, not what is on the device
+
+
+@pytest.mark.parametrize("n_critic", [1, 3])
+def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, n_critic: int
+) -> None:
+    gan, shown = make(n_critic=n_critic), set()
+    log = gan.log
+
+    def numbered(values: Tensor) -> Callable[[], list[float]]:
+        return lambda: [float(gan.trainer.fit_loop.total_batch_idx)] * len(values)
+
+    def counted(name: str, *args: Any, **kwargs: Any) -> None:
+        shown.add(gan.trainer.fit_loop.total_batch_idx)
+        log(name, *args, **kwargs)
+
+    monkeypatch.setattr("normalgan.gan.read_behind", numbered)
+    monkeypatch.setattr(gan, "log", counted)
+    logger = CSVLogger(tmp_path)
+    data = DataLoader([batch(1)] * 12, batch_size=None)
+    trainer(tmp_path, logger=logger, log_every_n_steps=5, limit_val_batches=0).fit(gan, data)
+    with (Path(logger.log_dir) / "metrics.csv").open(newline="") as table:
+        rows = [row for row in csv.DictReader(table) if row.get("train/l1")]
+    assert [int(row["step"]) for row in rows] == [4, 9]
+    assert [float(row["train/discriminator"]) for row in rows] == [4, 9]
+    assert [float(row["train/l1"]) for row in rows] == [4 - 4 % n_critic, 9 - 9 % n_critic]
+    assert len(shown) < 6  # of twelve batches
+
+
+def test_the_progress_bar_has_losses_from_the_first_batch_on(tmp_path: Path) -> None:
+    run = trainer(tmp_path, log_every_n_steps=50, max_epochs=1)
+    run.fit(make(), loader())
+    assert {"train/discriminator", "l1"} <= run.progress_bar_metrics.keys()

@@ -193,7 +193,8 @@ class NormalGAN(LightningModule):
             values = look(batch)
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
-        self.log("train/discriminator", values["discriminator"], prog_bar=True)
+        if self._are_shown(1):
+            self.log("train/discriminator", values["discriminator"], prog_bar=True)
 
     def _step_generator(
         self, condition: Tensor, terms: dict[str, Term], painted: Tensor, fake: Tensor | None, batch: Batch
@@ -211,9 +212,20 @@ class NormalGAN(LightningModule):
             self.manual_backward(_weighted(terms))
             values = look(batch)
             optimizer.step()
-        self.log_dict({f"train/{name}": value for name, value in values.items()})
-        first = next(iter(values))
-        self.log(first, values[first], prog_bar=True, logger=False)
+        if self._are_shown(1 if self.discriminator is None else self.n_critic):
+            self.log_dict({f"train/{name}": value for name, value in values.items()})
+            first = next(iter(values))
+            self.log(first, values[first], prog_bar=True, logger=False)
+
+    def _are_shown(self, every: int) -> bool:
+        """Return whether the losses of this batch are looked at before the next ones, ``every`` batches on.
+
+        To log them takes a few hundredths of a step, though loggers take one in ``log_every_n_steps``.
+        """
+        interval = self.trainer.log_every_n_steps
+        to_come = interval - 1 - self.trainer.fit_loop.total_batch_idx % max(interval, 1)
+        first = self.trainer.fit_loop.epoch_loop.batch_idx < every  # what the progress bar shows till then
+        return first or 0 <= to_come < every or bool(self.trainer.fast_dev_run)
 
     def _logs_share(self) -> bool:
         step = self.trainer.fit_loop.total_batch_idx // self.n_critic
