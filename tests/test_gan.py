@@ -11,7 +11,6 @@ from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.optim import Adam, RMSprop
 from torch.optim.lr_scheduler import ExponentialLR
-from torch.utils.data import DataLoader
 
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
@@ -448,8 +447,7 @@ def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
     monkeypatch.setattr("normalgan.gan.read_behind", numbered)
     monkeypatch.setattr(gan, "log", counted)
     logger = CSVLogger(tmp_path)
-    data = DataLoader([batch(1)] * 12, batch_size=None)
-    trainer(tmp_path, logger=logger, log_every_n_steps=5, limit_val_batches=0).fit(gan, data)
+    trainer(tmp_path, logger=logger, log_every_n_steps=5, limit_val_batches=0).fit(gan, loader(24))
     with (Path(logger.log_dir) / "metrics.csv").open(newline="") as table:
         rows = [row for row in csv.DictReader(table) if row.get("train/l1")]
     assert [int(row["step"]) for row in rows] == [4, 9]

@@ -225,7 +225,7 @@ class NormalGAN(LightningModule):
         interval = self.trainer.log_every_n_steps
         to_come = interval - 1 - self.trainer.fit_loop.total_batch_idx % max(interval, 1)
         first = self.trainer.fit_loop.epoch_loop.batch_idx < every  # what the progress bar shows till then
-        return first or 0 <= to_come < every or bool(self.trainer.fast_dev_run)
+        return first or 0 <= to_come < every
 
     def _logs_share(self) -> bool:
         step = self.trainer.fit_loop.total_batch_idx // self.n_critic

@@ -154,8 +154,16 @@ class Registry(Generic[T]):
     def _hide_namesakes(self) -> None:
         """Let the class that has a name keep it, though some package defines another one of that name.
 
-        jsonargparse walks the subclasses of the base and refuses a short name that two of them have, be it
-        registered or not: a foreign class would take away the names of ours.
+        jsonargparse (4.53) finds a short name by walking ``__subclasses__()`` of the annotated base, and
+        refuses a name that two of them have, registered or not: a foreign class would take away the names
+        of ours. None of its settings narrows that walk. ``import_path_denylist`` is asked when a class is
+        imported, which is after the name was found ambiguous; ``subclasses_enabled`` and
+        ``subclasses_disabled`` are about whole bases; a list of choices was asked for
+        (mauvilsa/jsonargparse, issue 84) and became this walk; a union of the registered classes as
+        annotation would be fixed when the module is read, before plug-ins are found. Names could be written
+        out in dots before parsing, but they come by arguments, by files, by files named in files and by
+        defaults, and ``--help`` and completion list them by the same walk. So the walk is given an answer:
+        ``type.__subclasses__`` still tells all, for Python itself and for `find_imported`.
         """
 
         def unambiguous(cls: type[Any]) -> list[type[Any]]:
