@@ -222,7 +222,7 @@ class NormalGAN(LightningModule):
 
         To log them takes a few hundredths of a step, though loggers take one in ``log_every_n_steps``.
         """
-        interval = self.trainer.log_every_n_steps
+        interval: int = self.trainer.log_every_n_steps  # type: ignore[attr-defined]  # documented, not typed
         to_come = interval - 1 - self.trainer.fit_loop.total_batch_idx % max(interval, 1)
         first = self.trainer.fit_loop.epoch_loop.batch_idx < every  # what the progress bar shows till then
         return first or 0 <= to_come < every

@@ -2,20 +2,8 @@ import numpy as np
 import pytest
 import torch
 
-from normalgan.callbacks.rows import batch_row, spread
+from normalgan.callbacks.rows import batch_row
 from spheres import batch
-
-
-@pytest.mark.parametrize("total", [1, 2, 5, 7, 100])
-@pytest.mark.parametrize("count", [1, 2, 4, 6])
-def test_spread_is_even_and_within(total: int, count: int) -> None:
-    chosen = spread(total, count)
-    assert len(chosen) == len(set(chosen)) == min(total, count)
-    assert chosen[0] == 0
-    if count > 1:
-        assert chosen[-1] == total - 1
-    steps = np.diff(chosen)
-    assert not len(steps) or steps.max() - steps.min() <= 1
 
 
 def test_row_is_one_sample_in_numpy() -> None:

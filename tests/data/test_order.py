@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from normalgan.data.order import LANES, VIEWS_AT_ONCE, Ticket, order_of_epoch
+from normalgan.data.order import LANES, VIEWS_AT_ONCE, Ticket, order_of_epoch, spread
 
 
 def batches(order: Iterable[Ticket], size: int) -> Iterator[list[Ticket]]:
@@ -78,3 +78,15 @@ def test_meshes_are_spread_over_an_epoch_of_many_windows() -> None:
         counts = Counter(order[start : start + size])
         assert len(counts) >= 25  # of 40 meshes; a window holds 96 groups
         assert max(counts.values()) < size / 5
+
+
+@pytest.mark.parametrize("total", [1, 2, 5, 7, 100])
+@pytest.mark.parametrize("count", [1, 2, 4, 6])
+def test_spread_is_even_and_within(total: int, count: int) -> None:
+    chosen = spread(total, count)
+    assert len(chosen) == len(set(chosen)) == min(total, count)
+    assert chosen[0] == 0
+    if count > 1:
+        assert chosen[-1] == total - 1
+    steps = np.diff(chosen)
+    assert not len(steps) or steps.max() - steps.min() <= 1

@@ -31,9 +31,9 @@ from normalgan.benchmark.runs import Run, build_data
 from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
-from normalgan.callbacks.rows import spread
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.items import collate, decode
+from normalgan.data.order import spread
 from normalgan.files import write_bytes
 from normalgan.gan import SHARE
 from normalgan.hints import hints_at

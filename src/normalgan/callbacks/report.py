@@ -9,9 +9,10 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.callbacks.rows import batch_row, spread
+from normalgan.callbacks.rows import batch_row
 from normalgan.callbacks.table import results_table
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.order import spread
 from normalgan.errors import InputError
 from normalgan.files import write_bytes
 from normalgan.gallery import Row, write_gallery

@@ -6,20 +6,7 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.gallery import Row
 
-__all__ = ["batch_row", "spread"]
-
-
-def spread(total: int, count: int) -> list[int]:
-    """Return ``count`` positions spread evenly over ``total`` samples, all of them if they are fewer.
-
-    >>> spread(10, 3)
-    [0, 4, 9]
-    >>> spread(2, 5)
-    [0, 1]
-    """
-    if total <= count:
-        return list(range(total))
-    return [round(i * (total - 1) / max(count - 1, 1)) for i in range(count)]
+__all__ = ["batch_row"]
 
 
 def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor) -> Row:

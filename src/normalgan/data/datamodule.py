@@ -18,7 +18,8 @@ from normalgan.data.items import Item, decode
 from normalgan.data.loaders import Loaders
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.manifest import fingerprints, views_by_split
-from normalgan.data.mean import evenly, mean_of_maps
+from normalgan.data.mean import ENOUGH, mean_of_maps
+from normalgan.data.order import spread
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketches
@@ -378,7 +379,7 @@ class MeshDataModule(LightningDataModule):
         """
         dataset = self.train_dataset
         count = len(dataset)
-        indices = evenly(count) if self.on_the_fly else range(count)
+        indices = spread(count, ENOUGH) if self.on_the_fly else range(count)
         return mean_of_maps(self._loaders().chosen(dataset, indices), self.recipe.size)
 
     @property

@@ -9,7 +9,7 @@ from normalgan.batch import Batch
 from normalgan.data.items import decode
 from normalgan.metrics import unit_vectors
 
-__all__ = ["ENOUGH", "evenly", "mean_of_maps"]
+__all__ = ["ENOUGH", "mean_of_maps"]
 
 ENOUGH = 1024
 """Samples of an endless split that its mean is taken over; at each pixel its error is about 1/32."""
@@ -26,12 +26,3 @@ def mean_of_maps(batches: Iterable[Batch], size: int) -> Tensor:
     for batch in batches:
         total += decode(batch)["normal"].double().sum(dim=0)
     return unit_vectors(total[None])[0].float()
-
-
-def evenly(count: int, most: int = ENOUGH) -> list[int]:
-    """Return numbers below ``count``, evenly spread: all of them if they are not too many.
-
-    >>> evenly(10, most=4)
-    [0, 2, 5, 7]
-    """
-    return list(range(count)) if count <= most else [i * count // most for i in range(most)]

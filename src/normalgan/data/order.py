@@ -7,7 +7,7 @@ import numpy as np
 
 from normalgan.seeds import derive_seed
 
-__all__ = ["LANES", "VIEWS_AT_ONCE", "Ticket", "order_of_epoch"]
+__all__ = ["LANES", "VIEWS_AT_ONCE", "Ticket", "order_of_epoch", "spread"]
 
 VIEWS_AT_ONCE = 16
 """A mesh comes back for up to so many views, and may be forgotten after them."""
@@ -63,3 +63,16 @@ def order_of_epoch(
             view = offset + part
             for m, v in zip(mesh[view < views].tolist(), view[view < views].tolist(), strict=True):
                 yield Ticket(m, epoch * views + v)
+
+
+def spread(total: int, count: int) -> list[int]:
+    """Return ``count`` positions spread evenly over ``total`` samples, all of them if they are fewer.
+
+    >>> spread(10, 3)
+    [0, 4, 9]
+    >>> spread(2, 5)
+    [0, 1]
+    """
+    if total <= count:
+        return list(range(total))
+    return [round(i * (total - 1) / max(count - 1, 1)) for i in range(count)]
