@@ -104,6 +104,42 @@ def test_a_desk_around_the_sheet_is_left_out() -> None:
     assert ink[:50].max() == 0
 
 
+def photographed(ink: Floats, shadow: float, edge: float, desk: tuple[float, float, float] | None) -> Floats:
+    """Return a photo of a sheet: its left in the light, its right in a shadow, and so its desk.
+
+    Args:
+        ink: (H, W).
+        shadow: the light that is left in it.
+        edge: width of its edge, as a share of the picture.
+        desk: its colour; None if the sheet fills the picture.
+    """
+    photo = np.array([0.93, 0.91, 0.86]) - np.multiply.outer(ink, [0.8, 0.78, 0.66])
+    if desk is not None:
+        room = ink.shape[0] // 10
+        whole = np.tile(np.array(desk), (ink.shape[0], ink.shape[1], 1))
+        whole[room:-room, room:-room] = photo[room:-room, room:-room]
+        photo = whole
+    y, x = np.mgrid[: ink.shape[0], : ink.shape[1]] / max(ink.shape)
+    light = 1 - (1 - shadow) * np.clip((0.9 * x + 0.3 * y - 0.6) / edge + 0.5, 0, 1)
+    noise = np.random.default_rng(1).normal(0, 0.01, photo.shape)
+    return np.asarray(np.clip(photo * light[..., None] + noise, 0, 1), np.float32)
+
+
+@pytest.mark.parametrize("desk", [None, (0.42, 0.28, 0.18), (0.4, 0.4, 0.4)], ids=["sheet", "wood", "grey"])
+@pytest.mark.parametrize(("shadow", "edge"), [(0.5, 0.4), (0.5, 0.03), (0.35, 0.03)])
+def test_a_drawing_goes_on_in_the_shadow(
+    shadow: float, edge: float, desk: tuple[float, float, float] | None
+) -> None:
+    filled = blob((300, 300), (150, 150), 90)
+    ink = outline(filled)
+    cleaned = clean(Picture(photographed(ink, shadow, edge, desk), None)).ink
+    drawn = ink > 0.5
+    assert (cleaned[drawn] > 0.3).mean() > 0.97
+    near = cv2.dilate(drawn.astype(np.uint8), np.ones((5, 5))) > 0
+    assert (cleaned > 0.5)[~near].sum() < 40
+    assert overlap(fill_outline(cleaned).mask, np.maximum(filled, drawn)) > 0.95
+
+
 def test_dust_is_left_out() -> None:
     dusty = INK.copy()
     dusty[10, 10] = dusty[180, 280] = 1

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats
 from normalgan.painting.levels import Levels
 
-__all__ = ["Mark", "darkest", "painted_areas", "paper_colour", "steps", "surroundings"]
+__all__ = ["Mark", "darkest", "painted_areas", "paper_colour", "shadows", "steps", "surroundings"]
 
 _PAINTED = 0.8
 """What is wide and darker than this share of the sheet, in its darkest channel, is painted or shaded."""
@@ -17,6 +17,18 @@ _STEP = 0.12
 """How much darker, as a share of the sheet, a painted area is than what lies a few pixels beside it."""
 _ALIKE = 0.12
 """Colours that differ by no more in any channel are one paint."""
+_EDGE = 0.05
+"""Share of the picture's edge along which a dark area lies that may be a shadow on the sheet."""
+_RATIO = 1.25
+"""How many times as light it gets within a few pixels at the edge of a sheet on a desk, in a shadow too."""
+_TINT = 0.06
+"""How far the shares of the three channels in a colour are from those of the sheet where only light lacks."""
+_DEEP = 0.02
+"""How deep, as a share of the longest side, a line goes into both sides of an edge that it crosses."""
+_PENUMBRA = 0.03
+"""Width of the edge of a shadow at most, as a share of the longest side; a wider one is no sharp one."""
+_LINE = 0.35
+"""Share of the light of the paper about it that a line takes at least."""
 _MOST = 12
 """Painted areas whose thin parts are looked for, the largest first."""
 Mark = NDArray[np.bool_]
@@ -43,7 +55,69 @@ def steps(darkness: Floats) -> Mark:
     return found
 
 
-def painted_areas(colour: Floats, paper: Floats, level: Floats, step: Mark) -> tuple[Mark, Floats]:
+def shadows(colour: Floats, paper: Floats, level: Floats) -> Mark:
+    """Return where the sheet lies in a shadow that reaches the picture's edge, (H, W).
+
+    Such a shadow is wide and dark as a desk is. But it has the sheet's tint, and it either begins softly or
+    has lines that go on from the light into it, which a desk has not. Where sheet and desk lie in one
+    shadow, the sheet's edge tells them apart.
+
+    Args:
+        colour: (H, W, 3), the drawing; (H, W) if it is grey.
+        paper: of the same shape, the lightest colour about each pixel.
+        level: (3,) or (1,), the sheet's colour.
+    """
+    relative = np.asarray(paper / level, np.float32)
+    darkness = darkest(relative)
+    wide: Mark = darkness < _PAINTED
+    found = np.zeros_like(wide)
+    if not _along_edge(wide, _EDGE).any():
+        return found
+    square = np.ones((7, 7), np.uint8)
+    sharp: Mark = cv2.dilate(darkness, square) > _RATIO * cv2.erode(darkness, square)
+    if relative.ndim == 3:
+        shares = relative / np.maximum(relative.sum(-1, keepdims=True), 1e-3)
+        sheet = wide & (-darkest(-np.abs(shares - np.float32(1 / 3))) < _TINT)
+    else:
+        sheet = wide
+    even = wide & ~sharp
+    # Without their rims: at a corner, the lit desk may be as dark as the sheet in its shadow.
+    core = cv2.erode((even & sheet).astype(np.uint8), square)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(core, connectivity=4)
+    largest = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:_MOST]
+    deep = _DEEP * max(wide.shape)
+    ink = darkest(np.asarray(colour / np.maximum(paper, 1e-3), np.float32)) < 1 - _LINE
+    _, lines = cv2.connectedComponents(ink.astype(np.uint8), connectivity=8)
+    lit = ~wide
+    beside = wide & (cv2.dilate(lit.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0)
+    for label in largest[stats[largest, cv2.CC_STAT_AREA] > deep * deep]:
+        own = (cv2.dilate((labels == label).astype(np.uint8), square) > 0) & even
+        about = cv2.dilate(own.astype(np.uint8), square) > 0
+        rim = about & beside
+        soft = rim.sum() > deep and sharp[rim].mean() < 0.3
+        if soft or _crossed(lines, own, lit | found, deep):
+            found |= about & sheet
+    # The edge of a shadow, which is sharp, belongs to it; that of the sheet belongs to the desk.
+    width = 2 * round(_PENUMBRA * max(wide.shape)) + 1
+    near = cv2.dilate(found.astype(np.uint8), np.ones((width, width), np.uint8)) > 0
+    desk = cv2.erode((even & ~found).astype(np.uint8), square)
+    desk = cv2.dilate(desk, np.ones((15, 15), np.uint8))
+    whole: Mark = found | (near & sheet & sharp & (desk == 0))
+    return whole
+
+
+def _crossed(lines: NDArray[np.int32], own: Mark, other: Mark, deep: float) -> bool:
+    """Return whether a line, of those that are numbered (H, W), lies deep in both of two areas."""
+    inner, outer = (
+        np.unique(lines[cv2.distanceTransform(each.astype(np.uint8), cv2.DIST_L2, 3) > deep])
+        for each in (own, other)
+    )
+    return len(np.intersect1d(inner, outer)) > 1  # beside 0, which is no line
+
+
+def painted_areas(
+    colour: Floats, paper: Floats, level: Floats, step: Mark, shadow: Mark
+) -> tuple[Mark, Floats]:
     """Return where a drawing is painted, (H, W), and the paper with painted areas as wide as they are.
 
     The paper is found by a window, so that of a painted body the window shows the trunk and not the legs,
@@ -54,8 +128,9 @@ def painted_areas(colour: Floats, paper: Floats, level: Floats, step: Mark) -> t
         paper: of the same shape, the lightest colour about each pixel.
         level: (3,) or (1,), the sheet's colour.
         step: (H, W), where it gets darker within a few pixels.
+        shadow: (H, W), where the sheet lies in a shadow, and is not painted.
     """
-    wide: Mark = darkest(paper / level) < _PAINTED
+    wide: Mark = (darkest(paper / level) < _PAINTED) & ~shadow
     if not wide.any():
         return wide, paper
     painted, paper = np.zeros_like(wide), paper.copy()
@@ -67,7 +142,7 @@ def painted_areas(colour: Floats, paper: Floats, level: Floats, step: Mark) -> t
         if edge.any() and step[edge].mean() < 0.5:
             continue  # shaded
         paint = np.median(colour[own], axis=0)
-        alike = (-darkest(-np.abs(colour - paint)) < _ALIKE) & (darkest(colour / level) < _PAINTED)
+        alike = (-darkest(-np.abs(colour - paint)) < _ALIKE) & (darkest(colour / level) < _PAINTED) & ~shadow
         _, parts = cv2.connectedComponents((alike | own).astype(np.uint8), connectivity=4)
         parts_of_it = parts == np.bincount(parts[own]).argmax()
         same = parts_of_it & alike  # at the window's edges the trunk's paper is too light as well
@@ -78,9 +153,14 @@ def painted_areas(colour: Floats, paper: Floats, level: Floats, step: Mark) -> t
 
 def surroundings(painted: Mark) -> Mark:
     """Return the painted areas (H, W) that take up much of the picture's edge, such as a desk."""
-    count, labels = cv2.connectedComponents(painted.astype(np.uint8), connectivity=4)
+    return _along_edge(painted, 0.2)
+
+
+def _along_edge(areas: Mark, share: float) -> Mark:
+    """Return those connected areas (H, W) that take up more than a share of the picture's edge."""
+    count, labels = cv2.connectedComponents(areas.astype(np.uint8), connectivity=4)
     edge = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
-    around = np.bincount(edge, minlength=count) > 0.2 * len(edge)
+    around = np.bincount(edge, minlength=count) > share * len(edge)
     around[0] = False
     found: Mark = around[labels]
     return found

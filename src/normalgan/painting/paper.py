@@ -6,7 +6,14 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats
 from normalgan.painting.levels import Levels
-from normalgan.painting.painted import darkest, painted_areas, paper_colour, steps, surroundings
+from normalgan.painting.painted import (
+    darkest,
+    painted_areas,
+    paper_colour,
+    shadows,
+    steps,
+    surroundings,
+)
 from normalgan.painting.picture import fitted, resize
 
 __all__ = ["Mark", "ink_on_paper"]
@@ -39,7 +46,7 @@ def ink_on_paper(colour: Floats) -> Floats:
     paper = _paper(small)
     level = paper_colour(paper)
     step = steps(darkest(small / level))
-    painted, paper = painted_areas(small, paper, level, step)
+    painted, paper = painted_areas(small, paper, level, step, shadows(small, paper, level))
     beside = _enlarged(paper, shape)
     # Of a dark paint, a share would be mere noise.
     share = np.maximum(beside, _DARKEST * level)
