@@ -10,7 +10,9 @@ from normalgan.errors import InputError
 from normalgan.painting.cleaning import clean
 from normalgan.painting.outline_mask import fill_outline
 from normalgan.painting.picture import Picture
+from normalgan.painting.pipeline import finish
 from normalgan.painting.polarity import is_light_on_dark
+from normalgan.painting.preparation import prepare
 from pens import Floats, blob, outline, overlap
 
 FILLED = blob()
@@ -140,6 +142,36 @@ def test_a_drawing_goes_on_in_the_shadow(
     assert overlap(fill_outline(cleaned).mask, np.maximum(filled, drawn)) > 0.95
 
 
+def before(upper: tuple[float, float, float], lower: tuple[float, float, float]) -> Floats:
+    """Return a painted body with an outline before a ground of two colours."""
+    filled = blob((200, 200), (100, 100), 50)
+    ground = np.where(np.arange(200)[:, None, None] < 130, np.array(upper), np.array(lower))
+    painted = np.where(
+        filled[..., None] > 0.5, np.array([0.85, 0.5, 0.25]), np.broadcast_to(ground, (200, 200, 3))
+    )
+    return np.asarray(painted * (1 - 0.9 * outline(filled)[..., None]), np.float32)
+
+
+def test_scenery_behind_a_drawing_is_noticed() -> None:
+    assert clean(Picture(before((0.95, 0.6, 0.35), (0.25, 0.2, 0.45)), None)).scenery
+    meadow = Picture(before((0.55, 0.75, 0.95), (0.35, 0.6, 0.25)), None)
+    with pytest.raises(InputError, match="its ground is painted, and no line is told from it"):
+        clean(meadow)
+    assert "its ground is painted too" in _warning(before((0.95, 0.6, 0.35), (0.25, 0.2, 0.45)))
+
+
+@pytest.mark.parametrize("desk", [None, (0.42, 0.28, 0.18), (0.4, 0.4, 0.4)], ids=["sheet", "wood", "grey"])
+def test_a_sheet_or_a_desk_is_no_scenery(desk: tuple[float, float, float] | None) -> None:
+    ink = outline(blob((300, 300), (150, 150), 90))
+    assert not clean(Picture(photographed(ink, 0.5, 0.3, desk), None)).scenery
+    assert not clean(Picture(before((0.95, 0.93, 0.88), (0.9, 0.86, 0.8)), None)).scenery
+
+
+def _warning(colour: Floats) -> str:
+    prepared = prepare(Picture(colour, None), 64)
+    return finish(prepared, np.dstack([np.zeros((64, 64, 2)), np.ones((64, 64))]).astype(np.float32)).warning
+
+
 def test_dust_is_left_out() -> None:
     dusty = INK.copy()
     dusty[10, 10] = dusty[180, 280] = 1
@@ -167,6 +199,7 @@ def test_shared_sketches_are_all_seen(shared_sketches: list[Path]) -> None:
 
     for path in shared_sketches:
         cleaned = clean(read_picture(path))
+        assert not cleaned.scenery, path
         assert (cleaned.ink > 0.5).mean() > 0.002, path
         if "outline" in path.name:
             assert fill_outline(cleaned.ink).closed > 0.9, path

@@ -25,17 +25,19 @@ class Cleaned:
     Args:
         ink: (H, W) in [0, 1], lines about 1 and paper 0.
         silhouette: (H, W), the object, if the drawing's opacity tells it.
+        scenery: whether what is behind the object is painted too, so that lines do not tell the object.
     """
 
     ink: Floats
     silhouette: NDArray[np.bool_] | None
+    scenery: bool = False
 
 
 def clean(picture: Picture) -> Cleaned:
     """Return the ink of a drawing: a photo, a scan, pencil, chalk, coloured, painted or transparent.
 
     Raises:
-        InputError: if it holds no line.
+        InputError: if it holds no line, or none that is told from a painted ground.
     """
     colour, silhouette = picture.colour, None
     if picture.alpha is not None and is_silhouette(picture.alpha):
@@ -47,12 +49,17 @@ def clean(picture: Picture) -> Cleaned:
         colour = colour * picture.alpha[..., None] + paper * (1 - picture.alpha[..., None])
     if is_light_on_dark(np.asarray(cv2.transform(colour, _GREY[None]), np.float32)):
         colour = 1 - colour
-    ink = without_specks(ink_on_paper(colour))
+    ink, scenery = ink_on_paper(colour)
+    ink = without_specks(ink)
     if silhouette is not None:
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
+    if float(ink.max()) < 0.3 and scenery:
+        raise InputError(
+            "its ground is painted, and no line is told from it; draw on plain paper, or cut the object out."
+        )
     if float(ink.max()) < 0.3:
         raise InputError("no line is seen in it; a sketch needs lines that differ from their paper.")
-    return Cleaned(ink.astype(np.float32), silhouette)
+    return Cleaned(ink.astype(np.float32), silhouette, scenery and picture.alpha is None)
 
 
 def without_specks(ink: Floats) -> Floats:

@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats
 from normalgan.painting.levels import Levels
 
-__all__ = ["Mark", "darkest", "painted_areas", "paper_colour", "shadows", "steps", "surroundings"]
+__all__ = [
+    "Mark",
+    "darkest",
+    "has_scenery",
+    "painted_areas",
+    "paper_colour",
+    "shadows",
+    "steps",
+    "surroundings",
+]
 
 _PAINTED = 0.8
 """What is wide and darker than this share of the sheet, in its darkest channel, is painted or shaded."""
@@ -29,6 +38,10 @@ _PENUMBRA = 0.03
 """Width of the edge of a shadow at most, as a share of the longest side; a wider one is no sharp one."""
 _LINE = 0.35
 """Share of the light of the paper about it that a line takes at least."""
+_SATURATED = 0.3
+"""How much less of one channel than of another a colour has that is no paper's, nor a lamp's on paper."""
+_ALONG = 0.12
+"""Share of the picture's edge that a painted ground takes up at least."""
 _MOST = 12
 """Painted areas whose thin parts are looked for, the largest first."""
 Mark = NDArray[np.bool_]
@@ -87,7 +100,8 @@ def shadows(colour: Floats, paper: Floats, level: Floats) -> Mark:
     largest = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:_MOST]
     deep = _DEEP * max(wide.shape)
     ink = darkest(np.asarray(colour / np.maximum(paper, 1e-3), np.float32)) < 1 - _LINE
-    _, lines = cv2.connectedComponents(ink.astype(np.uint8), connectivity=8)
+    numbered = cv2.connectedComponents(ink.astype(np.uint8), connectivity=8)[1]
+    lines = np.asarray(numbered, np.int32)
     lit = ~wide
     beside = wide & (cv2.dilate(lit.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0)
     for label in largest[stats[largest, cv2.CC_STAT_AREA] > deep * deep]:
@@ -154,6 +168,37 @@ def painted_areas(
 def surroundings(painted: Mark) -> Mark:
     """Return the painted areas (H, W) that take up much of the picture's edge, such as a desk."""
     return _along_edge(painted, 0.2)
+
+
+def has_scenery(paper: Floats, level: Floats) -> bool:
+    """Return whether a picture's ground is painted in several colours, as a landscape is.
+
+    A sheet has one, and so has a desk around it: along the picture's edge there are at most two, one of which
+    is the sheet's and hardly saturated.
+
+    Args:
+        paper: (H, W, 3), the lightest colour about each pixel; (H, W) if the picture is grey.
+        level: (3,) or (1,), the sheet's colour.
+    """
+    if paper.ndim == 2:
+        return False
+    edge = np.concatenate([paper[0], paper[-1], paper[:, 0], paper[:, -1]])
+    shares = edge / np.maximum(edge.sum(-1, keepdims=True), 1e-3)
+    tint = level / level.sum()
+    # Of dark colours light tells nothing: their tint is noise.
+    other = (np.abs(shares - tint).max(-1) > _TINT) & (edge.max(-1) > 0.15)
+    kinds = 0
+    for _ in range(3):
+        if other.mean() < _ALONG:
+            break
+        middle = np.median(shares[other], axis=0)
+        # Of many colours the median is none: the one that is next to it is.
+        middle = shares[other][np.abs(shares[other] - middle).sum(-1).argmin()]
+        alike = other & (np.abs(shares - middle).max(-1) < _TINT)
+        kinds += int(alike.mean() >= _ALONG)
+        other &= ~alike
+    saturated = 1 - level.min() / level.max() > _SATURATED
+    return kinds + int(saturated) >= 2
 
 
 def _along_edge(areas: Mark, share: float) -> Mark:

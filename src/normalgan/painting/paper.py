@@ -8,6 +8,7 @@ from normalgan.normals import Floats
 from normalgan.painting.levels import Levels
 from normalgan.painting.painted import (
     darkest,
+    has_scenery,
     painted_areas,
     paper_colour,
     shadows,
@@ -27,8 +28,10 @@ _DARKEST = 0.25
 Mark = NDArray[np.bool_]
 
 
-def ink_on_paper(colour: Floats) -> Floats:
-    """Return the lines of a drawing with dark lines, (H, W) ink in [0, 1]; paper is 0, lines about 1.
+def ink_on_paper(colour: Floats) -> tuple[Floats, bool]:
+    """Return the lines of a drawing with dark lines, and whether its ground is painted, a scenery.
+
+    Lines are (H, W) ink in [0, 1]; paper is 0, lines about 1.
 
     The lightest colour within a window of each pixel is its paper; the pixel is divided by it, channel by
     channel, and the darkest channel counts, so that a yellow pen draws too. Around areas that are painted
@@ -46,6 +49,7 @@ def ink_on_paper(colour: Floats) -> Floats:
     paper = _paper(small)
     level = paper_colour(paper)
     step = steps(darkest(small / level))
+    scenery = has_scenery(paper, level)
     painted, paper = painted_areas(small, paper, level, step, shadows(small, paper, level))
     beside = _enlarged(paper, shape)
     # Of a dark paint, a share would be mere noise.
@@ -61,7 +65,7 @@ def ink_on_paper(colour: Floats) -> Floats:
         width = 2 * max(round(_WINDOW * max(small.shape) / 4), 1) + 1
         cut = cv2.dilate(around.astype(np.uint8), np.ones((width, width), np.uint8)).astype(np.float32)
         ink = np.where(resize(cut, shape) > 0.5, 0, ink)
-    return np.asarray(ink, np.float32)
+    return np.asarray(ink, np.float32), scenery
 
 
 def _paper(colour: Floats) -> Floats:

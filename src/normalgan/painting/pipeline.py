@@ -31,6 +31,11 @@ _STRAIGHT = (
     "draw on there, or give --mask, if the object goes on"
 )
 
+_SCENERY = (
+    "its ground is painted too, and what is drawn there is taken for a part of the object; "
+    "draw it on plain paper or on nothing, or give --mask"
+)
+
 _HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
 
 
@@ -132,6 +137,8 @@ def _found(prepared: Prepared, present: Mark) -> tuple[Mark, str]:
         return present, ""
     if prepared.held:
         return prepared.mask, _HELD
+    if prepared.scenery:
+        return prepared.mask if prepared.closed >= CLOSED else prepared.mask | present, _SCENERY
     if prepared.closed >= CLOSED:
         return prepared.mask, _STRAIGHT if prepared.guessed else ""
     return prepared.mask | present, (

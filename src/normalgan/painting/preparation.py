@@ -37,6 +37,7 @@ class Prepared:
         pins: the hints in pixels of the map to be, or None.
         painted: (h, w), 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere; or None.
         held: whether the outline is open and the mask is the one before it was.
+        scenery: whether the mask comes from the outline, and what is behind the object is painted too.
     """
 
     shape: tuple[int, int]
@@ -51,6 +52,7 @@ class Prepared:
     pins: Hints | None = None
     painted: NDArray[np.int8] | None = None
     held: bool = False
+    scenery: bool = False
 
 
 def prepare(
@@ -81,7 +83,7 @@ def prepare(
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
     cleaned: Cleaned = clean(picture.resized(worked))
-    alpha, closed, guessed = None, 1.0, False
+    alpha, closed, guessed, scenery = None, 1.0, False, False
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
@@ -94,8 +96,11 @@ def prepare(
     elif source != MODEL:
         outline = fill_outline(walls)
         mask, closed, guessed = outline.mask, outline.closed, outline.guessed
+        scenery = cleaned.scenery
     seen = show(cleaned.ink, frame)
     prepared = Prepared(shape, cleaned.ink, mask, alpha, frame, seen, None, closed, guessed)
+    if scenery:
+        prepared = replace(prepared, scenery=True)
     if painted is not None:
         prepared = replace(prepared, painted=painted)
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
