@@ -2,9 +2,14 @@
 
 generate.py MODEL [DRAWINGS] [ROUNDS]: a model by `normalgan export`, how many drawings a batch has, and
 how often each is timed. Prints JSON.
+
+generate.py MODEL --memory 10 300 [--side 256]: the most memory that batches of so many drawings take, in a
+process each, or in the one that decodes for it if that takes more.
 """
 
+import argparse
 import json
+import os
 import statistics
 import subprocess
 import sys
@@ -63,19 +68,44 @@ def cold(model: Path, drawing: Path, folder: Path) -> float:
     return timed(lambda: subprocess.run(command, check=True, capture_output=True), 1)[0]
 
 
+def draw(count: int, folder: Path, side: int = SIDE) -> list[Path]:
+    """Write as many drawings, no two alike, and return their files."""
+    originals = sorted(SKETCHES.glob("*.png"))
+    drawings = []
+    for i in range(count):
+        with Image.open(originals[i % len(originals)]) as image:
+            shifted = np.roll(
+                np.asarray(image.convert("L").resize((side, side))), i // len(originals), axis=1
+            )
+        drawings.append(folder / f"{i:04d}.png")
+        Image.fromarray(shifted).save(drawings[-1])
+    return drawings
+
+
+def peak(model: Path, drawings: list[Path], folder: Path) -> float:
+    """Return the most memory in MB that a batch takes, in a process of its own."""
+    command = [sys.executable, "-m", "normalgan", "generate", *drawings, "-o", folder, "--model", model]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    if status:
+        raise SystemExit(f"the batch of {len(drawings)} drawings failed")
+    return round(used.ru_maxrss / 1024, 1)
+
+
+def memory(model: Path, counts: list[int], side: int) -> None:
+    """Print the most memory that batches of some sizes take."""
+    with TemporaryDirectory() as temporary:
+        drawings = draw(max(counts), Path(temporary), side)
+        peaks = {str(each): peak(model, drawings[:each], Path(temporary) / str(each)) for each in counts}
+    machine = describe("numpy", "onnxruntime", "opencv-python-headless")
+    print(json.dumps({"drawing_pixels": side, "peak_mb": peaks, "machine": machine}, indent=1))
+
+
 def main(model: Path, count: int = 64, rounds: int = 5) -> None:
     """Print the figures."""
     with TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        originals = sorted(SKETCHES.glob("*.png"))
-        drawings = []
-        for i in range(count):  # no two alike
-            with Image.open(originals[i % len(originals)]) as image:
-                shifted = np.roll(
-                    np.asarray(image.convert("L").resize((SIDE, SIDE))), i // len(originals), axis=1
-                )
-            drawings.append(folder / f"{i:04d}.png")
-            Image.fromarray(shifted).save(drawings[-1])
+        drawings = draw(count, folder)
         cold_starts = [cold(model, drawings[0], folder / "cold") for _ in range(rounds)]
         session, single = OnnxBackend(model), OnnxBackend(model, threads=1)
         seen = [prepare(read_picture(path), session.size).seen for path in drawings]
@@ -112,4 +142,14 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), *map(int, sys.argv[2:4]))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("model", type=Path)
+    parser.add_argument("count", type=int, nargs="?", default=64)
+    parser.add_argument("rounds", type=int, nargs="?", default=5)
+    parser.add_argument("--memory", type=int, nargs="+", help="drawings of each batch")
+    parser.add_argument("--side", type=int, default=SIDE, help="pixels of a drawing, with --memory")
+    asked = parser.parse_args()
+    if asked.memory:
+        memory(asked.model, asked.memory, asked.side)
+    else:
+        main(asked.model, asked.count, asked.rounds)
