@@ -33,6 +33,8 @@ from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
 
 SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
+MARGIN = 6
+"""Pixels above and below what is shown of the frames."""
 WAYS = {"own": (False, False), "shared": (True, False), "steady": (True, True)}
 
 
@@ -70,9 +72,12 @@ def measure(maps: list[NormalMap], truths: list[Maps]) -> dict[str, float]:
 
 
 def strip(maps: list[NormalMap]) -> NDArray[np.uint8]:
-    """Return maps side by side, and below them lit."""
+    """Return maps side by side, and below them lit, cut to the rows in which anything is."""
+    rows = np.flatnonzero(np.any([each.mask.any(1) for each in maps], axis=0))
+    shown = slice(max(rows[0] - MARGIN, 0), rows[-1] + MARGIN)
     colours = [np.asarray(encode(paint_flat(each.extended, each.mask)), np.uint8) for each in maps]
-    return np.vstack([np.hstack(colours), np.hstack([lit(each.extended, each.mask, 135) for each in maps])])
+    lamps = [lit(each.extended, each.mask, 135) for each in maps]
+    return np.vstack([np.hstack(each)[shown] for each in (colours, lamps)])
 
 
 def main() -> None:
@@ -100,7 +105,7 @@ def main() -> None:
                     strips.append(strip(good[: min(6, len(good))]))
             figures[f"{file.name} {clip}"] = found
     if asked.sheet:
-        Image.fromarray(np.vstack(strips)).save(asked.sheet)
+        Image.fromarray(np.vstack(strips)).save(asked.sheet, optimize=True)
     print(json.dumps({"clips": figures, "machine": describe("numpy", "onnxruntime")}, indent=1))
 
 

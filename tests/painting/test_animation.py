@@ -169,6 +169,20 @@ def test_an_animation_of_too_many_pixels_is_refused() -> None:
         decode_frames("large.gif", file.getvalue(), (8, 8192))
 
 
+def test_a_frame_that_is_larger_than_its_animation_is_refused_before_it_is_unpacked(here: Path) -> None:
+    animate("walk.gif")
+    data = bytearray(Path("walk.gif").read_bytes())
+    at = data.index(b"\x2c", data.index(b"\x2c\0\0\0\0") + 20)
+    while data[at - 8 : at - 5] != b"\x21\xf9\x04":  # a picture's head comes after its control block
+        at = data.index(b"\x2c", at + 1)
+    data[at + 5 : at + 9] = b"\0\x2f\0\x2f"  # 12032 x 12032
+    with pytest.raises(InputError, match=r"frame 2"):
+        decode_frames("walk.gif", bytes(data), (8, 8192))
+    data[at + 5 : at + 9] = b"\xc8\0\xc8\0"  # 200 x 200
+    with pytest.raises(InputError, match="has a frame 2 that reaches beyond its 120 × 80 pixels"):
+        decode_frames("walk.gif", bytes(data), (8, 8192))
+
+
 def test_a_frame_without_lines_is_left_flat_and_named(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     animate("blink.png", [pen(FRAMES[0]), np.full((80, 120), 255, np.uint8), pen(FRAMES[1])])
     Path("x").mkdir()

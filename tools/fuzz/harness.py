@@ -14,6 +14,8 @@ from pathlib import Path
 FUZZ = "--fuzz"
 MEMORY = 2 * 2**30
 """Bytes of address space on top of what the libraries map, as in tests/trust/limited.py."""
+SECONDS = 600
+"""Of processor time that what limits itself may use in a fuzzer, which has its own clock for each input."""
 _folder = tempfile.TemporaryDirectory(prefix="fuzz-")
 
 

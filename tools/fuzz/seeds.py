@@ -32,9 +32,11 @@ def lay_out_seeds(folder: Path, target: str) -> list[Path]:
     """
     sys.path[:0] = [str(TESTS / part) for part in ("", "trust", "weights")]
     folder.mkdir(parents=True, exist_ok=True)
-    for name, content in {"drawing": _pictures, "svg": _pictures, "mesh": _meshes}.get(target, _other)(
-        target
-    ):
+    makers = {"drawing": _pictures, "svg": _pictures, "mesh": _meshes} | {
+        "layers": _layers,
+        "animation": _animations,
+    }
+    for name, content in makers.get(target, _other)(target):
         (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     for reader in READERS[target]:
         for path in sorted((CORPUS / reader).glob("*")):
@@ -61,6 +63,46 @@ def _meshes(_: str) -> Iterable[tuple[str, bytes | str]]:
     yield from sound()["mesh"].items()
     for name, (content, _words) in MESHES.items():
         yield name, content
+
+
+def _layers(_: str) -> Iterable[tuple[str, bytes]]:
+    """Return small layered files, written by the product and by Krita, and cut ones."""
+    import numpy as np
+
+    from normalgan.decoding import DecodedLayer
+    from normalgan.painting.layers import LayeredKind, encode_layers
+
+    pixels = np.zeros((12, 10, 4), np.uint8)
+    pixels[2:9, 3:7] = 200
+    layers = [
+        DecodedLayer("paper", (), 255, 0, 0, 0, 0, np.full((16, 24, 4), 255, np.uint8)),
+        DecodedLayer("arm", ("limbs", "left"), 128, 5, 3, 1, 0, pixels),
+    ]
+    kinds: tuple[LayeredKind, ...] = ("psd", "ora", "aseprite")
+    for kind in kinds:
+        content = encode_layers(kind, (16, 24), layers)
+        yield from {f"sound.{kind}": content, f"cut.{kind}": content[: len(content) // 2]}.items()
+    moving = [*layers, DecodedLayer("arm", ("limbs", "left"), 64, 6, 3, 1, 1, pixels)]
+    yield "moving.aseprite", encode_layers("aseprite", (16, 24), moving, [80, 90])
+    for path in sorted((TESTS / "painting" / "layered").iterdir()):
+        yield path.name, path.read_bytes()
+
+
+def _animations(_: str) -> Iterable[tuple[str, bytes]]:
+    """Return animations of three frames, and cut ones."""
+    import numpy as np
+
+    from normalgan.painting.animation import Kind, encode_animation
+
+    frames = [np.full((16, 24, 4), 255, np.uint8) for _ in range(3)]
+    for number, frame in enumerate(frames):
+        frame[4:12, 4 + 4 * number, :3] = 0
+    kinds: tuple[Kind, ...] = ("gif", "webp", "png")
+    for kind in kinds:
+        for channels in (3, 4):
+            content = encode_animation(kind, [each[..., :channels] for each in frames], [40, 80, 120], 0)
+            yield f"moving{channels}.{kind}", content
+        yield f"cut.{kind}", content[: 2 * len(content) // 3]
 
 
 def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
@@ -111,5 +153,7 @@ READERS = {
     "configuration": ("configuration", "plan", "cluster"),
     "project": (),
     "model": ("model",),
+    "layers": (),
+    "animation": (),
 }
 """The targets, and what tests/trust/corpus calls what they read."""

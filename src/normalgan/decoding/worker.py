@@ -259,6 +259,8 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
     Raises:
         RefusedError: if it, or a frame of it, cannot be decoded.
     """
+    from PIL import Image
+
     number = 0
     try:
         if (reader := _layered(content)) is not None:
@@ -270,11 +272,17 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
             first = 1 if getattr(image, "default_image", False) else 0
             count = getattr(image, "n_frames", 1) - first
             _check_parts(count, count * image.width * image.height, "frames")
-            loop = image.info.get("loop", 1)
-            _write(replies, REPLY.pack(PARTS, *image.size, loop if 0 <= loop < 2**16 else 0, 0, count))
+            loop, size = image.info.get("loop", 1), image.size
+            # A frame can be larger than its GIF, which Pillow then enlarges; `_opened` lifts the limit again.
+            Image.MAX_IMAGE_PIXELS = MOST_PIXELS
+            _write(replies, REPLY.pack(PARTS, *size, loop if 0 <= loop < 2**16 else 0, 0, count))
             for number in range(first, first + count):
                 limit_time(seconds)
                 image.seek(number)
+                if image.size != size:
+                    raise RefusedError(
+                        f"has a frame {number + 1} that reaches beyond its {size[0]} × {size[1]} pixels"
+                    )
                 image.load()
                 shown = _plain(image.copy())
                 milliseconds = min(max(int(image.info.get("duration", 0)), 0), 2**31)
