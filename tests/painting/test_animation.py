@@ -11,6 +11,7 @@ from PIL import Image, ImageSequence
 from normalgan.__main__ import main
 from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
+from normalgan.painting.animation import moving_kind
 from normalgan.painting.series import steadied
 from onnx_models import write_model
 from pens import blob, outline
@@ -150,6 +151,11 @@ def test_a_broken_animation_is_told_in_a_sentence(
     assert f"walk.{kind}" in said
     assert "broken" in said or "cannot be read" in said
     assert not Path("normals").exists()
+
+
+def test_a_gif_that_ends_in_its_head_is_told_in_a_sentence() -> None:
+    with pytest.raises(InputError, match=r"a\.gif is broken: it ends within its frame 1"):
+        moving_kind(Path("a.gif"), b"GIF89G\x18\0\0")
 
 
 def test_a_still_picture_of_these_kinds_stays_one(here: Path) -> None:

@@ -78,8 +78,9 @@ def _is_apng(file: BinaryIO) -> bool:
 
 def _frames_of_gif(path: Path, data: bytes) -> int:
     """Return how many frames a GIF has."""
-    count, at = 0, 13 + _table(data[10])
+    count = 0
     try:
+        at = 13 + _table(data[10])
         while at < len(data) and data[at] != _END:
             if data[at] == _EXTENSION:
                 at = _after_blocks(data, at + 2)
