@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from normalgan.benchmark.curves import VALIDATION, draw_curves, hint_curve, learning_curve
+from normalgan.benchmark.curves import (
+    VALIDATION,
+    calibration_curve,
+    draw_calibration,
+    draw_curves,
+    hint_curve,
+    learning_curve,
+)
 from normalgan.benchmark.evaluation import read_curve
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.pictures import Line, draw_methods
@@ -87,6 +94,55 @@ def test_every_line_of_a_table_has_as_many_cells() -> None:
         assert (
             table.index("*Simple*") < table.index("the mean") < table.index("*Learnt*") < table.index("ours")
         )
+
+
+def confident(observed: float) -> dict[str, Any]:
+    bins = [
+        {"pixels": 300, "predicted": 10.0, "observed": observed},
+        {"pixels": 100, "predicted": 31.0, "observed": 40.0},
+    ]
+    near = [{"from": 0.0, "to": 1.0, "pixels": 9, "angular_mean": 30.0, "nz_bias": 0.1}]
+    near += [{"from": 24.0, "to": None, "pixels": 9, "angular_mean": observed, "nz_bias": 0.0}]
+    return {
+        "calibration": {"0": bins, "15": bins},
+        "distance": {"0": {"170ths": near, "pixels": near}, "15": {"170ths": near[:1], "pixels": []}},
+    }
+
+
+def test_calibration_is_read_over_all_seeds_and_drawn_if_there_is_one() -> None:
+    runs = [result(0, 20.0, **confident(12.0)), result(1, 20.0, **confident(18.0))]
+    promised, observed, share = calibration_curve(runs, "0")
+    assert promised.tolist() == [10, 31]
+    assert observed.tolist() == [15, 40]
+    assert share.tolist() == [0.75, 0.25]
+    without = result(0, 20.0, calibration={"0": None, "15": None})
+    assert draw_calibration(PLAN, {"mean": [result(None, 30.0)], "paper": [without]}, "caption") is None
+    drawn = draw_calibration(PLAN, {"ours": runs, "paper": [without]}, "caption")
+    assert drawn is not None
+    with Image.open(BytesIO(drawn)) as picture:
+        assert picture.size == (1100, 520)
+
+
+def test_errors_by_distance_have_a_table_where_they_were_measured() -> None:
+    text = markdown(
+        PLAN, Scale("cpu"), {"mean": [result(None, 30.0)], "paper": [result(0, 20.0, **confident(12.0))]}
+    )
+    bare, hinted = (
+        next(
+            part
+            for part in text.split("\n## ")
+            if part.startswith(f"By distance from the contour in 170ths of the picture: mean error, {given}")
+        )
+        for given in ("no hints", "15 hints")
+    )
+    assert "| method | 0 to 1 | from 24 |" in bare
+    assert line(
+        text, "By distance from the contour in 170ths of the picture: mean error, no", "the paper"
+    ) == ["30.0°", "12.0°"]
+    assert line(
+        text, "By distance from the contour in 170ths of the picture: mean error, no", "the mean"
+    ) == ["–", "–"]
+    assert "| method | 0 to 1 |" in hinted
 
 
 def test_curves_of_unequal_length_are_read_off_where_they_are() -> None:

@@ -2,20 +2,24 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 import torch
 
+from needs import SHARED_MESHES
 from normalgan.batch import Batch
 from normalgan.benchmark.measure import HintTests, measure
+from normalgan.benchmark.plan import read_plan
 from normalgan.benchmark.points import hint_points
 from normalgan.benchmark.specification import check_specification, specify
 from normalgan.benchmark.submissions import read_submission, write_inputs
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.hints import hints_at
+from normalgan.rendering.lines import Silhouette, SuggestiveContours
 from spheres import batch
 
 CPU = torch.device("cpu")
@@ -110,6 +114,14 @@ def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> Non
     ):
         assert other[name] != found[name]
 
+    across = specify(data(lines=Silhouette()), tests, data())
+    assert across["views"] != found["views"]
+    assert (
+        across["training"]
+        != specify(data(lines=Silhouette()), tests, data(seed=5, split_file=None))["training"]
+    )
+    assert specify(data(), tests, data()) == found
+
     path = tmp_path / "v2.json"
     path.write_text(json.dumps({"version": "v2", "sizes": [found]}))
     check_specification(found, path)
@@ -132,10 +144,42 @@ def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> Non
 def test_the_frozen_specification_holds_for_its_own_sizes_alone() -> None:
     path = Path(__file__).parents[2] / "configs" / "benchmark" / "v2.json"
     frozen = json.loads(path.read_text(encoding="utf-8"))
-    assert [one["size"] for one in frozen["sizes"]] == [64, 128, 256]
+    tracks = {one["track"] for one in frozen["sizes"]}
+    assert tracks == {"fourlegs", "animals", "people", "props", "rigs", "lines"}
+    assert {one["size"] for one in frozen["sizes"] if one["track"] == "fourlegs"} == {64, 128, 256}
     for one in frozen["sizes"]:
-        check_specification(one, path)
+        assert check_specification({k: v for k, v in one.items() if k != "track"}, path) == one["track"]
+        assert ("training" in one) == (one["track"] == "lines")
+    (people,) = (one for one in frozen["sizes"] if (one["track"], one["size"]) == ("people", 256))
+    with pytest.raises(InputError, match=r"frozen as v2, the track people: its views differ"):
+        check_specification({**people, "views": "x"}, path)
     # Hints are given by a rule that no plan changes but for the seed, which is 0 in ours.
     assert {one["hints"] for one in frozen["sizes"]} == {specify(data(), HintTests([0]))["hints"]}
-    with pytest.raises(InputError, match=r"frozen as v2: its meshes and views differ"):
+    with pytest.raises(InputError, match=r"frozen as v2, the track \w+: its meshes and views differ"):
         check_specification({**specify(data(), HintTests([0])), "size": 128}, path)
+
+
+@pytest.mark.parametrize(
+    ("track", "settings"),
+    [
+        ("people", {"meshes": "people/*.ply", "fractions": (0.9, 0.04, 0.06)}),
+        ("props", {"meshes": "objects/*.glb", "fractions": (0.9, 0.04, 0.06), "crease_angle": 40.0}),
+    ],
+)
+def test_tracks_are_those_of_the_meshes(track: str, settings: dict[str, Any]) -> None:
+    """What was frozen is what the plan of the track measures on."""
+    meshes = Path(__file__).parents[2] / ".." / "shared" / "meshes"
+    if not meshes.is_dir():
+        pytest.skip(SHARED_MESHES.reason(f"{meshes} is not there"))
+    folder = Path(__file__).parents[2] / "configs" / "benchmark"
+    frozen = json.loads((folder / "v2.json").read_text(encoding="utf-8"))["sizes"]
+    plan = read_plan(folder / f"{track}.yaml").data
+    assert plan["meshes"].endswith(settings["meshes"])
+    assert {k: v for k, v in plan.items() if k in settings and k != "meshes"} == {
+        k: list(v) if isinstance(v, tuple) else v for k, v in settings.items() if k != "meshes"
+    }
+    settings = {**settings, "meshes": str(meshes / settings["meshes"])}
+    lines = SuggestiveContours(**plan["lines"]["init_args"])
+    (wanted,) = (one for one in frozen if (one["track"], one["size"]) == (track, 256))
+    found = specify(MeshDataModule(**settings, lines=lines, test_views=plan["test_views"]), HintTests([0]))
+    assert {**found, "track": track} == wanted

@@ -153,3 +153,18 @@ def test_every_convolution_is_given_its_own_layout(patch: int) -> None:
             module.register_forward_pre_hook(look)
     network(condition())
     assert strange == []
+
+
+def test_hints_may_enter_with_the_sketch_alone() -> None:
+    """As many weights, of which those of the levels see nothing; and a hint still changes what is painted."""
+    torch.manual_seed(0)
+    plain = ResidualUNetGenerator((8, 12, 16), (1, 1, 1), hint_levels=False).eval()
+    torch.manual_seed(0)
+    usual = ResidualUNetGenerator((8, 12, 16), (1, 1, 1)).eval()
+    plain.load_state_dict(usual.state_dict())
+    hinted, bare = condition(), condition()
+    bare[:, 3] = 0
+    with torch.no_grad():
+        assert torch.equal(plain(bare), usual(bare))  # levels that see nothing are those of no hints
+        assert not torch.allclose(plain(hinted), usual(hinted))
+        assert not torch.allclose(plain(hinted), plain(bare))

@@ -32,6 +32,7 @@ from normalgan.models import (
     GlobalDiscriminator,
     PatchDiscriminator,
     ResidualUNetGenerator,
+    TiledGenerator,
     UNetDiscriminator,
     UNetGenerator,
 )
@@ -39,6 +40,7 @@ from normalgan.objectives import (
     ADVERSARIAL_OBJECTIVES,
     RECONSTRUCTIONS,
     AngularLikelihood,
+    CosineAndL2,
     CrossEntropy,
     L1AndHints,
     Wasserstein,
@@ -89,7 +91,11 @@ OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
     (
         GENERATORS,
         generator_checks(),
-        [UNetGenerator(64, 4), ResidualUNetGenerator((4, 8, 8), (1, 1, 1), norm="batch")],
+        [
+            UNetGenerator(64, 4),
+            ResidualUNetGenerator((4, 8, 8), (1, 1, 1), norm="batch"),
+            TiledGenerator(16, (4, 8), (1, 1)),
+        ],
     ),
     (
         DISCRIMINATORS,
@@ -106,7 +112,7 @@ OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
         objective_checks(),
         [CrossEntropy(), Wasserstein(), WassersteinGradientPenalty()],
     ),
-    (RECONSTRUCTIONS, reconstruction_checks(), [L1AndHints(), AngularLikelihood()]),
+    (RECONSTRUCTIONS, reconstruction_checks(), [L1AndHints(), AngularLikelihood(), CosineAndL2()]),
     (AUGMENTATIONS, augmentation_checks(), [Augmentation(), Augmentation(stretch=True, shear=10.0)]),
     (
         METRICS,

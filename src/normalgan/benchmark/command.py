@@ -11,6 +11,7 @@ from normalgan.benchmark.plan import Plan, Row, is_plan, read_plan
 from normalgan.benchmark.scale import Scale, read_budget, read_scale
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError
+from normalgan.files import write_bytes
 from normalgan.warning_filters import filter_warnings
 
 if TYPE_CHECKING:  # they import torch
@@ -248,11 +249,13 @@ def check(plan: Plan, scale: Scale, specification: Path) -> None:
     from normalgan.benchmark.specification import check_specification
 
     evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
-    check_specification(evaluation.specification, specification)
+    track = check_specification(evaluation.specification, specification)
+    _say(f"{specification}: the track {track}" if track else f"{specification}: as it was frozen")
 
 
 def _tell(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", out: Path | None) -> None:
     """Print the tables of a method's figures, and write these into a folder if there is one."""
+    from normalgan.benchmark.curves import draw_calibration
     from normalgan.benchmark.table import markdown, mesh_table
     from normalgan.benchmark.training import write_json
 
@@ -263,6 +266,10 @@ def _tell(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", o
     if out is not None:
         head: dict[str, Any] = {"plan": plan.name, "scale": scale.name, "changed": scale.changed}
         head |= {"model": name, "specification": evaluation.specification}
+        result = {"model": [{**figures, "seed": None}]}
+        calibration = draw_calibration(one, result, f"{plan.name}, {name}")
+        if calibration:
+            write_bytes(out / "calibration.png", calibration)
         write_json(out / "evaluation.json", {**head, "size": evaluation.data.recipe.size, **figures})
         _say(f"Figures: {(out / 'evaluation.json').resolve()}")
 

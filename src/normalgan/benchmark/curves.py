@@ -12,8 +12,16 @@ from numpy.typing import NDArray
 from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.table import Results
 from normalgan.benchmark.training import Result
+from normalgan.metrics.calibration import BIN
 
-__all__ = ["VALIDATION", "draw_curves", "hint_curve", "learning_curve"]
+__all__ = [
+    "VALIDATION",
+    "calibration_curve",
+    "draw_calibration",
+    "draw_curves",
+    "hint_curve",
+    "learning_curve",
+]
 
 VALIDATION = "val/hints/angular_mean"
 _REFERENCE = "0.25"  # grey
@@ -61,6 +69,67 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
     png = BytesIO()
     figure.savefig(png, format="png")
     return png.getvalue()
+
+
+def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None:
+    """Return how errors that confidences promise go with those observed, as a PNG; None if there are none.
+
+    A panel without hints and one with those of table 1, a line a row, over all seeds; below it the share of
+    pixels. On the diagonal a confidence keeps what it promises; above it the model is too sure.
+
+    Args:
+        plan: in whose order the rows come.
+        results: of the rows.
+        caption: above it, with the expected calibration errors beside the lines' names.
+    """
+    sure = [row for row in plan.rows if any(_promises(run) for run in results.get(row.name, ()))]
+    if not sure:
+        return None
+    figure = Figure(figsize=(11, 5.2), dpi=100, layout="constrained")
+    figure.suptitle(caption, fontsize=11)
+    panels = figure.subplots(2, 2, sharex=True, sharey="row", height_ratios=[3, 1])
+    palette = colormaps["tab10" if len(sure) <= 10 else "tab20"]
+    for column, count in enumerate((0, plan.hints)):
+        above, below = panels[0, column], panels[1, column]
+        above.plot([0, 90], [0, 90], color=_REFERENCE, lw=1, ls=":")
+        for i, row in enumerate(sure):
+            runs = [run for run in results[row.name] if _promises(run)]
+            promised, observed, share = calibration_curve(runs, str(count))
+            off = [run["figures"][str(count)].get("calibration_error") for run in runs]
+            known = [value for value in off if value is not None]
+            label = f"{row.label}: {sum(known) / len(known):.1f}° off" if known else row.label
+            above.plot(promised, observed, color=palette(i), marker="o", ms=3, lw=1.5, label=label)
+            below.plot(promised, 100 * share, color=palette(i), lw=1.5)
+        title = "no hints" if count == 0 else f"{count} hints"
+        above.set_title(title, loc="left", fontsize=10)
+        above.set(ylabel="mean error observed, °", xlim=(0, 90), ylim=(0, 90))
+        below.set(xlabel="error that the confidence promises, °", ylabel="% of pixels", ylim=(0, None))
+        above.legend(loc="upper left", frameon=False, fontsize=8)
+        for panel in (above, below):
+            panel.grid(color="0.9")
+            panel.spines[["top", "right"]].set_visible(False)
+    png = BytesIO()
+    figure.savefig(png, format="png")
+    return png.getvalue()
+
+
+def calibration_curve(
+    runs: Iterable[Result], given: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return degrees promised and observed and the share of pixels, each (K,), of all runs together."""
+    bins: dict[int, NDArray[np.float64]] = {}
+    for run in runs:
+        for one in run["calibration"][given] or ():
+            sums = one["pixels"] * np.array([1.0, one["predicted"], one["observed"]])
+            place = int(one["predicted"] // BIN)
+            bins[place] = bins.get(place, np.zeros(3)) + sums
+    count, promised, observed = np.array([bins[place] for place in sorted(bins)]).T
+    return promised / count, observed / count, count / count.sum()
+
+
+def _promises(run: Result) -> bool:
+    """Return whether the figures of a run have a calibration curve; older ones have none."""
+    return any(run.get("calibration", {}).values())
 
 
 def learning_curve(runs: Iterable[Result]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

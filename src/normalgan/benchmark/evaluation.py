@@ -69,6 +69,7 @@ class Evaluation:
             | {"placements": plan.placements, "at": plan.placement_counts, "pins": plan.pins}
             | {"degrees": plan.noise_degrees, "pixels": plan.noise_pixels}
             | ({"metrics": plan.metrics} if plan.metrics else {})
+            | ({"test_data": plan.test_data} if plan.test_data else {})
             | {"shown": plan.gallery, "hints": plan.hints, "batch": _BATCH, "version": _VERSION}
         )
 
@@ -80,10 +81,11 @@ class Evaluation:
 
     @cached_property
     def data(self) -> MeshDataModule:
-        """The shared data, rendered if it is not yet."""
-        once = {"on_the_fly": False} if self.test_alone else {}
-        data = build_data(self.shared, batch_size=_BATCH, workers=0, **once)
-        if self.test_alone:
+        """The shared data, the test split drawn as it is tested, rendered if it is not yet."""
+        alone = self.test_alone or bool(self.plan.test_data)
+        once = {"on_the_fly": False} if alone else {}
+        data = build_data(self.shared, batch_size=_BATCH, workers=0, **once, **self.plan.test_data)
+        if alone:
             data.sources = {"test": data.sources["test"]}
         data.render(thorough=False)
         return data
@@ -144,7 +146,9 @@ class Evaluation:
     @cached_property
     def specification(self) -> Specification:
         """What the figures are measured on."""
-        return specify(build_data(self.shared, batch_size=_BATCH, workers=0), self.tests)
+        shared, other = {"batch_size": _BATCH, "workers": 0}, self.plan.test_data
+        trained = build_data(self.shared, **shared)
+        return specify(build_data(self.shared, **shared, **other) if other else trained, self.tests, trained)
 
     def paint_shown(self, method: Method) -> Floats:
         """Return what a method paints of the gallery's samples with the hints of table 1, (K, 3, H, W)."""

@@ -18,6 +18,8 @@ from normalgan.shipped_configs import find_config
 __all__ = ["PLACEMENTS", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
 
 Settings = dict[str, Any]
+TEST_DATA = ("hand", "lines", "medium")
+"""Settings of the data that may be others for the test split: how it is drawn, not what."""
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
 """See `normalgan.benchmark.placements`, which needs torch."""
 Part = TypeVar("Part", "Plan", "Row")
@@ -68,6 +70,7 @@ class Plan:
         images: how many each generator learns from, repetitions counted.
         rows: what is compared.
         data: settings of the data that all rows share.
+        test_data: of these, what the test split alone has otherwise: its lines, hand or medium.
         seeds: of initialisation, training hints and dropout; a run for each.
         hints: how many hints table 1 gives.
         hint_counts: of the curve; 0 and ``hints`` are always measured.
@@ -87,6 +90,7 @@ class Plan:
     images: int
     rows: list[Row]
     data: dict[str, Any] = field(default_factory=dict)
+    test_data: dict[str, Any] = field(default_factory=dict)
     seeds: list[int] = field(default_factory=lambda: [0])
     hints: int = 15
     hint_counts: list[int] = field(default_factory=lambda: [0, 5, 10, 20, 50])
@@ -114,6 +118,9 @@ class Plan:
         unknown = [name for name in self.placements if name not in PLACEMENTS]
         if unknown:
             raise InputError(f"there is no placement {unknown[0]!r} in a plan; use {', '.join(PLACEMENTS)}.")
+        other = [name for name in self.test_data if name not in TEST_DATA]
+        if other:
+            raise InputError(f"test_data of a plan has {', '.join(TEST_DATA)} alone, not {other[0]}.")
         if bool(self.placements) != bool(self.placement_counts):
             raise InputError("a plan has placements if and only if it has placement_counts.")
         twice = [name for name, times in Counter(row.name for row in self.rows).items() if times > 1]

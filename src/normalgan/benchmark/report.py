@@ -1,4 +1,4 @@
-"""The report of a benchmark: results.json, table.md, curves.png and gallery.png of what there is so far."""
+"""The report of a benchmark: results.json, table.md and pictures of what there is so far."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Any
 
 import torch
 
-from normalgan.benchmark.curves import draw_curves
+from normalgan.benchmark.curves import draw_calibration, draw_curves
 from normalgan.benchmark.evaluation import Evaluation, maps_of
 from normalgan.benchmark.machine import commit, describe_machine, describe_versions
 from normalgan.benchmark.pictures import Line, draw_methods
@@ -43,7 +43,7 @@ class Report:
     folder: Path
 
     def write(self) -> None:
-        """Write the four files, each whole or not at all."""
+        """Write all files, each whole or not at all."""
         done = self._done()
         results: dict[str, list[Result]] = {}
         for run, result in done:
@@ -68,6 +68,9 @@ class Report:
         curves = draw_curves(plan, results, caption)
         if curves:
             write_bytes(self.folder / "curves.png", curves)
+        calibration = draw_calibration(plan, results, caption)
+        if calibration:
+            write_bytes(self.folder / "calibration.png", calibration)
         first: dict[str, Run] = {}
         for run, _ in done:
             first.setdefault(run.row.name, run)

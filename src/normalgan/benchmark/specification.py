@@ -17,49 +17,63 @@ _RULE = "uniform on the object, in the order of a permutation by numpy's default
 _DRAWN_ALIKE = ("size", "renderer")  # the size stands beside, and renderers give the same maps
 
 
-def specify(data: MeshDataModule, tests: HintTests) -> Specification:
+def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | None = None) -> Specification:
     """Return what decides on the figures of a given model.
 
     ``meshes`` stands for the names of each split's meshes, ``views`` for how and how often each test mesh is
     looked at and drawn, ``hints`` for where the common hints lie; ``size`` is that of the pictures in pixels.
+    Where the training split is drawn otherwise, ``training`` stands for how.
 
     Args:
         data: of the benchmark.
         tests: with what hints methods are tested.
+        trained: the data of the training split, if they are others.
     """
-    recipe = {k: v for k, v in data.recipe.describe().items() if k not in _DRAWN_ALIKE}
+    recipe = _drawn(data)
+    other = {} if trained is None or _drawn(trained) == recipe else {"training": digest(_drawn(trained))}
     return {
         "size": data.recipe.size,
         "meshes": digest({split: [s.name for s in found] for split, found in data.sources.items()}),
         "views": digest({"recipe": recipe, "number": data.views_per_mesh["test"]}),
         "hints": digest({"rule": _RULE, "seed": tests.seed}),
+        **other,
     }
 
 
-def check_specification(found: Specification, path: Path) -> None:
-    """Make sure that a benchmark measures on what a file has frozen.
+def _drawn(data: MeshDataModule) -> dict[str, Any]:
+    return {k: v for k, v in data.recipe.describe().items() if k not in _DRAWN_ALIKE}
+
+
+def check_specification(found: Specification, path: Path) -> str:
+    """Make sure that a benchmark measures on what a file has frozen, and return the name of its track.
 
     Args:
         found: what it measures on.
-        path: JSON file: a specification by its version, for each size of picture.
+        path: JSON file: a specification by its version, for each track and size of picture.
 
     Raises:
         InputError: if it does not, or the file is none.
     """
     frozen = _read(path)
-    sizes = {int(one["size"]): one for one in frozen["sizes"]}
+    sizes = sorted({int(one["size"]) for one in frozen["sizes"]})
     if found["size"] not in sizes:
         raise InputError(
             f"{path} has frozen no benchmark at {found['size']} pixels; use data.size "
-            f"{' or '.join(map(str, sorted(sizes)))}."
+            f"{' or '.join(map(str, sizes))}."
         )
-    wanted = sizes[int(found["size"])]
-    other = [name for name in found if found[name] != wanted.get(name)]
-    if other:
+    tracks = {str(one.get("track", "")): one for one in frozen["sizes"] if one["size"] == found["size"]}
+    named = {
+        track: sorted(name for name in {*found, *wanted} - {"track"} if found.get(name) != wanted.get(name))
+        for track, wanted in tracks.items()
+    }
+    nearest = min(named, key=lambda track: len(named[track]))
+    if named[nearest]:
+        of_track = f", the track {nearest}" if nearest else ""
         raise InputError(
-            f"this is not the benchmark that {path} has frozen as {frozen['version']}: its "
-            f"{' and '.join(other)} differ."
+            f"this is not the benchmark that {path} has frozen as {frozen['version']}{of_track}: its "
+            f"{' and '.join(named[nearest])} differ."
         )
+    return nearest
 
 
 def _read(path: Path) -> dict[str, Any]:

@@ -119,6 +119,16 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
         title = "no hints" if given == "0" else f"{given} hints"
         lines += ["", f"## Relief, rim, mask and confidence: {title}", "", *_table(plan, results, cells)]
     lines += ["", _RELIEF_NOTES]
+    for given in ("0", str(plan.hints)):
+        bins = _distances(results, given)
+        if bins:
+            title = "no hints" if given == "0" else f"{given} hints"
+            lines += [
+                "",
+                f"## By distance from the contour in 170ths of the picture: mean error, {title}",
+                "",
+            ]
+            lines += _table(plan, results, {label: _distance_cell(given, low) for low, label in bins.items()})
     for title, cells in _further(plan, results).items():
         lines += ["", f"## {title}", "", *_table(plan, results, cells)]
     by_count = {str(count): figure_cell(str(count), "angular_mean") for count in plan.counts}
@@ -225,6 +235,26 @@ _RELIEF_NOTES = (
     "deep inside is farther than 10/170 from it. The calibration error is the mean difference of the error "
     "that the confidence promises from the one observed."
 )
+
+
+def _distances(results: Results, given: str) -> dict[float, str]:
+    """Return the bins of distance that any run has pixels in, from the contour inwards."""
+    profiles = [run.get("distance", {}).get(given, {}) for runs in results.values() for run in runs]
+    found = {one["from"]: one["to"] for profile in profiles for one in profile.get("170ths", ())}
+    return {
+        low: f"from {low:g}" if found[low] is None else f"{low:g} to {found[low]:g}" for low in sorted(found)
+    }
+
+
+def _distance_cell(given: str, low: float) -> Cell:
+    def cell(runs: Sequence[Result]) -> str:
+        values = []
+        for run in runs:
+            profile = run.get("distance", {}).get(given, {}).get("170ths", ())
+            values += [_number(one["angular_mean"]) for one in profile if one["from"] == low]
+        return spread_of(values, 1, "°") if values else "–"
+
+    return cell
 
 
 def _further(plan: Plan, results: Results) -> dict[str, dict[str, Cell]]:

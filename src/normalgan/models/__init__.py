@@ -4,6 +4,7 @@ from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Di
 from normalgan.models.global_discriminator import GlobalDiscriminator
 from normalgan.models.patch_discriminator import PatchDiscriminator
 from normalgan.models.residual_generator import ResidualUNetGenerator
+from normalgan.models.tiled_generator import TiledGenerator
 from normalgan.models.unet_discriminator import UNetDiscriminator
 from normalgan.models.unet_generator import UNetGenerator
 from normalgan.predictions import Predictions
@@ -18,6 +19,7 @@ __all__ = [
     "PatchDiscriminator",
     "Predictions",
     "ResidualUNetGenerator",
+    "TiledGenerator",
     "UNetDiscriminator",
     "UNetGenerator",
 ]

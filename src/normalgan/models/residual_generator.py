@@ -36,6 +36,8 @@ class ResidualUNetGenerator(Generator):
             training too does not depend on the other pictures of a batch.
         detail: side of the squares that are folded in the last two layers, which see the lines once more; a
             power of two, at most ``patch``. Few channels on every pixel take as long as all other layers.
+        hint_levels: whether hints enter at every level; if not, only with the sketch, and as many weights
+            see nothing. To tell what they are worth.
 
     Raises:
         InputError: if widths and blocks are not as many, or a number cannot be used.
@@ -53,12 +55,14 @@ class ResidualUNetGenerator(Generator):
         patch: int = 2,
         norm: Literal["batch", "none"] = "none",
         detail: int = 1,
+        hint_levels: bool = True,
     ) -> None:
         super().__init__()
         _check(widths, blocks, patch, detail)
         self.patch = patch
         self.fold = detail
         self.norm = norm
+        self.hint_levels = hint_levels
         self.factor = patch * 2 ** (len(widths) - 1)
         pairs = list(pairwise(widths))
         self.stem = nn.Conv2d(5 * patch**2, widths[0], 3, padding=1)
@@ -127,6 +131,8 @@ class ResidualUNetGenerator(Generator):
         """Return features (N, widths[0], H / patch, W / patch), squares of pixels still folded."""
         folds = self.patch.bit_length() - 1
         pyramid = [hints, *hint_pyramid(hints, folds + len(self.downs))][folds:]
+        if not self.hint_levels:
+            pyramid = [torch.zeros_like(level) for level in pyramid]
         features: Tensor = self.stem(F.pixel_unshuffle(given, self.patch))
         skips = []
         for blocks, down, level in zip(self.encoder, self.downs, pyramid, strict=False):

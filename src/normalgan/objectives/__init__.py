@@ -2,6 +2,7 @@
 
 from normalgan.objectives.angular_likelihood import AngularLikelihood
 from normalgan.objectives.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
+from normalgan.objectives.cosine import CosineAndL2
 from normalgan.objectives.cross_entropy import CrossEntropy
 from normalgan.objectives.l1_and_hints import L1AndHints
 from normalgan.objectives.pixel_losses import hint_loss, l1_loss
@@ -14,6 +15,7 @@ __all__ = [
     "RECONSTRUCTIONS",
     "AdversarialObjective",
     "AngularLikelihood",
+    "CosineAndL2",
     "Critic",
     "CrossEntropy",
     "L1AndHints",

@@ -74,6 +74,7 @@ class AngularLikelihood(Reconstruction):
             this holds the surface to turning away as far as it does on average.
         stride: of each square of pixels of this side only one is compared, drawn anew at each step;
             neighbours say nearly the same, and whole pictures take long.
+        likelihood_weight: weight of the likelihood. With 0, and an ``angle_weight``, no confidence is learnt.
 
     Raises:
         InputError: if a weight is negative, or, when training, the generator says no presence or confidence.
@@ -83,9 +84,10 @@ class AngularLikelihood(Reconstruction):
     angle_weight: float = 0.0
     relief_weight: float = 0.0
     stride: int = 1
+    likelihood_weight: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("presence_weight", "angle_weight", "relief_weight"):
+        for name in ("presence_weight", "angle_weight", "relief_weight", "likelihood_weight"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} must be 0 or more, not {getattr(self, name)}.")
         if self.stride < 1:
@@ -104,7 +106,7 @@ class AngularLikelihood(Reconstruction):
         direction, target, mask = preds.direction[chosen], target[chosen], mask[chosen]
         angle = smooth_angle(direction, target)
         nll = angular_nll(angle.detach() if self.angle_weight else angle, preds.confidence[chosen])
-        terms = {"likelihood": Term(_mean_on(mask, nll), 1.0)}
+        terms = {"likelihood": Term(_mean_on(mask, nll), self.likelihood_weight)}
         if self.angle_weight:
             terms["angle"] = Term(_mean_on(mask, angle), self.angle_weight)
         if self.relief_weight:

@@ -1,0 +1,129 @@
+"""TiledGenerator: DeepNormals-like; a picture is painted window by window, each seen at three scales."""
+
+from itertools import pairwise
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from normalgan.errors import InputError
+from normalgan.models.base import GENERATORS, Generator
+from normalgan.models.blocks import Norm
+from normalgan.models.residual import residual_blocks
+
+__all__ = ["SCALES", "TiledGenerator"]
+
+SCALES = (1, 2, 4)
+"""How many times as wide as the window what a channel shows is."""
+
+
+@GENERATORS.register
+class TiledGenerator(Generator):
+    """Windows of a sketch, each at three scales, through residual encoder and decoder, laid over each other.
+
+    After DeepNormals. It takes no hints: of the condition it sees the sketch alone. Windows overlap by half,
+    and what is painted where they do is their mean, weighted towards their middles, so that no seams show;
+    whatever the picture's size, a window sees four times its own width and no farther.
+
+    Args:
+        window: side of the windows in pixels, a multiple of 16; the picture's sides are multiples of half
+            of it.
+        widths: channels of each level of the network, from the finest to the coarsest.
+        blocks: residual blocks of each level, down and again up.
+        norm: of the residual blocks; batch norm takes its statistics over all windows of a batch.
+
+    Raises:
+        InputError: if a setting cannot be used.
+
+    References:
+        Hudon, Grogan, Pagés, Smolić 2018, "Deep Normal Estimation for Automatic Shading of Hand-Drawn
+        Characters", ECCV Workshops. What differs here is in docs/method.md.
+    """
+
+    def __init__(
+        self,
+        window: int = 64,
+        widths: tuple[int, ...] = (32, 64, 128, 256),
+        blocks: tuple[int, ...] = (1, 1, 1, 2),
+        norm: Norm = "batch",
+    ) -> None:
+        super().__init__()
+        if window < 16 or window % 16:
+            raise InputError(f"the window of TiledGenerator is a multiple of 16 pixels, not {window}.")
+        if len(widths) != len(blocks) or len(widths) < 2 or min(*widths, *blocks) < 1:
+            raise InputError(
+                "TiledGenerator needs a width and a number of blocks for each of two or more levels, all "
+                f"from 1 on, not {list(widths)} and {list(blocks)}."
+            )
+        if window % 2 ** (len(widths) - 1):
+            raise InputError(f"a window of {window} pixels cannot be halved {len(widths) - 1} times.")
+        self.window = window
+        self.step = window // 2
+        levels = list(zip(widths, blocks, strict=True))
+        pairs = list(pairwise(widths))
+        self.stem = nn.Conv2d(len(SCALES), widths[0], 3, padding=1)
+        self.encoder = nn.ModuleList([residual_blocks(*level, norm) for level in levels])
+        self.downs = nn.ModuleList([nn.Conv2d(fine, coarse, 2, 2) for fine, coarse in pairs])
+        self.ups = nn.ModuleList([nn.ConvTranspose2d(coarse, fine, 2, 2) for fine, coarse in pairs])
+        self.merges = nn.ModuleList([nn.Conv2d(2 * fine, fine, 1) for fine, _ in pairs])
+        self.decoder = nn.ModuleList([residual_blocks(*level, norm) for level in levels[:-1]])
+        self.head = nn.Conv2d(widths[0], 3, 3, padding=1)
+        along = 1 - (torch.arange(window) + 0.5 - self.step).abs() / self.step  # above 0 at every pixel
+        self.register_buffer("weight", (along[:, None] * along).clone(), persistent=False)
+
+    def forward(self, condition: Tensor) -> Tensor:
+        """Return normals (N, 3, H, W) in [-1, 1] for a condition (N, 4, H, W).
+
+        Raises:
+            InputError: if a side is no multiple of half a window.
+        """
+        height, width = condition.shape[2:]
+        if height % self.step or width % self.step:
+            raise InputError(
+                f"this generator needs sides that are multiples of {self.step}, "
+                f"not {height} × {width} pixels."
+            )
+        # Ink 1 on paper 0, as the padding is; where a hint was painted in, the sketch is taken for paper.
+        ink = (1 - condition[:, :1]) / 2 * (1 - condition[:, 3:])
+        painted = self._paint(self._windows(ink))
+        return self._join(torch.tanh(painted.to(condition.dtype)), height, width)
+
+    def _windows(self, ink: Tensor) -> Tensor:
+        """Return the windows of a batch, (N · T, scales, window, window), at all scales about one middle."""
+        parts = []
+        for scale in SCALES:
+            shrunk = F.avg_pool2d(ink, scale) if scale > 1 else ink
+            edge = self.window // 2 - self.step // (2 * scale)
+            parts.append(_unfold(shrunk, self.window, self.step // scale, edge))
+        return torch.cat(parts, dim=1)
+
+    def _paint(self, windows: Tensor) -> Tensor:
+        features = self.stem(windows)
+        skips = []
+        for blocks, down in zip(self.encoder, self.downs, strict=False):
+            features = blocks(features)
+            skips.append(features)
+            features = down(features)
+        features = self.encoder[-1](features)
+        for i in reversed(range(len(self.ups))):
+            features = self.merges[i](torch.cat([self.ups[i](features), skips[i]], dim=1))
+            features = self.decoder[i](features)
+        painted: Tensor = self.head(F.silu(features))
+        return painted
+
+    def _join(self, painted: Tensor, height: int, width: int) -> Tensor:
+        """Return what windows (N · T, 3, window, window) show of the picture, (N, 3, H, W)."""
+        tiles = (height // self.step) * (width // self.step)
+        edge = self.window // 2 - self.step // 2
+        weight = self.weight.to(painted.dtype)  # type: ignore[operator]  # torch types buffers as modules
+        flat = (painted * weight).reshape(-1, tiles, 3 * self.window**2).transpose(1, 2)
+        shares = weight.flatten()[None, :, None].expand(1, -1, tiles)
+        layout = {"kernel_size": self.window, "stride": self.step, "padding": edge}
+        laid = F.fold(flat, (height, width), **layout)
+        return laid / F.fold(shares, (height, width), **layout)
+
+
+def _unfold(picture: Tensor, window: int, step: int, edge: int) -> Tensor:
+    """Return windows (N · T, 1, window, window) of pictures (N, 1, H, W), in rows from the upper left."""
+    columns = F.unfold(picture, window, stride=step, padding=edge)
+    return columns.transpose(1, 2).reshape(-1, 1, window, window)
