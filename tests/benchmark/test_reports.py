@@ -101,7 +101,9 @@ def confident(observed: float) -> dict[str, Any]:
         {"pixels": 300, "predicted": 10.0, "observed": observed},
         {"pixels": 100, "predicted": 31.0, "observed": 40.0},
     ]
-    near = [{"from": 0.0, "to": 1.0, "pixels": 9, "angular_mean": 30.0, "nz_bias": 0.1}]
+    near: list[dict[str, float | None]] = [
+        {"from": 0.0, "to": 1.0, "pixels": 9, "angular_mean": 30.0, "nz_bias": 0.1}
+    ]
     near += [{"from": 24.0, "to": None, "pixels": 9, "angular_mean": observed, "nz_bias": 0.0}]
     return {
         "calibration": {"0": bins, "15": bins},

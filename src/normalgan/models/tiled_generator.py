@@ -40,6 +40,9 @@ class TiledGenerator(Generator):
         Characters", ECCV Workshops. What differs here is in docs/method.md.
     """
 
+    weight: Tensor
+    """(window, window), how much each pixel of a window counts where windows overlap."""
+
     def __init__(
         self,
         window: int = 64,
@@ -115,7 +118,7 @@ class TiledGenerator(Generator):
         """Return what windows (N · T, 3, window, window) show of the picture, (N, 3, H, W)."""
         tiles = (height // self.step) * (width // self.step)
         edge = self.window // 2 - self.step // 2
-        weight = self.weight.to(painted.dtype)  # type: ignore[operator]  # torch types buffers as modules
+        weight = self.weight.to(painted.dtype)
         flat = (painted * weight).reshape(-1, tiles, 3 * self.window**2).transpose(1, 2)
         shares = weight.flatten()[None, :, None].expand(1, -1, tiles)
         layout = {"kernel_size": self.window, "stride": self.step, "padding": edge}
