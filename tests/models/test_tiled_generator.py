@@ -21,15 +21,13 @@ def condition(height: int, width: int) -> torch.Tensor:
 
 def test_windows_of_all_scales_have_one_middle() -> None:
     """A ramp: the mean over a window is its value at the window's middle, at every scale."""
-    ramp = torch.arange(64.0).view(1, 1, 1, 64).expand(1, 1, 64, 64)
-    windows = small()._windows(ramp)
-    assert windows.shape == (8 * 8, len(SCALES), 16, 16)
-    middles = windows.view(8, 8, len(SCALES), 16, 16)[3:5, 3:5].mean((3, 4))  # these lie wholly within
-    for column, number in ((0, 3), (1, 4)):
+    ramp = torch.arange(128.0).view(1, 1, 1, 128).expand(1, 1, 128, 128)
+    windows = small()._windows(ramp).view(16, 16, len(SCALES), 16, 16)
+    middles = windows[7:9, 7:9].mean((3, 4))  # these lie wholly within
+    for column, number in ((0, 7), (1, 8)):
         torch.testing.assert_close(middles[:, column], torch.full((2, 3), 8.0 * number + 4 - 0.5))
     for channel, scale in enumerate(SCALES):
-        step = windows[3 * 8 + 3, channel, 0, 1] - windows[3 * 8 + 3, channel, 0, 0]
-        assert step == scale
+        assert windows[7, 7, channel, 8, 9] - windows[7, 7, channel, 8, 8] == scale
 
 
 def test_what_all_windows_agree_on_is_laid_out_without_seams() -> None:
