@@ -40,9 +40,6 @@ class TiledGenerator(Generator):
         Characters", ECCV Workshops. What differs here is in docs/method.md.
     """
 
-    weight: Tensor
-    """(window, window), how much each pixel of a window counts where windows overlap."""
-
     def __init__(
         self,
         window: int = 64,
@@ -71,8 +68,6 @@ class TiledGenerator(Generator):
         self.merges = nn.ModuleList([nn.Conv2d(2 * fine, fine, 1) for fine, _ in pairs])
         self.decoder = nn.ModuleList([residual_blocks(*level, norm) for level in levels[:-1]])
         self.head = nn.Conv2d(widths[0], 3, 3, padding=1)
-        along = 1 - (torch.arange(window) + 0.5 - self.step).abs() / self.step  # above 0 at every pixel
-        self.register_buffer("weight", (along[:, None] * along).clone(), persistent=False)
 
     def forward(self, condition: Tensor) -> Tensor:
         """Return normals (N, 3, H, W) in [-1, 1] for a condition (N, 4, H, W).
@@ -118,7 +113,9 @@ class TiledGenerator(Generator):
         """Return what windows (N · T, 3, window, window) show of the picture, (N, 3, H, W)."""
         tiles = (height // self.step) * (width // self.step)
         edge = self.window // 2 - self.step // 2
-        weight = self.weight.to(painted.dtype)
+        place = torch.arange(self.window, dtype=painted.dtype, device=painted.device)
+        along = 1 - (place + 0.5 - self.step).abs() / self.step  # above 0 at every pixel
+        weight = along[:, None] * along
         flat = (painted * weight).reshape(-1, tiles, 3 * self.window**2).transpose(1, 2)
         shares = weight.flatten()[None, :, None].expand(1, -1, tiles)
         layout = {"kernel_size": self.window, "stride": self.step, "padding": edge}
