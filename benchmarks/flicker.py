@@ -33,6 +33,8 @@ from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
 
 SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
+WIDEST = 1080
+"""Pixels of the picture at most."""
 MARGIN = 6
 """Pixels above and below what is shown of the frames."""
 WAYS = {"own": (False, False), "shared": (True, False), "steady": (True, True)}
@@ -105,7 +107,9 @@ def main() -> None:
                     strips.append(strip(good[: min(6, len(good))]))
             figures[f"{file.name} {clip}"] = found
     if asked.sheet:
-        Image.fromarray(np.vstack(strips)).save(asked.sheet, optimize=True)
+        sheet = Image.fromarray(np.vstack(strips))
+        size = min(sheet.width, WIDEST), round(sheet.height * min(WIDEST / sheet.width, 1))
+        sheet.resize(size, Image.Resampling.LANCZOS).save(asked.sheet, optimize=True)
     print(json.dumps({"clips": figures, "machine": describe("numpy", "onnxruntime")}, indent=1))
 
 

@@ -184,3 +184,23 @@ def test_all_that_generate_writes_can_be_had(tmp_path: Path) -> None:
     height = cv2.imread(str(tmp_path / "out" / "a_height.tiff"), cv2.IMREAD_UNCHANGED)
     assert height is not None
     assert height.shape == (80, 80)
+
+
+def test_shading_strength_and_one_scale_of_heights_are_those_of_generate(tmp_path: Path) -> None:
+    drawings = draw(tmp_path / "in", a=(40, 40), b=(40, 40))
+    wanted = {"ao": True, "curvature": True, "specular": True, "height": "png", "height_scale": "batch"}
+    network = gan(generator=Half(size=32, width=4))
+    for name, strength in (("plain", 1.0), ("flat", 0.0)):
+        writer = NormalMapWriter(str(tmp_path / name), strength=strength, **wanted)  # type: ignore[arg-type]
+        module = data(drawings, drawings, sketches=str(drawings))
+        trainer(tmp_path, callbacks=[writer]).predict(network, module, return_predictions=False)
+    endings = ("ao", "curvature", "height", "normal", "specular")
+    left = sorted(path.name for path in (tmp_path / "plain").iterdir())
+    assert left == [f"{name}_{ending}.png" for name in "ab" for ending in endings]
+    plain, flat = (cv2.imread(str(tmp_path / name / "a_normal.png")) for name in ("plain", "flat"))
+    assert plain is not None
+    assert flat is not None
+    assert not (plain == plain[0, 0]).all()
+    assert (flat == flat[0, 0]).all()
+    with pytest.raises(InputError, match="strength is -1"):
+        NormalMapWriter(strength=-1)

@@ -16,8 +16,9 @@ from normalgan.errors import InputError, RunError, named, one_line, unwritable
 from normalgan.normals import Bits, Green
 from normalgan.painting.jobs import Job, plan
 from normalgan.painting.normal_map import Format
-from normalgan.painting.outputs import Outputs
+from normalgan.painting.outputs import Heights, Outputs, level_heights
 from normalgan.painting.pipeline import finish
+from normalgan.painting.series import flat_map
 from normalgan.painting.torch_backend import channels_last
 
 __all__ = ["NormalMapWriter"]
@@ -37,6 +38,12 @@ class NormalMapWriter(BasePredictionWriter):
         preview: write the map under a lamp that goes around it.
         height: write a height map: png is 16 bits from the lowest to the highest, tiff floats in pixels.
         relief: write a relief mesh.
+        height_scale: pixels from black to white of a height png; batch takes those of the highest drawing.
+        faces: triangles of the relief at most; null is four for each pixel.
+        ao: write the ambient occlusion.
+        curvature: write the curvature, ridges light and hollows dark.
+        specular: write how much each place reflects, ridges polished and hollows dull.
+        strength: what the slopes of the map are multiplied by.
     """
 
     def __init__(
@@ -51,6 +58,12 @@ class NormalMapWriter(BasePredictionWriter):
         preview: Literal["png", "gif"] | None = None,
         height: Literal["png", "tiff"] | None = None,
         relief: Literal["glb", "obj"] | None = None,
+        height_scale: float | Literal["batch"] | None = None,
+        faces: int | None = None,
+        ao: bool = False,
+        curvature: bool = False,
+        specular: bool = False,
+        strength: float = 1.0,
     ) -> None:
         super().__init__(write_interval="batch")
         self.folder = Path(folder)
@@ -64,9 +77,17 @@ class NormalMapWriter(BasePredictionWriter):
             preview=preview,
             height=height,
             relief=relief,
+            height_scale=height_scale,
+            faces=faces,
+            ao=ao,
+            curvature=curvature,
+            specular=specular,
         )
+        flat_map((8, 8)).stronger(strength)  # refuses what is none
+        self.strength = strength
         self._jobs: dict[str, Job] = {}
         self._failed = 0
+        self._heights: Heights = []
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
         """Make sure that the maps can be written before anything is computed.
@@ -78,7 +99,7 @@ class NormalMapWriter(BasePredictionWriter):
             return
         files = _data_of(trainer).drawings.files
         jobs = plan(files, self.folder, self.outputs.ending, list(self.outputs.others()))
-        self._jobs, self._failed = {job.files.drawing.stem: job for job in jobs}, 0
+        self._jobs, self._failed, self._heights = {job.files.drawing.stem: job for job in jobs}, 0, []
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
@@ -116,7 +137,7 @@ class NormalMapWriter(BasePredictionWriter):
                 self._failed += 1
                 print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
                 continue
-            self.outputs.write(job, painted)
+            self._heights += self.outputs.write(job, painted.stronger(self.strength))
             if painted.warning:
                 print(
                     one_line(f"normalgan: warning: {job.files.drawing}: {painted.warning}."), file=sys.stderr
@@ -128,6 +149,8 @@ class NormalMapWriter(BasePredictionWriter):
         Raises:
             RunError: if some of several drawings could not be used.
         """
+        if self.outputs.height_scale == "batch":
+            level_heights(self._heights)
         if trainer.is_global_zero:
             print(f"Normal maps: {self.folder.resolve()}")
         if self._failed:
