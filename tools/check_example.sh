@@ -41,8 +41,10 @@ step "its tests"
 (cd example && "$work/venv/bin/python" -m pytest -q -p no:cacheprovider)
 
 step "normalgan plugins"
-"$work/venv/bin/normalgan" plugins --kind hint_sampler | tee plugins.txt
+"$work/venv/bin/normalgan" plugins | tee plugins.txt
 grep -Eq '^  PoissonHints +normalgan-poisson 0\.1\.0 +Scatter points' plugins.txt
+grep -Eq '^  Pebbles +normalgan-poisson 0\.1\.0 +Heaps of round stones' plugins.txt
+grep -Eq '^  WorstPicture +normalgan-poisson 0\.1\.0 +The mean angular error' plugins.txt
 grep -q '^Nothing was left out' plugins.txt
 
 step "a few steps of training with it, named in YAML"
@@ -68,4 +70,14 @@ saved = torch.load("run/checkpoints/last.ckpt", weights_only=True)["hyper_parame
 assert saved["class_path"] == "normalgan_poisson.PoissonHints", saved
 assert saved["init_args"]["distance"] == 6, saved
 CHECK
+step "its pairs and its metric"
+cat >pairs.yaml <<'YAML'
+trainer: {default_root_dir: pairs}
+data: {source: {class_path: Pebbles, init_args: {count: 10, size: 64, distance: 16}}}
+report: {metrics: [{class_path: WorstPicture}]}
+YAML
+"$work/venv/bin/normalgan" fit "${quickstart[@]}" --config pairs.yaml
+"$work/venv/bin/normalgan" test "${quickstart[@]}" --config pairs.yaml --ckpt_path pairs/checkpoints/last.ckpt
+grep -q worst_picture pairs/test/metrics.json
+
 step "all as it should be"
