@@ -23,7 +23,7 @@ def test_stones_are_half_spheres_within_the_picture() -> None:
 
 def test_the_outline_of_the_heap_is_drawn() -> None:
     pair = heap()
-    ink = np.asarray(pair.sketch) < 0.5
+    ink = pair.sketch.colour[..., 0] < 0.5
     edge = pair.mask[:, 1:] != pair.mask[:, :-1]
     assert ink[:, :-1][edge].all()
     assert ink.mean() < 0.2

@@ -3,14 +3,16 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.sources import Pairs, SplitSettings
+from normalgan.data.sources import Pair, Pairs, SplitSettings
 from normalgan.data.sources.pair import PairRecipe
 from normalgan.errors import InputError
 from normalgan.hints import CurvatureHints
@@ -44,9 +46,7 @@ def degrees_off(number: int, folder: Path, **settings: object) -> float:
     return float(error[torch.from_numpy(sample.mask)].mean())
 
 
-def exact(number: int):  # type: ignore[no-untyped-def]
-    from normalgan.data.sources import Pair
-
+def exact(number: int) -> Pair:
     ink, normal = ellipsoid(number)
     return Pair(1 - ink, normal)
 
@@ -256,6 +256,49 @@ def test_settings_of_meshes_do_not_go_with_a_source(tmp_path: Path) -> None:
     write_pairs(tmp_path, 2)
     with pytest.raises(InputError, match="2 pairs cannot be split in 3 parts; add pairs or set a fraction"):
         Pairs(str(tmp_path)).split(SplitSettings())
+
+
+WHITE = np.ones((SIZE, SIZE), np.float32)
+FLAT = np.zeros((SIZE, SIZE, 3), np.float32)
+FLAT[8:-8, 8:-8, 2] = 1
+
+
+def infinite_at_a_pixel(array: NDArray[np.float32]) -> NDArray[np.float32]:
+    spoilt = array.copy()
+    spoilt[SIZE // 2, SIZE // 2] = np.inf
+    return spoilt
+
+
+@pytest.mark.parametrize(
+    ("sketch", "normal", "sentence"),
+    [
+        (WHITE, FLAT.tolist(), "the normal map is of the type list; it is an array of floats with the shape"),
+        (WHITE, FLAT[..., 2], rf"an array of float32 with the shape \({SIZE}, {SIZE}\); it is an array of"),
+        (WHITE, FLAT.transpose(2, 0, 1), rf"float32 with the shape \(3, {SIZE}, {SIZE}\); it is an array of"),
+        (
+            WHITE,
+            ((FLAT + 1) * 127.5).astype(np.uint8),
+            r"an array of uint8 with the shape .*; it is an array of floats .* become vectors by normalgan",
+        ),
+        (
+            WHITE,
+            (FLAT + 1) / 2,
+            r"holds colours from 0 to 1, not vectors from -1 to 1; normalgan\.normals\.vec",
+        ),
+        (WHITE, FLAT * 255, "the normal map holds no normals: its vectors are 255.00 long at the median"),
+        (WHITE, infinite_at_a_pixel(FLAT), "the normal map holds numbers that are not finite"),
+        (WHITE, FLAT * 0, "the normal map holds no object: all its vectors are zero"),
+        (WHITE, FLAT[:-1], f"the sketch has {SIZE} × {SIZE} pixels and its normal map {SIZE} × {SIZE - 1}"),
+        (WHITE * 255, FLAT, "the image has floats from 255 to 255; black is 0 and white is 1"),
+        (WHITE.astype(int), FLAT, "the image is an array of int64; give uint8 from 0 to 255, uint16"),
+        (WHITE.tolist(), FLAT, "the image is of the type list; give a path, an array or an image of Pillow"),
+    ],
+)
+def test_an_array_of_a_wrong_type_or_range_is_one_sentence(sketch: Any, normal: Any, sentence: str) -> None:
+    Pair(WHITE, FLAT)  # as it is right
+    with pytest.raises(InputError, match=sentence) as caught:
+        Pair(sketch, normal)
+    assert "\n" not in str(caught.value)
 
 
 def make_smaller(folder: Path) -> None:

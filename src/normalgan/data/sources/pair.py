@@ -170,6 +170,11 @@ def _check_normals(on: NDArray[np.floating]) -> None:
     if not np.isfinite(on).all():
         raise InputError("the normal map holds numbers that are not finite.")
     length = np.linalg.norm(on, axis=-1)
+    if on.min() >= 0 and float(np.median(length)) > 1.05:  # (0.5, 0.5, 1), what faces the viewer, has 1.22
+        raise InputError(
+            "the normal map holds colours from 0 to 1, not vectors from -1 to 1; normalgan.normals.vectors "
+            "makes vectors of colours."
+        )
     if (wrong := float((np.abs(length - 1) > 0.25).mean())) > 0.1:
         raise InputError(
             f"the normal map holds no normals: its vectors are {float(np.median(length)):.2f} long at the "
