@@ -5,6 +5,7 @@ import zlib
 import numpy as np
 import pytest
 import trimesh
+from sound import check_closed, check_full_size
 
 from normalgan.animals import GROUPS, SPECIES, Animal
 from normalgan.animals.meshing import to_mesh
@@ -24,14 +25,6 @@ def solid(mesh: Mesh) -> trimesh.Trimesh:
     return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
 
 
-def assert_sound(mesh: Mesh, what: str) -> None:
-    body = solid(mesh)
-    assert body.is_watertight, what
-    assert body.body_count == 1, what
-    assert body.volume > 0, what
-    assert np.linalg.norm(mesh.vertices, axis=1).max() == pytest.approx(1, abs=1e-5)
-
-
 @pytest.mark.parametrize("group", ["birds", "fish", "reptiles", "dinosaurs"])
 def test_a_group_has_at_least_four_species_and_each_several_poses(group: str) -> None:
     assert len(GROUPS[group]) >= 4
@@ -40,7 +33,7 @@ def test_a_group_has_at_least_four_species_and_each_several_poses(group: str) ->
 
 @pytest.mark.parametrize("species", NAMES)
 def test_every_species_is_one_closed_body(species: str) -> None:
-    assert_sound(coarse(species, 1), species)
+    check_closed(coarse(species, 1))
 
 
 @pytest.mark.parametrize("group", ["birds", "fish"])
@@ -55,9 +48,7 @@ def test_the_same_number_is_the_same_animal_and_another_is_not(group: str) -> No
 
 @pytest.mark.parametrize("species", ["owl", "shark"])
 def test_a_whole_animal_has_as_many_faces_as_promised(species: str) -> None:
-    mesh = Animal(species, 1).load()
-    assert_sound(mesh, species)
-    assert 15_000 <= len(mesh.faces) <= 45_000
+    check_full_size(Animal(species, 1))
 
 
 def test_wings_spread_are_wider_than_wings_folded() -> None:
@@ -86,6 +77,4 @@ def test_fish_that_glide_are_nearly_the_same_on_both_sides(species: str) -> None
 @pytest.mark.parametrize("species", NAMES)
 def test_every_pose_of_every_species_is_sound(species: str) -> None:
     for pose in SPECIES[species].poses:
-        mesh = Animal(species, 3, pose).load()
-        assert_sound(mesh, f"{species} {pose}")
-        assert 15_000 <= len(mesh.faces) <= 45_000
+        check_full_size(Animal(species, 3, pose))

@@ -222,3 +222,19 @@ def open_studio(
     """Open the studio in a page of its own storage."""
     with open_page(opened, width=width, height=height, tolerate=tolerate) as page:
         yield Studio(page, url)
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """An empty drawing."""
+    with open_studio(opened, server.url) as page:
+        page.new()
+        yield page
+
+
+@pytest.fixture
+def ball(studio: Studio) -> Studio:
+    """A circle, painted."""
+    with studio.repainting():
+        studio.circle()
+    return studio

@@ -1,28 +1,13 @@
 """Directions given by hand on the studio's page: pins that hold, regions, the direction brush."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, Studio
 
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
-
-pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+# A server and a browser take seconds to start; every test begins with a circle, painted.
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("ball")]
 MIDDLE = SIDE / 2
-
-
-@pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
-    """A circle, painted."""
-    with open_studio(opened, server.url) as page:
-        page.new()
-        with page.repainting():
-            page.circle()
-        yield page
 
 
 def degrees(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:

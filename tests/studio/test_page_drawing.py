@@ -1,32 +1,10 @@
 """The studio's page under the mouse: lines, points, undo, and what the map makes of them."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+from studio_page import SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
-
-
-@pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
-    """An empty drawing."""
-    with open_studio(opened, server.url) as page:
-        page.new()
-        yield page
-
-
-@pytest.fixture
-def ball(studio: Studio) -> Studio:
-    """A circle, painted."""
-    with studio.repainting():
-        studio.circle()
-    return studio
 
 
 def test_nothing_lies_on_the_empty_paper(studio: Studio) -> None:

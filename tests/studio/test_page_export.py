@@ -2,29 +2,14 @@
 
 import io
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from PIL import Image
-from studio_page import SIDE, Server, Studio, open_studio
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+from studio_page import SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
-
-
-@pytest.fixture
-def ball(opened: "Browser", server: Server) -> Iterator[Studio]:
-    """A circle, painted."""
-    with open_studio(opened, server.url) as page:
-        page.new()
-        with page.repainting():
-            page.circle()
-        yield page
 
 
 def export(studio: Studio, path: Path, **fields: str) -> str:

@@ -1,28 +1,13 @@
 """The studio's two panes as one view: they move together, points are on both, one can have all the room."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, Studio
 
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
-
-pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+# A server and a browser take seconds to start; every test begins with a circle, painted.
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("ball")]
 MIDDLE = SIDE / 2
-
-
-@pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
-    """A circle, painted."""
-    with open_studio(opened, server.url) as page:
-        page.new()
-        with page.repainting():
-            page.circle()
-        yield page
 
 
 def extents(studio: Studio) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

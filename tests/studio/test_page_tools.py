@@ -1,26 +1,13 @@
 """The studio's tools: lines are selected, moved, scaled, mirrored, coloured; the paper is resized."""
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from PIL import Image
-from studio_page import SIDE, Server, Studio, open_studio
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+from studio_page import SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
-
-
-@pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
-    """An empty drawing."""
-    with open_studio(opened, server.url) as page:
-        page.new()
-        yield page
 
 
 def box_of_ink(studio: Studio) -> tuple[float, float, float, float]:

@@ -1,15 +1,10 @@
 """The studio's page under fingers: one draws, two move and enlarge the paper, and beside a pen none draws."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, Studio
 
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
-
-pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+# A server and a browser take seconds to start; every test begins with a circle, painted.
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("ball")]
 MIDDLE = SIDE / 2
 LEFT, RIGHT = (MIDDLE - 80, MIDDLE), (MIDDLE + 80, MIDDLE)
 """Of the circle."""
@@ -41,16 +36,6 @@ class Hand:
     def _tell(self, kind: str, fingers: tuple[Point, ...]) -> None:
         points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
         self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-
-
-@pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
-    """A drawing with a circle."""
-    with open_studio(opened, server.url) as page:
-        page.new()
-        with page.repainting():
-            page.circle()
-        yield page
 
 
 def dark(studio: Studio, at: Point) -> bool:

@@ -7,8 +7,6 @@ from typing import Any
 
 import torch
 import torch.nn.functional as F
-from kornia.geometry.transform import get_affine_matrix2d
-from kornia.morphology import dilation, erosion
 from torch import Tensor
 
 from normalgan.batch import Batch
@@ -168,6 +166,8 @@ def drop_lines(sketch: Tensor, share: float) -> Tensor:
 
 def change_width(sketch: Tensor, strength: float) -> Tensor:
     """Make the lines of each sketch thicker or fainter, by up to ``strength`` of a 3 × 3 morphology."""
+    from kornia.morphology import dilation, erosion  # late: a list of plug-ins does without
+
     cross = torch.tensor([[0.0, 1, 0], [1, 1, 1], [0, 1, 0]], device=sketch.device)
     amount = (torch.rand(len(sketch), 1, 1, 1, device=sketch.device) * 2 - 1) * strength
     thick, thin = dilation(sketch, cross), erosion(sketch, cross)
@@ -269,6 +269,8 @@ class Augmentation(BatchAugmentation):
 
         All numbers are drawn on the device, for which the processor need not wait.
         """
+        from kornia.geometry.transform import get_affine_matrix2d  # late, as above
+
         flip, rotation, scale, translation, stretch, shear = (
             self.settings[name] for name in ("flip", "rotation", "scale", "translation", "stretch", "shear")
         )
