@@ -1,11 +1,11 @@
 """The picture of the package in docs: an arrow only points down, and neighbours do not know one another."""
 
 import ast
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from interpreter import loaded
 
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
@@ -89,15 +89,6 @@ def test_light_rooms_do_not_name_torch(here: str) -> None:
         if path.stem == "torch_backend":  # the one exception, which no light module imports
             heavy.remove("torch")
         assert not {name.split(".")[0] for name in imported(path)} & heavy, path
-
-
-def loaded(code: str) -> set[str]:
-    """Return the top-level packages that a fresh interpreter has loaded after some code."""
-    listing = "import sys; print(*{name.partition('.')[0] for name in sys.modules}, file=sys.stderr)"
-    done = subprocess.run(
-        [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, check=True
-    )
-    return set(done.stderr.split())
 
 
 def test_light_rooms_do_not_load_torch() -> None:

@@ -1,14 +1,13 @@
 """What `import normalgan` offers: the names and signatures that may not change unnoticed, and it is light."""
 
 import inspect
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import normalgan
+from interpreter import loaded
 from normalgan.errors import InputError
 from pens import blob, outline
 
@@ -41,18 +40,9 @@ def test_the_public_signatures() -> None:
     }
 
 
-def loaded_by(code: str) -> set[str]:
-    """Return the top-level packages that a fresh interpreter has loaded after some code."""
-    listing = "import sys; print(*{name.partition('.')[0] for name in sys.modules})"
-    done = subprocess.run(
-        [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, check=True
-    )
-    return set(done.stdout.split())
-
-
 def test_importing_it_loads_nothing_heavy_and_the_shipped_model_needs_no_torch() -> None:
-    assert not loaded_by("import normalgan") & {"numpy", "torch", "onnxruntime", "lightning", "cv2"}
-    seen = loaded_by("import normalgan; normalgan.load()")
+    assert not loaded("import normalgan") & {"numpy", "torch", "onnxruntime", "lightning", "cv2"}
+    seen = loaded("import normalgan; normalgan.load()")
     assert "onnxruntime" in seen
     assert not seen & {"torch", "lightning", "matplotlib"}
 
