@@ -170,7 +170,8 @@ def _check_normals(on: NDArray[np.floating]) -> None:
     if not np.isfinite(on).all():
         raise InputError("the normal map holds numbers that are not finite.")
     length = np.linalg.norm(on, axis=-1)
-    if on.min() >= 0 and float(np.median(length)) > 1.05:  # (0.5, 0.5, 1), what faces the viewer, has 1.22
+    # What faces the viewer is (0.5, 0.5, 1) as a colour, 1.22 long.
+    if on.min() >= 0 and on.max() <= 1 and float(np.median(length)) > 1.05:
         raise InputError(
             "the normal map holds colours from 0 to 1, not vectors from -1 to 1; normalgan.normals.vectors "
             "makes vectors of colours."
