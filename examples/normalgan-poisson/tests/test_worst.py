@@ -21,4 +21,6 @@ def test_it_is_the_mean_angle_of_the_worst_picture() -> None:
 
 
 def test_of_no_picture_it_is_nan() -> None:
-    assert WorstPicture().compute().isnan()
+    metric = WorstPicture()
+    metric.update(tilted([10.0]), tilted([0.0]), torch.zeros(1, 1, 8, 8))
+    assert metric.compute().isnan()
