@@ -6,11 +6,13 @@ from normalgan.studio.fields import Fields, parse_fields, take_integer
 
 __all__ = ["FORMAT", "VERSION", "check_document"]
 
-FORMAT, VERSION = "normalgan-studio", 3
+FORMAT, VERSION = "normalgan-studio", 4
+_ONE_LAYER = 3
+"""Up to this version a drawing had no layers of its own; what was called so were pictures to trace."""
 
 
 def check_document(content: bytes) -> Fields:
-    """Return a project's fields; what its strokes, hints and layers hold is the page's business.
+    """Return a project's fields; what its lists hold is the page's business.
 
     Raises:
         InputError: if it is no project, or one of a later version.
@@ -24,7 +26,9 @@ def check_document(content: bytes) -> Fields:
         )
     for side in ("width", "height"):
         take_integer(fields, side, LEAST_SIDE, MOST_SIDE)
-    for name, kind in (("strokes", list), ("hints", list), ("layers", list), ("settings", dict)):
+    layered = fields["version"] > _ONE_LAYER
+    lists = ("layers", "pictures") if layered else ("strokes", "hints", "layers")
+    for name, kind in (*((name, list) for name in lists), ("settings", dict)):
         if not isinstance(fields.get(name), kind):
             raise InputError(f"the project has no {name}; the file is damaged.")
     return fields

@@ -79,6 +79,11 @@ class Drawing:
     mask_strokes: Any = ()
     tab: str = ""
 
+    @property
+    def shape(self) -> tuple[int, ...] | None:
+        """(H, W), if it came as pixels."""
+        return None if isinstance(self.picture, bytes) else self.picture.shape[:2]
+
     def digest(self) -> bytes:
         """Return what is the same for the same drawings and for no others."""
         return hashlib.sha256(self.lines_digest() + json.dumps([self.hints, self.areas]).encode()).digest()

@@ -1,6 +1,7 @@
 """Painter: the model at work for the studio; what was painted last is remembered."""
 
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Lock
@@ -20,15 +21,18 @@ __all__ = ["Painter"]
 
 T = TypeVar("T")
 
-_REMEMBERED = 2
-"""Maps that are kept: a map, and its heights or its export, are asked for in turn. One may take 80 MB.
+_REMEMBERED = 2**24
+"""Pixels of the maps that are kept: a map, and its heights or its export, are asked for in turn, and of
+several layers only one is painted again. So many have four of the largest drawings, each of which may take
+80 MB; the newest two are kept in any case.
 
 As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
 """
 _Key = tuple[bytes, int | None, int]
 _LEFT = 0.9
 """The share of an outline's lines that must be left for its object to be held while it is open."""
-_TABS = 8
+_TABS = 32
+"""Layers of tabs whose objects are held."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +90,7 @@ class Painter:
             painted = paint(self.model, hinted(prepared, drawing.read_hints(shape), shape))
             painted = replace(painted, extended=drawing.edit(painted.extended, painted.mask, shape))
             key = *key[:2], self._version(drawing.tab)
-            self._remember(self._painted, key, painted)
+            self._remember(self._painted, key, painted, _size_of_map)
         return painted
 
     def _prepare(self, drawing: Drawing, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
@@ -101,7 +105,7 @@ class Painter:
                 prepared = self._hold(drawing.tab, prepared, whole=longest is None)
                 key = *key[:2], self._version(drawing.tab)
             found = prepared, picture.shape
-            self._remember(self._prepared, key, found)
+            self._remember(self._prepared, key, found, _size_of_prepared)
         return found
 
     def _version(self, tab: str) -> int:
@@ -145,8 +149,16 @@ class Painter:
             kept.move_to_end(key)
             return kept[key]
 
-    def _remember(self, kept: OrderedDict[_Key, T], key: _Key, value: T) -> None:
+    def _remember(self, kept: OrderedDict[_Key, T], key: _Key, value: T, size_of: Callable[[T], int]) -> None:
         with self._lock:
             kept[key] = value
-            while len(kept) > _REMEMBERED:
+            while len(kept) > 2 and sum(map(size_of, kept.values())) > _REMEMBERED:
                 kept.popitem(last=False)
+
+
+def _size_of_map(painted: NormalMap) -> int:
+    return painted.mask.size
+
+
+def _size_of_prepared(found: tuple[Prepared, tuple[int, int]]) -> int:
+    return max(found[0].ink.size, found[0].shape[0] * found[0].shape[1])

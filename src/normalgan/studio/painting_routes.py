@@ -1,7 +1,7 @@
-"""Painting routes: a drawing comes, and its map, its heights, its file or points for hints go."""
+"""Painting routes: a drawing comes, in layers, and its map, its heights, its file or points for hints go."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TypeVar
 from urllib.parse import quote
@@ -17,9 +17,10 @@ from normalgan.painting.hint_files import parse_hints
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.bodies import check_type, gone, read_body
-from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, Drawing, take_drawing
+from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.exports import take_wish
 from normalgan.studio.fields import Fields, parse_fields, take_integer, take_text
+from normalgan.studio.layers import Layer, paint_layers, take_layers
 from normalgan.studio.painter import Painter
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.refusals import RefusedError
@@ -64,15 +65,15 @@ class PaintingRoutes:
     async def paint(self, request: Request) -> Response:
         """Answer with the colours of the normals and the mask as alpha, W × H × 4 bytes."""
         start = time.perf_counter()
-        fields, drawing = await self._asked(request)
+        fields, layers = await self._asked(request)
         longest = None
         if fields.get("longest") is not None:
             longest = take_integer(fields, "longest", LEAST_SIDE, MOST_SIDE)
-        work = partial(self._map, drawing, longest)
+        work = partial(self._map, layers, longest)
         try:
             map_ = await self._ordered(self._quick, request, fields, work)
         except InputError as error:
-            if "planes" not in fields or isinstance(error, RunError | RefusedError):
+            if not _is_raw(request) or isinstance(error, RunError | RefusedError):
                 raise
             # Of a drawing that has just been begun that is no error, which a browser would log as one.
             return _dropped(str(error))
@@ -80,29 +81,29 @@ class PaintingRoutes:
 
     async def suggest(self, request: Request) -> Response:
         """Answer with places where a hint would help."""
-        fields, drawing = await self._asked(request)
-        work = partial(self._points, drawing, take_integer(fields, "count", 1, 20, 5))
+        fields, layers = await self._asked(request)
+        work = partial(self._points, layers, take_integer(fields, "count", 1, 20, 5))
         points = await self._ordered(self._quick, request, fields, work)
         return _dropped() if points is None else JSONResponse({"points": points})
 
     async def doubt(self, request: Request) -> Response:
         """Answer how unsure the model is: W × H bytes, shares of a right angle; none if it cannot say."""
         start = time.perf_counter()
-        fields, drawing = await self._asked(request)
-        doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, drawing))
+        fields, layers = await self._asked(request)
+        doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, layers))
         return _dropped() if doubts is None else _pixels(*doubts, start)
 
     async def height(self, request: Request) -> Response:
         """Answer with heights, W × H floats, none off the object."""
         start = time.perf_counter()
-        fields, drawing = await self._asked(request)
-        heights = await self._ordered(self._slow, request, fields, partial(self._heights, drawing))
+        fields, layers = await self._asked(request)
+        heights = await self._ordered(self._slow, request, fields, partial(self._heights, layers))
         return _dropped() if heights is None else _pixels(*heights, start)
 
     async def export(self, request: Request) -> Response:
         """Answer with a file as ``normalgan generate`` writes it."""
-        fields, drawing = await self._asked(request)
-        work = partial(self._file, drawing, fields)
+        fields, layers = await self._asked(request)
+        work = partial(self._file, layers, fields)
         self._exports += 1  # none takes another one's place
         file = await self._ordered(self._slow, request, fields, work, f"{self._exports} ")
         if file is None:
@@ -111,16 +112,16 @@ class PaintingRoutes:
         attachment = f"attachment; filename*=UTF-8''{quote(name, safe='')}"
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
-    async def _asked(self, request: Request) -> tuple[Fields, Drawing]:
-        """Return what a request asks for, and the drawing, a PNG in JSON or raw bytes of what has changed."""
+    async def _asked(self, request: Request) -> tuple[Fields, list[Layer]]:
+        """Return what a request asks for, and the drawing, PNG in JSON or raw bytes of what has changed."""
         check_type(request, "application/json", CONTENT_TYPE)
         body = await read_body(request)
-        if request.headers["content-type"].partition(";")[0].strip().lower() != CONTENT_TYPE:
+        pixels = None
+        if _is_raw(request):
+            fields, pixels = split_body(body)
+        else:
             fields = parse_fields(body)
-            return fields, take_drawing(fields)
-        fields, pixels = split_body(body)
-        planes = self._kept.take(take_text(fields, "tab", 64), fields, pixels)
-        return fields, take_drawing(fields, planes["ink"])
+        return fields, take_layers(fields, self._kept, pixels)
 
     async def _ordered(
         self, queue: RequestQueue, request: Request, fields: Fields, work: Callable[[], T], apart: str = ""
@@ -129,39 +130,48 @@ class PaintingRoutes:
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
         return await queue.do(tab, take_integer(fields, "number", 0, _LARGEST), work, partial(gone, request))
 
-    def _map(self, drawing: Drawing, longest: int | None) -> tuple[bytes, NormalMap]:
-        painted = self._painter.paint(drawing, longest)
+    def _paint(self, layers: Sequence[Layer], longest: int | None = None) -> NormalMap:
+        return paint_layers(layers, partial(self._painter.paint, longest=longest))
+
+    def _map(self, layers: Sequence[Layer], longest: int | None) -> tuple[bytes, NormalMap]:
+        painted = self._paint(layers, longest)
         alpha = np.where(painted.mask, 255, 0).astype(np.uint8)
         return np.dstack([encode(painted.extended), alpha]).tobytes(), painted
 
-    def _points(self, drawing: Drawing, count: int) -> list[dict[str, object]]:
-        painted = self._painter.paint(drawing)
-        hints = parse_hints(drawing.hints, "the request", (painted.mask.shape[0], painted.mask.shape[1]))
+    def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
+        painted = self._paint(layers)
+        given = [hint for layer in layers for hint in layer.drawing.hints]
+        hints = parse_hints(given, "the request", (painted.mask.shape[0], painted.mask.shape[1]))
         found = suggest(painted.extended, painted.mask, painted.confidence, hints.points, count)
         return [
             {"x": point.x, "y": point.y, "normal": list(point.normal), "gain": point.gain} for point in found
         ]
 
-    def _doubts(self, drawing: Drawing) -> tuple[bytes, NormalMap]:
-        painted = self._painter.paint(drawing)
+    def _doubts(self, layers: Sequence[Layer]) -> tuple[bytes, NormalMap]:
+        painted = self._paint(layers)
         if painted.confidence is None:
             return b"", painted
         shares = np.where(painted.mask, doubt(painted.confidence), 0)
         return np.rint(255 * np.clip(shares, 0, 1)).astype(np.uint8).tobytes(), painted
 
-    def _heights(self, drawing: Drawing) -> tuple[bytes, NormalMap]:
-        painted = self._painter.paint(drawing)
+    def _heights(self, layers: Sequence[Layer]) -> tuple[bytes, NormalMap]:
+        painted = self._paint(layers)
         height = np.where(painted.mask, painted.height(), np.nan)
         return height.astype("<f4").tobytes(), painted
 
-    def _file(self, drawing: Drawing, fields: Fields) -> tuple[str, bytes]:
+    def _file(self, layers: Sequence[Layer], fields: Fields) -> tuple[str, bytes]:
         wish = take_wish(fields)
-        return wish.write(self._painter.paint(drawing, wish.longest))
+        return wish.write(self._paint(layers, wish.longest))
 
 
 _OCTETS = "application/octet-stream"
 _WORDS = "give --mask", "paint the object with the mask brush"
 """What the command line is told to do, and what is done on the page instead."""
+
+
+def _is_raw(request: Request) -> bool:
+    """Return whether a request brings pixels as they are, as the page does."""
+    return request.headers["content-type"].partition(";")[0].strip().lower() == CONTENT_TYPE
 
 
 def _pixels(content: bytes, painted: NormalMap, start: float) -> Response:

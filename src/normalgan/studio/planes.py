@@ -25,8 +25,10 @@ CONTENT_TYPE: Final = "application/x-normalgan-drawing"
 CHANNELS: Final = {"ink": (1, 4)}
 """How many channels each plane may have: ink is grey, or red, green, blue and opacity."""
 _LARGEST = 2**53
-_TABS = 8
-"""Tabs whose planes are kept; those of one may take 16 MB."""
+_MOST = 256
+"""Layers whose planes are kept."""
+_BYTES = 2**28
+"""That all of them may take together: as much as the most layers of the largest drawing."""
 
 
 def split_body(body: bytes) -> tuple[Fields, memoryview]:
@@ -42,21 +44,22 @@ def split_body(body: bytes) -> tuple[Fields, memoryview]:
 
 
 class KeptPlanes:
-    """What each tab has sent, so that it need only send what has changed since. For one thread.
+    """What each layer of each tab was sent as, so that only what has changed since need be. For one thread.
 
     Args:
-        most: tabs that are remembered.
+        most: layers that are remembered.
+        largest: bytes that they may take together.
     """
 
-    def __init__(self, most: int = _TABS) -> None:
-        self._most = most
+    def __init__(self, most: int = _MOST, largest: int = _BYTES) -> None:
+        self._most, self._largest = most, largest
         self._kept: OrderedDict[str, tuple[int, Planes]] = OrderedDict()
 
     def take(self, tab: str, fields: Fields, pixels: memoryview) -> Planes:
         """Return the planes of a request: name to (H, W, C), not to be written to.
 
         Args:
-            tab: who asks.
+            tab: who asks, and for which layer.
             fields: ``planes``, a list of ``name``, ``width``, ``height``, ``channels`` and the ``box`` (left,
                 top, right, bottom) that the bytes are of; ``number``; ``base``, the number of the request
                 whose planes these are changes of, null for none; ``keep``, whether this may be a base itself.
@@ -90,9 +93,12 @@ class KeptPlanes:
         if take_choice(fields, "keep", (False, True), True):
             self._kept[tab] = take_integer(fields, "number", 0, _LARGEST), MappingProxyType(planes)
             self._kept.move_to_end(tab)
-            while len(self._kept) > self._most:
+            while len(self._kept) > 1 and (len(self._kept) > self._most or self._size() > self._largest):
                 self._kept.popitem(last=False)
         return planes
+
+    def _size(self) -> int:
+        return sum(plane.nbytes for _, planes in self._kept.values() for plane in planes.values())
 
 
 def _change(planes: dict[str, Pixels], given: object, pixels: memoryview) -> int:

@@ -1,0 +1,109 @@
+"""Layers: the parts of a drawing in a request, the hindmost first; each is painted for itself."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from normalgan.errors import InputError, RunError
+from normalgan.painting.composition import compose
+from normalgan.painting.normal_map import NormalMap
+from normalgan.studio.bodies import MOST_BYTES
+from normalgan.studio.drawing import Drawing, take_drawing
+from normalgan.studio.fields import Fields, take_integer, take_text
+from normalgan.studio.planes import KeptPlanes
+from normalgan.studio.refusals import RefusedError
+
+__all__ = ["MOST_LAYERS", "Layer", "paint_layers", "take_layers"]
+
+MOST_LAYERS = 16
+_LONGEST_NAME = 80
+_LARGEST = 2**31
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A part of a drawing.
+
+    Args:
+        name: by which a warning tells of it; empty if it is the only one.
+        drawing: what is drawn on it.
+    """
+
+    name: str
+    drawing: Drawing
+
+
+def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> list[Layer]:
+    """Return the layers of a request, the hindmost first.
+
+    Args:
+        fields: of the request: ``layers``, each with an ``id``, a ``name``, and what a drawing has of its
+            own; or those of a drawing with one layer. With pixels, each layer tells how many ``bytes`` are
+            its own.
+        kept: what the layers' tab has sent before.
+        pixels: behind the fields; None if pictures are PNG in them.
+
+    Raises:
+        BehindError: if a change is of what was not kept.
+        InputError: if a field cannot be used.
+    """
+    if "layers" not in fields:
+        planes = None if pixels is None else kept.take(take_text(fields, "tab", 64), fields, pixels)
+        return [Layer("", take_drawing(fields, None if planes is None else planes["ink"]))]
+    listed = fields["layers"]
+    if not isinstance(listed, list) or not 1 <= len(listed) <= MOST_LAYERS:
+        raise InputError(f"layers are to be a list of 1 to {MOST_LAYERS}.")
+    tab = take_text(fields, "tab", 48)
+    found, start, ids = [], 0, set[int]()
+    for entry in listed:
+        if not isinstance(entry, dict):
+            raise InputError("a layer is no JSON object; it has fields in braces.")
+        own = take_integer(entry, "id", 0, _LARGEST)
+        if own in ids:
+            raise InputError(f"there are two layers with the id {own}.")
+        ids.add(own)
+        # Each has its own pixels to be changed, and its own object to be held while its outline is open.
+        layer = {**entry, "tab": f"{tab} {own}"}
+        layer |= {name: fields[name] for name in ("number", "keep", "source") if name in fields}
+        ink = None
+        if pixels is not None:
+            size = take_integer(entry, "bytes", 0, MOST_BYTES)
+            ink = kept.take(layer["tab"], layer, pixels[start : start + size])["ink"]
+            start += size
+        name = take_text(entry, "name", _LONGEST_NAME) if len(listed) > 1 else ""
+        found.append(Layer(name, take_drawing(layer, ink)))
+    if pixels is not None and start != len(pixels):
+        raise InputError(f"there are {len(pixels)} bytes of pixels; the layers tell of {start}.")
+    if pixels is not None and len({each.drawing.shape for each in found}) > 1:
+        raise InputError("the layers are of different sizes; they are to have the drawing's.")
+    return found
+
+
+def paint_layers(layers: Sequence[Layer], paint: Callable[[Drawing], NormalMap]) -> NormalMap:
+    """Return the map of all layers; what one of several lacks to be painted is in its warning.
+
+    Args:
+        layers: the hindmost first.
+        paint: paints one.
+
+    Raises:
+        InputError: if none can be painted.
+    """
+    if len(layers) == 1:
+        return paint(layers[0].drawing)
+    painted, lacks, first = [], [], None
+    for layer in layers:
+        try:
+            found = paint(layer.drawing)
+        except InputError as error:
+            if isinstance(error, RunError | RefusedError):
+                raise
+            first = first or InputError(f"{layer.name}: {error}")
+            lacks.append(f"{layer.name}: {str(error).removesuffix('.')}")
+            continue
+        painted.append(replace(found, warning=f"{layer.name}: {found.warning}") if found.warning else found)
+    if first is not None and not painted:
+        raise first
+    if len({each.mask.shape for each in painted}) > 1:
+        raise InputError("the layers are of different sizes; they are to have the drawing's.")
+    whole = compose(painted)
+    return replace(whole, warning="; ".join([*filter(None, [whole.warning]), *lacks])) if lacks else whole

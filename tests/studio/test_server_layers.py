@@ -1,0 +1,163 @@
+"""Layers: each is painted for itself, and only when it changed; what is in front hides what is behind."""
+
+import io
+import json
+import struct
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+from starlette.testclient import TestClient
+from studio_client import HEIGHT, WIDTH, Pixels, asking, b64, png, serving
+
+from normalgan.studio import painter
+from normalgan.studio.layers import MOST_LAYERS
+from normalgan.studio.planes import CONTENT_TYPE
+
+
+def ring(x: float, y: float = 60, radius: float = 34) -> Pixels:
+    """A circle, black on white."""
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH] + 0.5
+    return np.where(np.abs(np.hypot(columns - x, rows - y) - radius) < 1.3, 0, 255).astype(np.uint8)
+
+
+BACK, FRONT = ring(60), ring(96, 64)
+
+
+def layer(number: int, name: str, drawn: Pixels, **more: Any) -> dict[str, Any]:
+    """A layer with a PNG."""
+    return {"id": number, "name": name, "picture": b64(png(drawn)), "hints": [], **more}
+
+
+def ask(number: int, *layers: dict[str, Any], **more: Any) -> dict[str, Any]:
+    """A request about layers."""
+    asked = asking(number, layers=list(layers), **more)
+    del asked["picture"]
+    return asked
+
+
+def pixels(answer: Any) -> Pixels:
+    """The map (H, W, 4) in an answer."""
+    assert answer.status_code == 200, answer.text
+    return np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)
+
+
+def sent(client: TestClient, number: int, layers: list[tuple[dict[str, Any], bytes]], **more: Any) -> Any:
+    """Send layers as raw pixels."""
+    asked = ask(number, *({**fields, "bytes": len(own)} for fields, own in layers), **more)
+    text = json.dumps(asked).encode()
+    body = struct.pack("<I", len(text)) + text + b"".join(own for _, own in layers)
+    return client.post("/api/paint", content=body, headers={"Content-Type": CONTENT_TYPE})
+
+
+def raw(number: int, name: str, base: int | None, drawn: Pixels | None) -> tuple[dict[str, Any], bytes]:
+    """A layer whose pixels are sent, all or none."""
+    box = [0, 0, 0, 0] if drawn is None else [0, 0, WIDTH, HEIGHT]
+    plane = {"name": "ink", "width": WIDTH, "height": HEIGHT, "channels": 1, "box": box}
+    fields = {"id": number, "name": name, "base": base, "hints": [], "planes": [plane]}
+    return fields, b"" if drawn is None else drawn.tobytes()
+
+
+def test_each_is_painted_for_itself_and_the_front_hides_the_back(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        back, front = (
+            pixels(client.post("/api/paint", json=asking(number, picture=b64(png(drawn)))))
+            for number, drawn in ((1, BACK), (2, FRONT))
+        )
+        both = pixels(client.post("/api/paint", json=ask(3, layer(1, "Body", BACK), layer(2, "Head", FRONT))))
+        turned = pixels(
+            client.post("/api/paint", json=ask(4, layer(2, "Head", FRONT), layer(1, "Body", BACK)))
+        )
+    assert np.array_equal(both[..., 3], np.maximum(back[..., 3], front[..., 3]))
+    # Away from the soft edges of both.
+    rims = np.minimum(BACK, FRONT)
+    near = cv2.erode(rims, np.ones((7, 7), np.uint8)) == 0
+    far = (back[..., 3] > 0) & (front[..., 3] > 0) & ~near
+    assert far.sum() > 500
+    assert np.array_equal(both[far], front[far])
+    assert np.array_equal(turned[far], back[far])
+    assert (back[far] != front[far]).any()
+
+
+def test_only_the_layer_that_changed_is_painted_again(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    painted: list[int] = []
+    whole = painter.paint
+
+    def counted(*given: Any) -> Any:
+        painted.append(1)
+        return whole(*given)
+
+    monkeypatch.setattr(painter, "paint", counted)
+    with serving(model, tmp_path) as client:
+        first = sent(client, 1, [raw(1, "a", None, BACK), raw(2, "b", None, FRONT)])
+        assert first.status_code == 200, first.text
+        assert len(painted) == 2
+        moved = ring(90, 50)
+        second = sent(client, 2, [raw(1, "a", 1, None), raw(2, "b", 1, moved)])
+        assert len(painted) == 3
+        assert second.content != first.content
+        hidden = sent(client, 3, [raw(1, "a", 2, None)])
+        assert len(painted) == 3  # what was painted is remembered
+        alone = client.post("/api/paint", json=asking(4, picture=b64(png(BACK))))
+        assert hidden.content == alone.content
+        assert sent(client, 5, [raw(1, "a", 2, None), raw(2, "b", 3, None)]).status_code == 409
+
+
+def test_a_layer_that_cannot_be_painted_leaves_the_others(model: Path, tmp_path: Path) -> None:
+    blank = np.full_like(BACK, 255)
+    with serving(model, tmp_path) as client:
+        alone = client.post("/api/paint", json=asking(1, picture=b64(png(BACK))))
+        found = client.post("/api/paint", json=ask(2, layer(1, "Body", BACK), layer(2, "Head", blank)))
+        assert np.array_equal(pixels(found), pixels(alone))
+        assert unquote(found.headers["x-warning"]).startswith("Head: ")
+        none = sent(client, 3, [raw(1, "Body", None, blank), raw(2, "Head", None, blank)])
+        assert none.status_code == 204
+        assert unquote(none.headers["x-warning"]).startswith("Body: ")
+
+
+def test_exports_and_heights_are_of_all_layers(model: Path, tmp_path: Path) -> None:
+    layers = layer(1, "Body", BACK), layer(2, "Head", FRONT)
+    with serving(model, tmp_path) as client:
+        shown = pixels(client.post("/api/paint", json=ask(1, *layers)))
+        file = client.post("/api/export", json=ask(2, *layers, what="map", format="png8", name="fox"))
+        found = np.asarray(Image.open(io.BytesIO(file.content)))
+        inside = shown[..., 3] > 0
+        assert np.abs(found[inside].astype(int) - shown[inside, :3]).max() <= 1
+        heights = client.post("/api/height", json=ask(3, *layers))
+        known = np.isfinite(np.frombuffer(heights.content, "<f4").reshape(HEIGHT, WIDTH))
+        assert np.array_equal(known, inside)
+
+
+@pytest.mark.parametrize(
+    ("layers", "sentence"),
+    [
+        ([], "layers are to be a list of 1 to 16."),
+        ([layer(n, "a", BACK) for n in range(MOST_LAYERS + 1)], "layers are to be a list of 1 to 16."),
+        (["a"], "a layer is no JSON object; it has fields in braces."),
+        ([layer(1, "a", BACK), layer(1, "b", BACK)], "there are two layers with the id 1."),
+        ([layer(-1, "a", BACK)], "id is -1; it is to be a whole number from 0 to"),
+        ([layer(1, "", BACK), layer(2, "b", BACK)], 'name is ""; it is to be a text of 1 to 80 characters.'),
+        ([layer(1, "a", BACK), layer(2, "b", BACK[:60])], "the layers are of different sizes"),
+    ],
+)
+def test_layers_that_cannot_be_used_are_told_so(
+    model: Path, tmp_path: Path, layers: list[Any], sentence: str
+) -> None:
+    with serving(model, tmp_path) as client:
+        answer = client.post("/api/paint", json=ask(1, *layers))
+        assert answer.status_code == 400
+        assert sentence in answer.json()["error"]
+
+
+def test_pixels_that_do_not_go_with_the_layers_are_told_so(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        fields, own = raw(1, "a", None, BACK)
+        answer = sent(client, 1, [(fields, own + b"more")])
+        assert answer.status_code == 400
+        assert "there are" in answer.json()["error"]
