@@ -81,7 +81,10 @@ def test_a_full_storage_is_told_and_the_project_can_be_downloaded(
         with page.expect_download() as waiting:
             page.locator("#download-project").click()
         waiting.value.save_as(tmp_path / "kept.normalgan")
-        assert len(json.loads((tmp_path / "kept.normalgan").read_text(encoding="utf-8"))["strokes"]) == 2
+        assert (
+            len(json.loads((tmp_path / "kept.normalgan").read_text(encoding="utf-8"))["layers"][0]["strokes"])
+            == 2
+        )
 
 
 def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(server: Server, tmp_path: Path) -> None:

@@ -26,7 +26,8 @@ def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
                   const length = new DataView(options.body.buffer).getUint32(0, true);
                   const fields = JSON.parse(new TextDecoder().decode(options.body.subarray(4, 4 + length)));
                   const bytes = options.body.length - 4 - length;
-                  sent.push({ longest: fields.longest, base: fields.base, number: fields.number, bytes,
+                  const [{ base }] = fields.layers;
+                  sent.push({ longest: fields.longest, base, number: fields.number, bytes,
                     aborted: () => options.signal.aborted });
                 }
                 return ask(path, options);

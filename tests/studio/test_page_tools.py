@@ -107,13 +107,13 @@ def test_the_paper_is_resized_with_what_is_on_it_or_without(studio: Studio) -> N
         studio.line((100, 100), (150, 100), (150, 150), (100, 150), (100, 100))
 
     def resize(width: int, height: int, *, along: bool) -> None:
-        page.locator("#layer summary").click()
+        page.locator("#paper summary").click()
         page.locator("#paper-resize").click()
         page.locator("#paper-width").fill(str(width))
         page.locator("#paper-height").fill(str(height))
         page.locator("#paper-along").set_checked(along)
         page.locator("#paper-dialog button.strong").click()
-        page.locator("#layer summary").click()
+        page.locator("#paper summary").click()
         studio.size = width, height
         page.wait_for_timeout(300)
 
@@ -139,10 +139,10 @@ def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_pat
         page.set_input_files("#import-file", files=tmp_path / f"{name}.png")
         page.locator("#choose button[value=traced]").click()
         studio.wait_for_status(name)
-    page.locator("#layer summary").click()
-    assert page.locator("#layer-list li").count() == 2
-    page.locator("#layer-list input[type=range]").nth(1).fill("100")
-    page.locator("#layer summary").click()
+    page.locator("#paper summary").click()
+    assert page.locator("#picture-list li").count() == 2
+    page.locator("#picture-list input[type=range]").nth(1).fill("100")
+    page.locator("#paper summary").click()
     page.keyboard.press("s")
     studio.line((128, 200), (60, 200), (-100, 200))  # beyond the paper's edge
     page.mouse.move(2, 2)

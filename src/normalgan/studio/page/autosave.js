@@ -31,6 +31,10 @@ export class Autosave extends EventTarget {
     /** @type {Promise<void>} the writing to the server that goes on, or the last one */
     this.sending = Promise.resolve();
     editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || this.#changed());
+    editor.addEventListener("replaced", (event) => {
+      const { before, after } = /** @type {CustomEvent} */ (event).detail;
+      if (this.clean === before) this.clean = after; // which layer is worked on is no work that could be lost
+    });
     connection.addEventListener("back", () => this.flush());
     addEventListener("pagehide", () => this.flush());
   }
@@ -109,7 +113,7 @@ export class Autosave extends EventTarget {
 }
 
 /**
- * @typedef {{doc: unknown, etag: string | null, past: import("./store.js").Past | null}} Found etag: of the project it
+ * @typedef {{doc: unknown, etag: string | null, past: import("./steps.js").Past | null}} Found etag: of the project it
  *   was made from, null for none; past: its history, if that was kept
  * @typedef {{tab: string, changed: string, name: string, there: boolean, read: () => Promise<Found>}} Left
  *   unsaved work of a tab; there: it is on the server

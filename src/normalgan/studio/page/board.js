@@ -8,25 +8,33 @@ import { Sheet } from "./sheet.js";
 
 /** @typedef {{x: number, y: number}} Point */
 
+/** Whether a sheet shows two documents alike. @param {import("./document.js").Doc} a @param {import("./document.js").Doc} b */
+function showsAlike(a, b) {
+  if (a.pictures !== b.pictures || a.active !== b.active || a.layers.length !== b.layers.length) return false;
+  return a.layers.every(({ id, visible, strokes }, i) => {
+    const other = b.layers[i];
+    return id === other.id && visible === other.visible && strokes === other.strokes;
+  });
+}
+
 export class Board {
   /**
    * @param {HTMLCanvasElement} canvas above, which takes the pointer
    * @param {HTMLCanvasElement} below for the sheet
    * @param {import("./editor.js").Editor} editor
-   * @param {import("./ink.js").Ink} ink
+   * @param {import("./ink.js").Inks} inks
    * @param {import("./camera.js").View} view shared by all panes
    * @param {HTMLElement} [focus] takes the keys; by default the canvas
    */
-  constructor(canvas, below, editor, ink, view, focus = canvas) {
+  constructor(canvas, below, editor, inks, view, focus = canvas) {
     this.canvas = canvas;
     this.focus = focus;
     this.context = context2d(canvas);
     this.editor = editor;
-    this.ink = ink;
     this.view = view;
     this.camera = new Camera(view);
     this.camera.doc = editor.doc;
-    this.sheet = new Sheet(below, editor, ink, this.camera);
+    this.sheet = new Sheet(below, editor, inks, this.camera);
     /** @type {Point | null} where the keyboard's cursor is, in the drawing */
     this.cursor = null;
     /** @type {Point | null} where the pointer is, in the drawing */
@@ -40,10 +48,10 @@ export class Board {
     this.frame = 0;
     let shown = editor.doc;
     editor.addEventListener("change", () => {
-      ink.sync(editor.doc);
+      inks.sync(editor.doc);
       this.camera.doc = editor.doc;
       // A point that moves leaves the sheet as it is.
-      if (editor.doc.strokes !== shown.strokes || editor.doc.layers !== shown.layers) this.sheet.redraw();
+      if (!showsAlike(editor.doc, shown)) this.sheet.redraw();
       if (editor.doc.width !== shown.width || editor.doc.height !== shown.height) this.moved();
       shown = editor.doc;
       this.redraw();
@@ -52,7 +60,7 @@ export class Board {
     for (const name of ["state", "marks"]) editor.addEventListener(name, () => this.redraw());
     view.addEventListener("change", () => this.moved());
     new ResizeObserver(() => this.#resized()).observe(canvas);
-    ink.sync(editor.doc);
+    inks.sync(editor.doc);
   }
 
   /** Whether the pane is on show. */

@@ -1,6 +1,6 @@
 /** What is drawn, as values that never change: each edit makes a new document, so that undo is a list. */
 
-import { text } from "./text.js";
+import { say, text } from "./text.js";
 
 /**
  * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number}} Line x, y,
@@ -15,19 +15,33 @@ import { text } from "./text.js";
  *   whole, or of a stroke of that width that is brushed with a direction
  * @typedef {{adds: boolean, size: number, points: number[]}} MaskStroke x, y, x, y, … where the object is added to or
  *   cut from
- * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Layer
+ * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
+ *   mask: MaskStroke[]}} Layer a part of the drawing, which is painted for itself
+ * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture to trace or to look at
  * @typedef {{source: null | "outline" | "model", name: string}} Settings
- * @typedef {{format: string, version: number, width: number, height: number, strokes: Stroke[],
- *   hints: Hint[], areas: Area[], mask: MaskStroke[], layers: Layer[], settings: Settings}} Doc
+ * @typedef {{format: string, version: number, width: number, height: number, layers: Layer[], active: number,
+ *   pictures: Picture[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
+ *   worked on
  */
 
 export const FORMAT = "normalgan-studio";
-export const VERSION = 3;
+export const VERSION = 4;
 export const SIDES = { least: 16, most: 2048 };
+/** From this version on a drawing has layers. */
+const LAYERED = 4;
 const MOST_STROKES = 20000;
+export const MOST_HINTS = 200;
 export const MOST_AREAS = 200;
 export const MOST_MASK_STROKES = 500;
-export const MOST_LAYERS = 8;
+export const MOST_LAYERS = 16;
+export const MOST_PICTURES = 8;
+export const LONGEST_NAME = 80;
+
+/** @param {number} id @param {string} name @returns {Layer} */
+const newLayer = (id, name) => ({ id, name, visible: true, strokes: [], hints: [], areas: [], mask: [] });
+
+/** What a layer is called that nobody has named. @param {number} number */
+const usualName = (number) => say("layerNumber", { number });
 
 /**
  * Returns an empty drawing.
@@ -37,39 +51,86 @@ export const MOST_LAYERS = 8;
  */
 export function newDocument(width, height) {
   const settings = { source: null, name: "" };
-  return { format: FORMAT, version: VERSION, width, height, strokes: [], hints: [], areas: [], mask: [], layers: [], settings };
+  return { format: FORMAT, version: VERSION, width, height, layers: [newLayer(1, usualName(1))], active: 1, pictures: [], settings };
 }
 
 /** @param {Doc} doc @returns {boolean} */
-export const isEmpty = (doc) => !doc.strokes.length && !doc.hints.length && !doc.layers.length;
+export const isEmpty = (doc) =>
+  !doc.pictures.length && doc.layers.every(({ strokes, hints }) => !strokes.length && !hints.length);
+
+/** Returns the layer that is worked on. @param {Doc} doc @returns {Layer} */
+export const activeLayer = (doc) => doc.layers.find(({ id }) => id === doc.active) ?? doc.layers[doc.layers.length - 1];
+
+/** @param {Doc} doc @param {number} id @param {Partial<Layer>} change @returns {Doc} */
+export function changedLayer(doc, id, change) {
+  return { ...doc, layers: doc.layers.map((layer) => (layer.id === id ? { ...layer, ...change } : layer)) };
+}
+
+/** Changes the layer that is worked on. @param {Doc} doc @param {Partial<Layer>} change @returns {Doc} */
+export const withActive = (doc, change) => changedLayer(doc, activeLayer(doc).id, change);
+
+/**
+ * Adds an empty layer before the one that is worked on, to be worked on from now.
+ * @param {Doc} doc @param {string} [name]
+ * @returns {Doc}
+ */
+export function withNewLayer(doc, name) {
+  const ids = doc.layers.map((layer) => layer.id);
+  const id = Math.max(...ids) + 1;
+  const taken = new Set(doc.layers.map((layer) => layer.name));
+  let number = doc.layers.length + 1;
+  while (taken.has(usualName(number))) number += 1;
+  const layers = [...doc.layers];
+  layers.splice(ids.indexOf(activeLayer(doc).id) + 1, 0, newLayer(id, name ?? usualName(number)));
+  return { ...doc, layers, active: id };
+}
+
+/** Removes a layer, unless it is the only one. @param {Doc} doc @param {number} id @returns {Doc} */
+export function withoutLayer(doc, id) {
+  const at = doc.layers.findIndex((layer) => layer.id === id);
+  if (at < 0 || doc.layers.length === 1) return doc;
+  const layers = doc.layers.filter((layer) => layer.id !== id);
+  const active = doc.active === id ? layers[Math.max(0, at - 1)].id : doc.active;
+  return { ...doc, layers, active };
+}
+
+/** Moves a layer to the front, or to the back. @param {Doc} doc @param {number} id @param {number} step @returns {Doc} */
+export function withLayerMoved(doc, id, step) {
+  const from = doc.layers.findIndex((layer) => layer.id === id);
+  const to = from + step;
+  if (from < 0 || to < 0 || to >= doc.layers.length) return doc;
+  const layers = [...doc.layers];
+  layers.splice(to, 0, ...layers.splice(from, 1));
+  return { ...doc, layers };
+}
 
 /** @param {Doc} doc @param {Stroke} stroke @returns {Doc} */
-export const withStroke = (doc, stroke) => ({ ...doc, strokes: [...doc.strokes, stroke] });
+export const withStroke = (doc, stroke) => withActive(doc, { strokes: [...activeLayer(doc).strokes, stroke] });
 
 /** @param {Doc} doc @param {Hint} hint @returns {Doc} */
-export const withHint = (doc, hint) => ({ ...doc, hints: [...doc.hints, hint] });
+export const withHint = (doc, hint) => withActive(doc, { hints: [...activeLayer(doc).hints, hint] });
 
 /** @param {Doc} doc @param {number} index @param {Partial<Hint>} change @returns {Doc} */
 export function changedHint(doc, index, change) {
-  return { ...doc, hints: doc.hints.map((hint, i) => (i === index ? { ...hint, ...change } : hint)) };
+  return withActive(doc, { hints: activeLayer(doc).hints.map((hint, i) => (i === index ? { ...hint, ...change } : hint)) });
 }
 
 /** @param {Doc} doc @param {number} index @returns {Doc} */
-export const withoutHint = (doc, index) => ({ ...doc, hints: doc.hints.filter((_, i) => i !== index) });
+export const withoutHint = (doc, index) => withActive(doc, { hints: activeLayer(doc).hints.filter((_, i) => i !== index) });
 
 /** @param {Doc} doc @param {Area} area @returns {Doc} */
-export const withArea = (doc, area) => ({ ...doc, areas: [...doc.areas, area] });
+export const withArea = (doc, area) => withActive(doc, { areas: [...activeLayer(doc).areas, area] });
 
 /** @param {Doc} doc @param {number} index @param {Partial<Area>} change @returns {Doc} */
 export function changedArea(doc, index, change) {
-  return { ...doc, areas: doc.areas.map((area, i) => (i === index ? { ...area, ...change } : area)) };
+  return withActive(doc, { areas: activeLayer(doc).areas.map((area, i) => (i === index ? { ...area, ...change } : area)) });
 }
 
 /** @param {Doc} doc @param {number} index @returns {Doc} */
-export const withoutArea = (doc, index) => ({ ...doc, areas: doc.areas.filter((_, i) => i !== index) });
+export const withoutArea = (doc, index) => withActive(doc, { areas: activeLayer(doc).areas.filter((_, i) => i !== index) });
 
 /** @param {Doc} doc @param {MaskStroke} stroke @returns {Doc} */
-export const withMaskStroke = (doc, stroke) => ({ ...doc, mask: [...doc.mask, stroke] });
+export const withMaskStroke = (doc, stroke) => withActive(doc, { mask: [...activeLayer(doc).mask, stroke] });
 
 /** Where the mark of an area is. @param {Area} area @returns {{x: number, y: number}} */
 export function anchorOf({ points, size }) {
@@ -80,21 +141,27 @@ export function anchorOf({ points, size }) {
   return { x: mean(0), y: mean(1) };
 }
 
-/** @param {Doc} doc @param {Layer[]} layers @returns {Doc} */
-export const withLayers = (doc, layers) => ({ ...doc, layers });
+/** @param {Doc} doc @param {Picture[]} pictures @returns {Doc} */
+export const withPictures = (doc, pictures) => ({ ...doc, pictures });
 
 /** @param {Doc} doc @param {Partial<Settings>} settings @returns {Doc} */
 export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.settings, ...settings } });
 
+/** Returns the layers on which something is to be seen. @param {Doc} doc @returns {Layer[]} */
+export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => visible && strokes.length > 0);
+
 /** Whether two documents are painted alike. @param {Doc} a @param {Doc} b @returns {boolean} */
 export function paintsAlike(a, b) {
-  const alike = a.width === b.width && a.height === b.height && a.settings.source === b.settings.source;
-  return alike && a.strokes === b.strokes && a.hints === b.hints && a.areas === b.areas && a.mask === b.mask;
+  if (a.width !== b.width || a.height !== b.height || a.settings.source !== b.settings.source) return false;
+  if (a.layers === b.layers) return true;
+  const [from, to] = [drawnLayers(a), drawnLayers(b)];
+  return from.length === to.length && from.every((layer, i) =>
+    /** @type {const} */ (["id", "strokes", "hints", "areas", "mask"]).every((part) => layer[part] === to[i][part]));
 }
 
 /** All pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
 export function picturesOf(doc) {
-  return [...doc.strokes, ...doc.layers].flatMap((each) => ("picture" in each ? [each.picture] : []));
+  return [...doc.layers.flatMap(({ strokes }) => strokes), ...doc.pictures].flatMap((each) => ("picture" in each ? [each.picture] : []));
 }
 
 // What a file holds may be anything.
@@ -127,9 +194,26 @@ const isMaskStroke = (value) =>
   typeof value.adds === "boolean" && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 2 && value.points.length % 2 === 0 && value.points.every(isNumber);
 /** @type {Check} */
-const isLayer = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";
+const isPicture = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";
 /** @param {unknown} list @param {Check} check @param {number} most */
 const isList = (list, check, most) => Array.isArray(list) && list.length <= most && list.every((each) => each && check(each));
+
+/** @type {Check} */
+const isLayer = (value) =>
+  Number.isInteger(value.id) && value.id >= 0 && typeof value.name === "string" && value.name.length > 0 &&
+  value.name.length <= LONGEST_NAME && typeof value.visible === "boolean" &&
+  isList(value.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES) &&
+  isList(value.hints, isHint, MOST_HINTS) && isList(value.areas, isArea, MOST_AREAS) && isList(value.mask, isMaskStroke, MOST_MASK_STROKES);
+
+/**
+ * Returns what a file of an older version holds as this version has it: it had one layer, and called pictures so.
+ * @param {any} doc
+ */
+function upgraded(doc) {
+  if (!(doc.version < LAYERED)) return doc;
+  const { strokes, hints, areas = [], mask = [], layers: pictures } = doc;
+  return { ...doc, layers: [{ ...newLayer(1, usualName(1)), strokes, hints, areas, mask }], active: 1, pictures };
+}
 
 /**
  * Returns a document read from a file or the server.
@@ -138,15 +222,15 @@ const isList = (list, check, most) => Array.isArray(list) && list.length <= most
  * @throws {Error} with a sentence if it is no project.
  */
 export function parseDocument(value) {
-  const doc = /** @type {Doc} */ (value);
-  if (!doc || doc.format !== FORMAT) throw new Error(text.notProject);
-  if (doc.version > VERSION) throw new Error(text.newerProject);
-  const whole = isSide(doc.width) && isSide(doc.height) && isList(doc.hints, isHint, 200) &&
-    isList(doc.areas ?? [], isArea, MOST_AREAS) && isList(doc.mask ?? [], isMaskStroke, MOST_MASK_STROKES) && isList(doc.layers, isLayer, MOST_LAYERS) &&
-    isList(doc.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES);
+  const given = /** @type {any} */ (value);
+  if (!given || given.format !== FORMAT) throw new Error(text.notProject);
+  if (given.version > VERSION) throw new Error(text.newerProject);
+  const doc = /** @type {Doc} */ (upgraded(given));
+  const { width, height, layers, active, pictures } = doc;
+  const whole = isSide(width) && isSide(height) && isList(layers, isLayer, MOST_LAYERS) && isList(pictures, isPicture, MOST_PICTURES) &&
+    new Set(layers.map(({ id }) => id)).size === layers.length && layers.some(({ id }) => id === active);
   if (!whole) throw new Error(text.notProject);
   const source = ["outline", "model"].includes(String(doc.settings?.source)) ? doc.settings.source : null;
-  const { width, height, strokes, hints, layers } = doc;
   const settings = { source, name: String(doc.settings?.name ?? "") };
-  return { format: FORMAT, version: VERSION, width, height, strokes, hints, areas: doc.areas ?? [], mask: doc.mask ?? [], layers, settings };
+  return { format: FORMAT, version: VERSION, width, height, layers, active, pictures, settings };
 }

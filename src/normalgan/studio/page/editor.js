@@ -1,15 +1,17 @@
 /** The one place that holds the document: edits come in, and all that shows it is told. */
 
-import { newDocument } from "./document.js";
+import { activeLayer, newDocument } from "./document.js";
 import { History } from "./history.js";
 
 /** @typedef {import("./document.js").Doc} Doc */
 
-/** @typedef {{strokes: number[], layers: number[]}} Selection places in these lists of the document */
+/** @typedef {{strokes: number[], pictures: number[]}} Selection places in the strokes of the layer that is worked on, and in the
+ *   document's pictures */
 
 /**
  * Events: `change` when the document differs, with `detail.live` while a gesture goes on; `drawing` when the ink has
- * got more than the document has yet, with `detail.box`; `marks` when what lies above the sheet differs;
+ * got more than the document has yet, with `detail.box`; `replaced` when the present step of history is another value of
+ * the same, with `detail.before` and `detail.after`; `marks` when what lies above the sheet differs;
  * `open` when another document came; `state` when tool, choice or settings of the page changed.
  */
 export class Editor extends EventTarget {
@@ -35,7 +37,7 @@ export class Editor extends EventTarget {
     /** Whether what is drawn is mirrored at the middle of the paper. */
     this.symmetry = false;
     /** @type {Selection} what is chosen to be moved */
-    this.selection = { strokes: [], layers: [] };
+    this.selection = { strokes: [], pictures: [] };
     /** @type {import("./moving.js").Box | null} what is drawn around to be chosen */
     this.marquee = null;
     /** @type {import("./document.js").Line | null} the straight line that is being drawn */
@@ -48,11 +50,28 @@ export class Editor extends EventTarget {
     this.outline = null;
     /** @type {{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]} */
     this.suggestions = [];
+    /** Id of the layer that was worked on before the last change. */
+    this.worked = this.layer.id;
   }
 
   /** @returns {Doc} */
   get doc() {
     return this.draft ?? this.history.state;
+  }
+
+  /** The layer that is worked on. @returns {import("./document.js").Layer} */
+  get layer() {
+    return activeLayer(this.doc);
+  }
+
+  /** Chooses the layer that is worked on, which is no step in history. @param {number} id */
+  work(id) {
+    const before = this.history.state;
+    if (before.active === id) return;
+    this.draft = null;
+    this.history.replace({ ...before, active: id });
+    this.dispatchEvent(new CustomEvent("replaced", { detail: { before, after: this.history.state } }));
+    this.#changed(false);
   }
 
   /** Shows a document while a gesture goes on. @param {Doc} doc */
@@ -100,7 +119,7 @@ export class Editor extends EventTarget {
       this.history.states = past.states.map((state, i) => (i === past.at ? doc : state));
       this.history.at = past.at;
     }
-    this.set({ chosen: -1, area: -1, suggestions: [], selection: { strokes: [], layers: [] } });
+    this.set({ chosen: -1, area: -1, suggestions: [], selection: { strokes: [], pictures: [] } });
     this.dispatchEvent(new CustomEvent("open"));
     this.#changed(false);
   }
@@ -133,11 +152,15 @@ export class Editor extends EventTarget {
 
   /** @param {boolean} live */
   #changed(live) {
-    if (this.chosen >= this.doc.hints.length) this.set({ chosen: -1 });
-    if (this.area >= this.doc.areas.length) this.set({ area: -1 });
-    const { strokes, layers } = this.selection;
-    const gone = strokes.some((i) => i >= this.doc.strokes.length) || layers.some((i) => i >= this.doc.layers.length);
-    if (gone) this.set({ selection: { strokes: [], layers: [] } });
+    const { layer } = this;
+    // Indices are of that layer's lists.
+    if (layer.id !== this.worked) this.set({ chosen: -1, area: -1, suggestions: [], selection: { strokes: [], pictures: [] } });
+    this.worked = layer.id;
+    if (this.chosen >= layer.hints.length) this.set({ chosen: -1 });
+    if (this.area >= layer.areas.length) this.set({ area: -1 });
+    const { strokes, pictures } = this.selection;
+    const gone = strokes.some((i) => i >= layer.strokes.length) || pictures.some((i) => i >= this.doc.pictures.length);
+    if (gone) this.set({ selection: { strokes: [], pictures: [] } });
     this.dispatchEvent(new CustomEvent("change", { detail: { live } }));
   }
 }

@@ -1,8 +1,9 @@
 /** Exporting: the dialog that asks for a file or for all of them, and what comes of it: a download or the clipboard. */
 
 import { exported } from "./api.js";
+import { drawnLayers } from "./document.js";
 import { $, download, enable, field, make, open } from "./dom.js";
-import { inkAt } from "./ink.js";
+import { linesAt } from "./ink.js";
 import { recalled, remember } from "./settings.js";
 import { say, text, wordsOf } from "./text.js";
 
@@ -51,7 +52,7 @@ export class Exporting {
 
   /** Asks what to export, and hands it to the browser's downloads or to the clipboard. */
   async ask() {
-    if (!this.editor.doc.strokes.length) {
+    if (!drawnLayers(this.editor.doc).length) {
       this.status.say(text.exportEmpty);
       return;
     }
@@ -96,12 +97,12 @@ export class Exporting {
     const longest = wish.size ?? own;
     const more = { ...wish };
     if (["lines", "all"].includes(wish.what)) {
-      const lines = await toPng(inkAt(doc, longest).canvas);
+      const lines = await toPng(linesAt(doc, longest));
       if (wish.what === "lines") return { blob: lines, name: `${wish.name}_line.png` };
       more.line_art = await toBase64(lines);
     }
     // At its own size the file is of the very pixels that the map on show is of.
-    return longest === own ? this.painter.ask(exported, more) : exported(this.painter.requestAt(longest, more));
+    return longest === own ? this.painter.ask(exported, more) : this.painter.askAt(longest, exported, more);
   }
 
   #wish() {

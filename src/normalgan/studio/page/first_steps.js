@@ -19,7 +19,7 @@ export function teach(editor, painter, result) {
   const steps = [
     { words: text.firstDraw, done: () => painter.whole && painter.painted !== null },
     { words: text.firstLight, done: () => result.view !== "map" },
-    { words: text.firstPoint, done: () => editor.doc.hints.length > 0 && editor.chosen < 0 },
+    { words: text.firstPoint, done: () => editor.layer.hints.length > 0 && editor.chosen < 0 },
     { words: text.firstExport, done: () => /** @type {HTMLDialogElement} */ ($("export-dialog")).open },
   ];
   const strip = $("first-steps");

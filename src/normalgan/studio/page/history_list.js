@@ -13,22 +13,30 @@ const SHOWN = 200;
  * @returns {string}
  */
 export function nameOf(before, after) {
+  if (before.layers.length !== after.layers.length) return before.layers.length < after.layers.length ? text.stepLayer : text.stepLayerGone;
+  if (before.layers.some(({ id }, i) => id !== after.layers[i].id)) return text.stepLayerMoved;
   if (before.width !== after.width || before.height !== after.height) return text.stepPaper;
-  /** @type {["strokes" | "hints" | "areas" | "mask" | "layers", string, string, string][]} */
+  // One step changes one layer.
+  const at = Math.max(0, before.layers.findIndex((layer, i) => layer !== after.layers[i]));
+  const [old, now] = [before.layers[at], after.layers[at]];
+  if (old.name !== now.name) return text.stepLayerNamed;
+  if (old.visible !== now.visible) return now.visible ? text.stepLayerShown : text.stepLayerHidden;
+  /** @type {["strokes" | "hints" | "areas" | "mask", string, string, string][]} */
   const lists = [
     ["strokes", text.stepLine, text.stepRemoved, text.stepMoved], ["hints", text.stepPoint, text.stepPointGone, text.stepTurned],
     ["areas", text.stepArea, text.stepAreaGone, text.stepTurned], ["mask", text.stepMask, text.stepMaskGone, text.stepMask],
-    ["layers", text.stepPicture, text.stepPictureGone, text.stepPictureChanged],
   ];
   for (const [list, added, removed, changed] of lists) {
-    const [from, to] = [before[list], after[list]];
+    const [from, to] = [old[list], now[list]];
     if (from === to) continue;
     if (to.length > from.length) {
-      const last = list === "strokes" ? after.strokes[after.strokes.length - 1].kind : "";
+      const last = list === "strokes" ? now.strokes[now.strokes.length - 1].kind : "";
       return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;
     }
     return to.length < from.length ? removed : changed;
   }
+  const more = after.pictures.length - before.pictures.length;
+  if (before.pictures !== after.pictures) return more > 0 ? text.stepPicture : more < 0 ? text.stepPictureGone : text.stepPictureChanged;
   return text.stepSettings;
 }
 

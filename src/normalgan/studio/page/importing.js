@@ -2,7 +2,7 @@
 
 import { Refused, imported } from "./api.js";
 import { choose } from "./dialogs.js";
-import { MOST_LAYERS, isEmpty, withLayers, withStroke } from "./document.js";
+import { MOST_PICTURES, isEmpty, withPictures, withStroke } from "./document.js";
 import { $, make } from "./dom.js";
 import { darkOnLight, decodeAll } from "./pictures.js";
 import { say, text } from "./text.js";
@@ -80,8 +80,8 @@ export class Importing {
     const size = { width: width * scale, height: height * scale };
     const placed = { x: (doc.width - size.width) / 2, y: (doc.height - size.height) / 2, ...size };
     if (way === "traced") {
-      if (doc.layers.length >= MOST_LAYERS) throw new Error(text.tooManyPictures);
-      this.editor.commit(withLayers(doc, [...doc.layers, { picture: url, ...placed, opacity: TRACED, visible: true }]));
+      if (doc.pictures.length >= MOST_PICTURES) throw new Error(text.tooManyPictures);
+      this.editor.commit(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }]));
     } else {
       const picture = await darkOnLight(url);
       this.editor.commit(withStroke(doc, { kind: "picture", picture, ...placed }));

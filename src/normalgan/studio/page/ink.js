@@ -1,4 +1,4 @@
-/** Ink: the strokes of a document as pixels, finer than the drawing so that zooming stays crisp. */
+/** Ink: the strokes of each layer as pixels, finer than the drawing so that zooming stays crisp. */
 
 import { context2d } from "./canvas.js";
 import { decoded, hasHoles } from "./pictures.js";
@@ -30,9 +30,11 @@ function kindOf(strokes) {
   return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => hasHoles(stroke.picture)) };
 }
 
+/** @typedef {{width: number, height: number, strokes: import("./document.js").Stroke[]}} Drawn a layer's strokes, and the size of its paper */
+
 /**
- * Draws a document's strokes at another size than its own.
- * @param {import("./document.js").Doc} doc
+ * Draws strokes at another size than their own.
+ * @param {Drawn} doc
  * @param {number} longest longer side in pixels
  * @returns {{canvas: HTMLCanvasElement, scale: number, pixels: () => {channels: 1 | 4, bytes: Uint8Array}}} the lines on
  *   nothing; and as the server takes them
@@ -48,6 +50,23 @@ export function inkAt(doc, longest) {
   const { channels, onPaper } = kindOf(doc.strokes);
   const pixels = () => ({ channels, bytes: averaged(context, [0, 0, canvas.width, canvas.height], 1, channels, onPaper) });
   return { canvas, scale, pixels };
+}
+
+/**
+ * Draws the lines of all layers that are on show at another size than their own; what is erased on one stays on the others.
+ * @param {import("./document.js").Doc} doc
+ * @param {number} longest longer side in pixels
+ * @returns {HTMLCanvasElement} lines on nothing
+ */
+export function linesAt(doc, longest) {
+  const { width, height } = doc;
+  const [first, ...others] = doc.layers.filter(({ visible }) => visible).map(({ strokes }) => inkAt({ width, height, strokes }, longest).canvas);
+  if (!first) return inkAt({ width, height, strokes: [] }, longest).canvas;
+  const context = context2d(first);
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.globalCompositeOperation = "source-over"; // an eraser may have been the last
+  for (const canvas of others) context.drawImage(canvas, 0, 0);
+  return first;
 }
 
 export class Ink {
@@ -66,7 +85,7 @@ export class Ink {
     this.stale = ALL;
   }
 
-  /** Makes the pixels those of a document; what was drawn already is kept. @param {import("./document.js").Doc} doc */
+  /** Makes the pixels those of strokes; what was drawn already is kept. @param {Drawn} doc */
   sync(doc) {
     const begun = this.drawn.length <= doc.strokes.length && this.drawn.every((each, i) => each === doc.strokes[i]);
     const sized = doc.width === this.width && doc.height === this.height;
@@ -130,7 +149,7 @@ export class Ink {
     return bytes.every((value, i) => (channels === 4 && i % 4 === 3) || value > 250);
   }
 
-  /** @param {import("./document.js").Doc} doc */
+  /** @param {Drawn} doc */
   #clear(doc) {
     this.live = null;
     this.drawn = [];
@@ -141,5 +160,32 @@ export class Ink {
     [this.canvas.width, this.canvas.height] = [doc.width * this.scale, doc.height * this.scale];
     this.context.scale(this.scale, this.scale);
     this.context.imageSmoothingQuality = "high";
+  }
+}
+
+/** The ink of each layer. */
+export class Inks {
+  constructor() {
+    /** @type {Map<number, Ink>} by the layer's id */
+    this.known = new Map();
+  }
+
+  /** Whether a stroke goes on. */
+  get live() {
+    return [...this.known.values()].some((ink) => ink.live !== null);
+  }
+
+  /** @param {import("./document.js").Layer} layer @returns {Ink} */
+  of({ id }) {
+    const ink = this.known.get(id) ?? new Ink();
+    this.known.set(id, ink);
+    return ink;
+  }
+
+  /** Makes the pixels those of a document. @param {import("./document.js").Doc} doc */
+  sync({ width, height, layers }) {
+    for (const layer of layers) this.of(layer).sync({ width, height, strokes: layer.strokes });
+    const ids = new Set(layers.map(({ id }) => id));
+    for (const id of this.known.keys()) if (!ids.has(id)) this.known.delete(id);
   }
 }

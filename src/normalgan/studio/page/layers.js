@@ -1,55 +1,143 @@
-/** Layers: the paper, and the pictures on it or beside it that are traced or looked at. */
+/** Layers: the parts of the drawing, in their order of depth; each is painted for itself, what is in front hides the rest. */
 
-import { withLayers } from "./document.js";
-import { $, field, label, make, open } from "./dom.js";
+import { context2d } from "./canvas.js";
+import { LONGEST_NAME, MOST_LAYERS, changedLayer, withLayerMoved, withNewLayer, withoutLayer } from "./document.js";
+import { $, enable, label, make } from "./dom.js";
 import { icon } from "./icons.js";
-import { onPaper } from "./moving.js";
-import { say } from "./text.js";
+import { recalled, remember } from "./settings.js";
+import { say, text } from "./text.js";
+
+/** Side of the small pictures in pixels of the page. */
+const SMALL = 36;
+const KEY = "normalgan-layers";
+
+/** Draws a layer as large as fits. @param {HTMLCanvasElement} canvas @param {import("./ink.js").Ink} ink */
+function draw(canvas, ink) {
+  const context = context2d(canvas);
+  const { canvas: lines } = ink;
+  const scale = canvas.width / Math.max(lines.width, lines.height);
+  const [width, height] = [lines.width * scale, lines.height * scale];
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  context.imageSmoothingQuality = "high";
+  context.drawImage(lines, (canvas.width - width) / 2, (canvas.height - height) / 2, width, height);
+}
 
 /**
- * Wires the panel of the paper and its pictures.
+ * Wires the panel of layers.
  * @param {import("./editor.js").Editor} editor
- * @param {import("./importing.js").Importing} importing
+ * @param {import("./ink.js").Inks} inks
+ * @param {(words: string) => void} announce
+ * @returns {(step: number) => void} goes to the layer that is so many farther to the front
  */
-export function followLayer(editor, importing) {
-  const changed = (/** @type {number} */ index, /** @type {Partial<import("./document.js").Layer>} */ change) =>
-    withLayers(editor.history.state, editor.doc.layers.map((layer, i) => (i === index ? { ...layer, ...change } : layer)));
+export function followLayers(editor, inks, announce) {
+  const list = $("layer-list");
+  /** @type {number | null} id of the layer that is being named */
+  let naming = null;
+  const placeOf = () => editor.doc.layers.indexOf(editor.layer);
 
-  /** @param {number} i @returns {HTMLElement} */
-  const row = (i) => {
-    const opacity = make("input", { type: "range", min: "5", max: "100", "aria-label": say("opacityOf", { number: i + 1 }) });
-    const visible = make("input", { type: "checkbox", "aria-label": say("visibleOf", { number: i + 1 }) });
-    const remove = make("button", { type: "button" }, icon("remove"));
-    label(remove, say("removeOf", { number: i + 1 }));
-    opacity.addEventListener("input", () => editor.preview(changed(i, { opacity: opacity.valueAsNumber / 100 })));
-    opacity.addEventListener("change", () => editor.commit(changed(i, { opacity: opacity.valueAsNumber / 100 })));
-    visible.addEventListener("change", () => editor.commit(changed(i, { visible: visible.checked })));
-    remove.addEventListener("click", () => editor.commit(withLayers(editor.doc, editor.doc.layers.filter((_, k) => k !== i))));
-    return make("li", {}, visible, make("label", { text: String(i + 1) }, opacity), remove);
+  /** @param {boolean} open */
+  const show = (open) => {
+    $("layers").hidden = !open;
+    $("layers-toggle").setAttribute("aria-expanded", String(open));
+    $("layers-toggle").setAttribute("aria-pressed", String(open));
+    remember(KEY, open);
+    fill();
   };
 
-  const show = () => {
-    const { layers, width, height } = editor.doc;
-    $("layer-none").hidden = layers.length > 0;
-    $("layer-place").hidden = !layers.length;
-    $("paper-size").textContent = say("pixels", { width, height });
-    const list = $("layer-list");
-    // While a slider is held it must not be replaced.
-    if (list.children.length !== layers.length) list.replaceChildren(...layers.map((_, i) => row(i)));
-    layers.forEach((layer, i) => {
-      const [visible, opacity] = list.children[i].querySelectorAll("input");
-      visible.checked = layer.visible;
-      opacity.value = String(Math.round(layer.opacity * 100));
+  /** @param {number} id @param {string} name */
+  const rename = (id, name) => {
+    naming = null;
+    const layer = editor.doc.layers.find((each) => each.id === id);
+    const given = name.trim().slice(0, LONGEST_NAME);
+    if (layer && given && given !== layer.name) editor.commit(changedLayer(editor.doc, id, { name: given }));
+    else fill();
+  };
+
+  /** @param {import("./document.js").Layer} layer @returns {HTMLElement} */
+  const nameOf = ({ id, name }) => {
+    if (naming !== id) {
+      const button = make("button", { type: "button", class: "name", text: name });
+      button.addEventListener("click", () => editor.work(id));
+      button.addEventListener("dblclick", () => begin(id));
+      return button;
+    }
+    const input = make("input", { type: "text", value: name, maxLength: LONGEST_NAME, "aria-label": text.layerName });
+    input.addEventListener("keydown", (event) => {
+      event.stopPropagation(); // letters are no shortcuts here
+      if (event.key === "Enter") rename(id, input.value);
+      else if (event.key === "Escape") rename(id, name);
     });
+    input.addEventListener("blur", () => naming === id && rename(id, input.value));
+    return input;
   };
-  $("layer-choose").addEventListener("click", () => importing.pick("traced"));
-  $("paper-resize").addEventListener("click", async () => {
-    const { width, height } = editor.doc;
-    [field("paper-width").value, field("paper-height").value] = [String(width), String(height)];
-    if (!(await open(/** @type {HTMLDialogElement} */ ($("paper-dialog"))))) return;
-    const along = field("paper-along").checked;
-    editor.commit(onPaper(editor.doc, field("paper-width").valueAsNumber, field("paper-height").valueAsNumber, along));
+
+  /** Lets a layer be named. @param {number} id */
+  const begin = (id) => {
+    naming = id;
+    fill();
+    const input = list.querySelector("input");
+    input?.focus();
+    input?.select();
+  };
+
+  /** @param {import("./document.js").Layer} layer @returns {HTMLElement} */
+  const row = (layer) => {
+    const { id, name, visible } = layer;
+    const eye = make("button", { type: "button", class: "eye", "aria-pressed": String(visible) }, icon(visible ? "eye" : "eyeOff"));
+    label(eye, say(visible ? "layerHide" : "layerShow", { name }));
+    eye.addEventListener("click", () => editor.commit(changedLayer(editor.doc, id, { visible: !visible })));
+    const side = Math.round(SMALL * devicePixelRatio);
+    const picture = make("canvas", { class: "small", width: side, height: side, "aria-hidden": "true" });
+    picture.addEventListener("click", () => editor.work(id));
+    draw(picture, inks.of(layer));
+    const item = make("li", {}, eye, picture, nameOf(layer));
+    item.classList.toggle("unseen", !visible);
+    if (id === editor.layer.id) item.setAttribute("aria-current", "true");
+    return item;
+  };
+
+  const fill = () => {
+    const { layers } = editor.doc;
+    const at = placeOf();
+    enable("layer-add", layers.length < MOST_LAYERS);
+    enable("layer-remove", layers.length > 1);
+    enable("layer-front", at < layers.length - 1);
+    enable("layer-back", at > 0);
+    if ($("layers").hidden) return;
+    const focused = /** @type {HTMLElement | null} */ (document.activeElement);
+    const place = focused && list.contains(focused) ? [...list.querySelectorAll("button, input")].indexOf(focused) : -1;
+    // As they lie: the front one on top.
+    list.replaceChildren(...[...layers].reverse().map(row));
+    if (place >= 0) /** @type {HTMLElement[]} */ ([...list.querySelectorAll("button, input")])[place]?.focus();
+  };
+
+  $("layers-toggle").addEventListener("click", () => show(/** @type {boolean} */ ($("layers").hidden)));
+  $("layers-close").addEventListener("click", () => {
+    show(false);
+    $("layers-toggle").focus();
   });
-  editor.addEventListener("change", show);
-  show();
+  $("layer-add").addEventListener("click", () => {
+    editor.commit(withNewLayer(editor.doc));
+    announce(say("layerAdded", { name: editor.layer.name }));
+  });
+  $("layer-remove").addEventListener("click", () => {
+    const { name, id } = editor.layer;
+    editor.commit(withoutLayer(editor.doc, id));
+    announce(say("layerRemoved", { name }));
+  });
+  $("layer-name").addEventListener("click", () => begin(editor.layer.id));
+  for (const [way, step] of /** @type {[string, number][]} */ ([["front", 1], ["back", -1]])) {
+    $(`layer-${way}`).addEventListener("click", () => editor.commit(withLayerMoved(editor.doc, editor.layer.id, step)));
+  }
+  editor.addEventListener("change", (event) => {
+    // A point that is turned leaves the panel as it is.
+    if (!/** @type {CustomEvent} */ (event).detail.live) fill();
+  });
+  show(recalled(KEY) === true);
+  return (step) => {
+    const next = editor.doc.layers[placeOf() + step];
+    if (!next) return;
+    editor.work(next.id);
+    announce(say("layerWorked", { name: next.name }));
+  };
 }

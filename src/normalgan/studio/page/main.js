@@ -11,12 +11,13 @@ import { Exporting } from "./exporting.js";
 import { followHistory } from "./history_list.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
-import { Ink } from "./ink.js";
+import { Inks } from "./ink.js";
 import { followKeyboard } from "./keyboard_pen.js";
-import { followLayer } from "./layers.js";
+import { followLayers } from "./layers.js";
 import { Lights } from "./lights.js";
 import { Painter } from "./painter.js";
 import { Panes } from "./panes.js";
+import { followPaper } from "./paper.js";
 import { followPointers } from "./pointer.js";
 import { Points } from "./points.js";
 import { Projects } from "./projects.js";
@@ -38,11 +39,11 @@ const tab = await claimTab();
 const connection = new Connection();
 const status = new Status(connection);
 const editor = new Editor();
-const ink = new Ink();
+const inks = new Inks();
 const view = new View();
-const board = new Board($("board"), $("sheet"), editor, ink, view);
-const overlay = new Board($("overlay"), $("result-sheet"), editor, ink, view, $("viewer"));
-const painter = new Painter(editor, ink, connection, tab);
+const board = new Board($("board"), $("sheet"), editor, inks, view);
+const overlay = new Board($("overlay"), $("result-sheet"), editor, inks, view, $("viewer"));
+const painter = new Painter(editor, inks, connection, tab);
 const result = new Result(painter, status);
 const lights = new Lights(result.viewer, () => result.view, (each) => result.show(each));
 result.onLight = (/** @type {number[]} */ light) => lights.took(light);
@@ -58,7 +59,7 @@ const autosave = new Autosave(editor, connection, tab);
 const projects = new Projects(editor, autosave, status);
 const importing = new Importing(editor, view, status, projects);
 const exporting = new Exporting(editor, painter, status);
-const lines = new LineTool(editor, ink);
+const lines = new LineTool(editor, inks);
 const pins = new HintTool(editor, () => painter.painted, (words) => status.say(words));
 const areas = new AreaTool(editor, () => painter.painted, (words) => status.say(words));
 const points = new Points([board, overlay], pins, painter, status);
@@ -67,7 +68,12 @@ const select = new SelectTool(editor);
 const light = new LightTool((x, y) => lights.move(x, y));
 /** @type {Record<string, import("./tools.js").Tool | null>} */
 const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null };
-const tool = () => tools[editor.tool];
+const tool = () => {
+  const chosen = tools[editor.tool];
+  if (!chosen || editor.layer.visible) return chosen;
+  status.say(text.layerUnseen, "warning");
+  return null;
+};
 const overResult = () => {
   // Beside the drawing, pen and eraser draw there; over the result they move the light, if there is one.
   const drawing = ["pen", "eraser"].includes(editor.tool) && panes.layout !== "result";
@@ -77,12 +83,13 @@ const overResult = () => {
 const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overResult }].map(({ each, chosen }) =>
   followPointers(each, chosen, () => points.use(each)));
 followKeyboard(board, tool, status);
-followTools(editor, ink);
+followTools(editor, inks);
 offerSamples((doc, name) => {
   projects.load(doc, null, false).then(() => status.say(say("opened", { name }))).catch((error) => status.fail(error));
 });
 followHistory(editor, (words) => status.say(words));
-followLayer(editor, importing);
+followPaper(editor, importing);
+const stepLayer = followLayers(editor, inks, (words) => status.say(words));
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
 const drop = () => pointers.forEach((each) => each.cancel());
@@ -141,6 +148,7 @@ followKeys({
   "+": clicks["zoom-in"], "=": clicks["zoom-in"], "-": clicks["zoom-out"], 0: clicks["zoom-fit"],
   f: () => panes.enlarge("result"), "shift+f": () => panes.enlarge("drawing"), c: () => panes.compare(), o: () => panes.overlay(),
   x: () => editor.set({ adds: !editor.adds }),
+  PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
   n: () => points.next(1), "shift+n": () => points.next(-1),
   y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), Delete: remove, Backspace: remove, Escape: escape, "?": help,

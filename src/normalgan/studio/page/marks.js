@@ -48,7 +48,7 @@ function drawMark(context, camera, at, normal, chosen) {
 
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
 export function drawHints(context, camera, editor) {
-  editor.doc.hints.forEach((hint, i) => {
+  editor.layer.hints.forEach((hint, i) => {
     drawMark(context, camera, hint, hint.normal, i === editor.chosen);
   });
 }
@@ -59,8 +59,8 @@ export function drawHints(context, camera, editor) {
  */
 export function drawAreas(context, camera, editor) {
   if (!["hint", "region", "brush"].includes(editor.tool)) return;
-  const { outline, doc } = editor;
-  for (const [i, area] of [...doc.areas, ...(outline ? [outline] : [])].entries()) {
+  const { outline, layer } = editor;
+  for (const [i, area] of [...layer.areas, ...(outline ? [outline] : [])].entries()) {
     const chosen = i === editor.area;
     context.beginPath();
     for (let k = 0; k < area.points.length; k += 2) {

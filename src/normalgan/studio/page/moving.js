@@ -2,7 +2,7 @@
 
 /**
  * @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Stroke} Stroke
- * @typedef {import("./document.js").Layer} Layer
+ * @typedef {import("./document.js").Picture} Picture
  * @typedef {{scale: number, x: number, y: number}} Move (x, y) goes to scale · (x, y) + these
  * @typedef {{left: number, top: number, right: number, bottom: number}} Box
  */
@@ -14,7 +14,7 @@ function moved(points, stride, { scale, x, y }) {
 }
 
 /** @template {{x: number, y: number, width: number, height: number}} T @param {T} placed @param {Move} move @returns {T} */
-function movedPicture(placed, { scale, x, y }) {
+export function movedPicture(placed, { scale, x, y }) {
   return { ...placed, x: placed.x * scale + x, y: placed.y * scale + y, width: placed.width * scale, height: placed.height * scale };
 }
 
@@ -24,9 +24,6 @@ export function movedStroke(stroke, move) {
   const mirror = stroke.mirror === undefined ? {} : { mirror: stroke.mirror * move.scale + move.x };
   return { ...stroke, points: moved(stroke.points, 3, move), size: stroke.size * move.scale, ...mirror };
 }
-
-/** @param {Layer} layer @param {Move} move @returns {Layer} */
-export const movedLayer = (layer, move) => movedPicture(layer, move);
 
 /**
  * Returns a document on paper of another size.
@@ -41,20 +38,20 @@ export function onPaper(doc, width, height, along) {
   const offset = (/** @type {number} */ to, /** @type {number} */ from) => (along ? (to - from * scale) / 2 : Math.round((to - from) / 2));
   const move = { scale, x: offset(width, doc.width), y: offset(height, doc.height) };
   const clamp = (/** @type {number} */ value, /** @type {number} */ side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
-  return {
-    ...doc, width, height,
-    strokes: doc.strokes.map((stroke) => movedStroke(stroke, move)),
-    layers: doc.layers.map((layer) => movedLayer(layer, move)),
-    hints: doc.hints.map((hint) => ({
+  const layers = doc.layers.map((layer) => ({
+    ...layer,
+    strokes: layer.strokes.map((stroke) => movedStroke(stroke, move)),
+    hints: layer.hints.map((hint) => ({
       ...hint, x: clamp(hint.x * scale + move.x, width), y: clamp(hint.y * scale + move.y, height),
       ...(hint.reach !== undefined && { reach: hint.reach * scale }),
     })),
-    areas: doc.areas.map((area) => ({ ...area, points: moved(area.points, 2, move), ...(area.size && { size: area.size * scale }) })),
-    mask: doc.mask.map((stroke) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * scale })),
-  };
+    areas: layer.areas.map((area) => ({ ...area, points: moved(area.points, 2, move), ...(area.size && { size: area.size * scale }) })),
+    mask: layer.mask.map((stroke) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * scale })),
+  }));
+  return { ...doc, width, height, layers, pictures: doc.pictures.map((picture) => movedPicture(picture, move)) };
 }
 
-/** Returns what a stroke or picture covers. @param {Stroke | Layer} item @returns {Box} */
+/** Returns what a stroke or picture covers. @param {Stroke | Picture} item @returns {Box} */
 export function extentOf(item) {
   if ("picture" in item) return { left: item.x, top: item.y, right: item.x + item.width, bottom: item.y + item.height };
   const reach = item.size / 2;
@@ -82,7 +79,7 @@ export function unitedBox(boxes) {
 
 /**
  * Returns whether a point lies on a stroke or a picture.
- * @param {Stroke | Layer} item
+ * @param {Stroke | Picture} item
  * @param {{x: number, y: number}} at
  * @param {number} reach how far beside it still counts
  */

@@ -1,11 +1,22 @@
 /** Painter: keeps the result in step with the drawing: one request at a time, each of the newest state. */
 
 import { Away, Lacking, Refused, doubt, height, paint } from "./api.js";
-import { paintsAlike } from "./document.js";
+import { drawnLayers, paintsAlike } from "./document.js";
 import { inkAt } from "./ink.js";
 
 /** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
 
+/** @typedef {import("./document.js").Layer} Layer */
+/**
+ * @typedef {{id: number, name: string, base: number | null, bytes: number, planes: {name: string, width: number,
+ *   height: number, channels: 1 | 4, box: number[]}[], hints: object[], areas: object[], mask_strokes: object[]}} Fields
+ * @typedef {{fields: Fields, pixels: Uint8Array}} Part of a request: a layer
+ */
+
+/** Bytes of pixels in one request; the server takes 20 MB, and the rest of it is words. */
+const MOST_BYTES = 17 * 2 ** 20;
+/** Longer side of the map of a layer that is sent ahead: nobody looks at it. */
+const AHEAD = 64;
 /** Milliseconds after which a server that is busy is asked again. */
 const RETRY = 400;
 /** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
@@ -17,21 +28,19 @@ const BEHIND = 409;
 export class Painter extends EventTarget {
   /**
    * @param {import("./editor.js").Editor} editor
-   * @param {import("./ink.js").Ink} ink
+   * @param {import("./ink.js").Inks} inks
    * @param {import("./connection.js").Connection} connection
    * @param {string} tab
    */
-  constructor(editor, ink, connection, tab) {
+  constructor(editor, inks, connection, tab) {
     super();
     this.editor = editor;
-    this.ink = ink;
+    this.inks = inks;
     this.connection = connection;
     this.tab = tab;
     this.number = Date.now();
-    /** @type {number | null} the request whose pixels the server has */
-    this.base = null;
-    /** @type {1 | 4} */
-    this.channels = 1;
+    /** @type {Map<number, {number: number, channels: 1 | 4}>} of each layer, by its id, the request whose pixels the server has */
+    this.sent = new Map();
     /** @type {AbortController | null} the painting that goes on */
     this.running = null;
     /** @type {AbortController | null} the heights that are asked for */
@@ -62,7 +71,7 @@ export class Painter extends EventTarget {
   /** Paints again whatever was painted before. */
   refresh() {
     this.asked = null;
-    this.base = null;
+    this.sent.clear();
     this.#changed(null);
   }
 
@@ -97,67 +106,103 @@ export class Painter extends EventTarget {
     }
   }
 
+  /** Returns the layers on which something is to be seen, be it a stroke that goes on. @returns {Layer[]} */
+  #drawn() {
+    const { doc } = this.editor;
+    const drawn = drawnLayers(doc);
+    return doc.layers.filter((layer) => drawn.includes(layer) || (layer.visible && this.inks.of(layer).live));
+  }
+
   /**
    * Sends a request about the drawing as it is now, of whose pixels only what has changed is sent.
    * @template T
    * @param {(request: import("./api.js").Request) => Promise<T>} send
    * @param {object} [more] further fields
+   * @param {Layer[]} [layers] those that are asked about
    * @returns {Promise<T>}
    */
-  async ask(send, more = {}) {
+  async ask(send, more = {}, layers = this.#drawn()) {
     try {
-      return await send(this.#request(more));
+      return await this.#send(send, layers.map((layer) => this.#part(layer)), more);
     } catch (error) {
       if (error instanceof Lacking) throw error;
       // Nothing is known of what the server has now.
-      this.base = null;
+      this.sent.clear();
       if (!(error instanceof Refused) || error.status !== BEHIND) throw error;
-      return await send(this.#request(more));
+      return await this.#send(send, layers.map((layer) => this.#part(layer)), more);
     }
   }
 
   /**
-   * Returns a request about the drawing at another size: its strokes are drawn anew, and nothing is enlarged.
+   * Sends a request about the drawing at another size: its strokes are drawn anew, and nothing is enlarged.
+   * @template T
    * @param {number} longest longer side in pixels
+   * @param {(request: import("./api.js").Request) => Promise<T>} send
    * @param {object} more further fields
-   * @returns {import("./api.js").Request}
+   * @returns {Promise<T>}
    */
-  requestAt(longest, more) {
+  async askAt(longest, send, more) {
     const { doc } = this.editor;
-    const { canvas, scale, pixels } = inkAt(doc, longest);
-    const { channels, bytes } = pixels();
-    const { width, height } = canvas;
-    /** @param {number[]} points */
-    const scaled = (points) => points.map((value) => value * scale);
-    this.number += 1;
-    const fields = {
-      tab: this.tab, number: this.number, base: null, keep: false,
-      planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
-      hints: doc.hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
-      areas: doc.areas.map((area) => ({ ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }) })),
-      mask_strokes: doc.mask.map((stroke) => ({ ...stroke, points: scaled(stroke.points), size: stroke.size * scale })),
-      source: doc.settings.source, ...more,
-    };
-    return { fields, pixels: [bytes] };
+    const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask }) => {
+      const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
+      const { channels, bytes } = pixels();
+      const { width, height } = canvas;
+      /** @param {number[]} points */
+      const scaled = (points) => points.map((value) => value * scale);
+      const fields = {
+        id, name, base: null, bytes: bytes.length,
+        planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
+        hints: hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
+        areas: areas.map((area) => ({ ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }) })),
+        mask_strokes: mask.map((stroke) => ({ ...stroke, points: scaled(stroke.points), size: stroke.size * scale })),
+      };
+      return { fields, pixels: bytes };
+    });
+    // Apart from what the server keeps of the drawing at its own size.
+    return this.#send(send, parts, { ...more, tab: `${this.tab} other` });
   }
 
-  /** @param {object} more further fields @returns {import("./api.js").Request} */
-  #request(more) {
-    const { doc } = this.editor;
-    const { width, height } = this.ink;
-    this.number += 1;
-    const { channels, box, bytes } = this.ink.pixels(this.base === null);
+  /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
+  #part(layer) {
+    const { id, name, hints, areas, mask } = layer;
+    const ink = this.inks.of(layer);
+    const { width, height } = ink;
+    const before = this.sent.get(id);
+    let { channels, box, bytes } = ink.pixels(!before);
     // A picture came or went: the server's plane is of another kind.
-    const alike = this.base !== null && channels === this.channels;
-    const { box: all, bytes: pixels } = this.base === null || alike ? { box, bytes } : this.ink.pixels(true);
-    const fields = {
-      tab: this.tab, number: this.number, base: alike ? this.base : null,
-      planes: [{ name: "ink", width, height, channels, box: all }],
-      hints: doc.hints, areas: doc.areas, mask_strokes: doc.mask, source: doc.settings.source, ...more,
+    if (before && before.channels !== channels) ({ channels, box, bytes } = ink.pixels(true));
+    const base = before?.channels === channels ? before.number : null;
+    const planes = [{ name: "ink", width, height, channels, box }];
+    return { fields: { id, name, base, bytes: bytes.length, planes, hints, areas, mask_strokes: mask }, pixels: bytes };
+  }
+
+  /**
+   * @template T
+   * @param {(request: import("./api.js").Request) => Promise<T>} send
+   * @param {Part[]} parts @param {object} more further fields
+   * @returns {Promise<T>}
+   */
+  async #send(send, parts, more) {
+    const common = { tab: this.tab, source: this.editor.doc.settings.source, ...more };
+    const own = common.tab === this.tab;
+    /** @param {Part[]} some */
+    const request = (some) => {
+      this.number += 1;
+      if (own) for (const { fields } of some) this.sent.set(fields.id, { number: this.number, channels: fields.planes[0].channels });
+      return { fields: { ...common, number: this.number, layers: some.map(({ fields }) => fields) }, pixels: some.map(({ pixels }) => pixels) };
     };
-    this.base = this.number;
-    this.channels = channels;
-    return { fields, pixels: [pixels] };
+    let size = parts.reduce((sum, { pixels }) => sum + pixels.length, 0);
+    const all = [...parts];
+    // Too much for one request: layers go ahead one by one, and the request itself only names them.
+    for (let i = 0; i < all.length && size > MOST_BYTES; i++) {
+      const { fields, pixels } = all[i];
+      const { fields: sent, pixels: bytes } = request([all[i]]);
+      await paint({ fields: { ...sent, longest: AHEAD }, pixels: bytes }).catch((error) => { if (!(error instanceof Lacking)) throw error; });
+      const [plane] = fields.planes;
+      all[i] = { fields: { ...fields, base: this.number, bytes: 0, planes: [{ ...plane, box: [0, 0, 0, 0] }] }, pixels: new Uint8Array() };
+      size -= pixels.length;
+    }
+    return send(request(all));
   }
 
   /** @param {"pin" | null} gesture */
@@ -165,7 +210,7 @@ export class Painter extends EventTarget {
     const { doc } = this.editor;
     const ended = this.gesture !== null && gesture === null;
     this.gesture = gesture;
-    if (!doc.strokes.length) {
+    if (!this.#drawn().length) {
       this.#empty();
       return;
     }
@@ -261,7 +306,7 @@ export class Painter extends EventTarget {
         this.asked = null;
         return;
       }
-      if (this.ink.isBlank()) {
+      if (this.#drawn().every((layer) => this.inks.of(layer).isBlank())) {
         this.#empty();
         return;
       }

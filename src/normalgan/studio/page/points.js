@@ -2,7 +2,7 @@
 
 import { suggest } from "./api.js";
 import { Ball } from "./ball.js";
-import { anchorOf, changedArea, changedHint, withoutArea, withoutHint } from "./document.js";
+import { activeLayer, anchorOf, changedArea, changedHint, withoutArea, withoutHint } from "./document.js";
 import { $, label, make } from "./dom.js";
 import { colourOf, inWords } from "./normal.js";
 import { say, text } from "./text.js";
@@ -72,7 +72,7 @@ export class Points {
 
   /** Chooses the next or the previous point. @param {number} step */
   next(step) {
-    const { length } = this.editor.doc.hints;
+    const { length } = this.editor.layer.hints;
     if (!length) return;
     const from = this.editor.chosen < 0 && step < 0 ? 0 : this.editor.chosen;
     this.choose((from + step + length) % length);
@@ -98,12 +98,12 @@ export class Points {
   /** Asks the server where a point would help most. */
   async suggest() {
     const { editor, painter, status } = this;
-    if (!editor.doc.strokes.length) return;
+    const { layer } = editor;
+    if (!layer.strokes.length) return;
     try {
-      const { doc } = editor;
-      const points = await painter.ask(suggest, { count: COUNT });
+      const points = await painter.ask(suggest, { count: COUNT }, [layer]);
       // What was asked for an older drawing may lie beside the object.
-      if (doc.strokes !== editor.doc.strokes) return;
+      if (layer.strokes !== editor.layer.strokes) return;
       editor.set({ suggestions: points, tool: "hint", chosen: -1 });
       status.say(points.length ? say("suggested", { count: points.length }) : text.suggestedNone);
     } catch (error) {
@@ -116,7 +116,7 @@ export class Points {
     const { editor } = this;
     const { state } = editor.history;
     if (editor.area >= 0) {
-      if (state.areas[editor.area].size) editor.direction = normal;
+      if (activeLayer(state).areas[editor.area].size) editor.direction = normal;
       this.#change(changedArea(state, editor.area, { normal }), ended);
     } else if (editor.chosen >= 0) this.#change(changedHint(state, editor.chosen, { normal }), ended);
   }
@@ -130,7 +130,7 @@ export class Points {
     const share = (this.slider.valueAsNumber / 100) ** 2 * MOST_REACH;
     const reach = Math.round(share * Math.max(state.width, state.height));
     // Some browsers tell of the end twice; that is one step in history.
-    if (!editor.draft && state.hints[editor.chosen].reach === reach) return;
+    if (!editor.draft && activeLayer(state).hints[editor.chosen].reach === reach) return;
     this.#change(changedHint(state, editor.chosen, { reach }), ended);
   }
 
@@ -146,15 +146,15 @@ export class Points {
    */
   #chosen() {
     const { editor } = this;
-    const hint = editor.doc.hints[editor.chosen];
+    const hint = editor.layer.hints[editor.chosen];
     if (hint) return { ...hint, ball: "ball", number: editor.chosen + 1 };
-    const area = editor.doc.areas[editor.area];
+    const area = editor.layer.areas[editor.area];
     return area && { ...anchorOf(area), normal: area.normal, ball: "areaBall", number: editor.area + 1 };
   }
 
   #show() {
     const { editor } = this;
-    const { hints, areas } = editor.doc;
+    const { hints, areas } = editor.layer;
     const chips = hints.map((hint, i) => this.#chip("hintName", i, hint.normal, i === editor.chosen, () => this.choose(i)));
     chips.push(...areas.map((area, i) => this.#chip("areaName", i, area.normal, i === editor.area, () => {
       editor.set({ area: i });
@@ -226,7 +226,7 @@ export class Points {
    */
   #spot(pin, width, height) {
     const { pane, camera } = this.board;
-    const { hints, areas, width: side, height: other } = this.editor.doc;
+    const { layer: { hints, areas }, doc: { width: side, height: other } } = this.editor;
     const marks = [...hints, ...areas.map(anchorOf)].map((each) => camera.toPane(each.x, each.y));
     const [start, end] = [camera.toPane(0, 0), camera.toPane(side, other)];
     /** @param {number} a @param {number} b @param {number} from @param {number} to */

@@ -63,7 +63,8 @@ export class Projects {
       return false;
     }
     // What was drawn while it was being saved stays unsaved.
-    const unchanged = editor.history.state.strokes === doc.strokes && editor.history.state.hints === doc.hints && editor.history.state.areas === doc.areas;
+    const now = editor.history.state;
+    const unchanged = now.layers === doc.layers && now.pictures === doc.pictures && now.width === doc.width && now.height === doc.height;
     const named = unchanged ? doc : withSettings(editor.history.state, { name });
     editor.history.replace(named);
     editor.dispatchEvent(new CustomEvent("state"));
@@ -100,7 +101,7 @@ export class Projects {
    * @param {unknown} value
    * @param {string | null} etag null: it is not the project of that name as the server has it
    * @param {boolean} saved whether it need not be kept
-   * @param {import("./store.js").Past | null} past the steps that led to it
+   * @param {import("./steps.js").Past | null} past the steps that led to it
    */
   async load(value, etag = null, saved = true, past = null) {
     const doc = parseDocument(value);
@@ -113,7 +114,7 @@ export class Projects {
    * @param {import("./document.js").Doc} doc
    * @param {string | null} etag
    * @param {boolean} [saved]
-   * @param {import("./store.js").Past | null} [past]
+   * @param {import("./steps.js").Past | null} [past]
    */
   #show(doc, etag, saved = true, past = null) {
     this.etag = etag;

@@ -1,7 +1,7 @@
 /** Samples: drawings to begin with, as lines that can be changed like any others. */
 
 import { context2d } from "./canvas.js";
-import { newDocument } from "./document.js";
+import { newDocument, withActive } from "./document.js";
 import { $, label, make } from "./dom.js";
 import { drawStroke } from "./strokes.js";
 import { say, text } from "./text.js";
@@ -80,7 +80,7 @@ function lineOf({ points, closed = false, mirrored = false, size = PEN }) {
 
 /** Returns a sample as a document of its own. @param {Sample} sample @returns {import("./document.js").Doc} */
 export function documentOf({ curves }) {
-  return { ...newDocument(SIDE, SIDE), strokes: curves.map(lineOf) };
+  return withActive(newDocument(SIDE, SIDE), { strokes: curves.map(lineOf) });
 }
 
 /** Offers the samples where the paper is empty. @param {(doc: import("./document.js").Doc, name: string) => void} take */

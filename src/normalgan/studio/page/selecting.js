@@ -1,6 +1,7 @@
 /** Selecting: strokes and pictures are chosen, moved, made larger or smaller, and removed. */
 
-import { extentOf, isHit, movedLayer, movedStroke, unitedBox } from "./moving.js";
+import { activeLayer, withActive } from "./document.js";
+import { extentOf, isHit, movedPicture, movedStroke, unitedBox } from "./moving.js";
 
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
@@ -8,13 +9,14 @@ const ACCENT = "#5b62e0";
 const HANDLE = 9;
 const LEAST = 4;
 /** @type {Selection} */
-export const NOTHING = { strokes: [], layers: [] };
+export const NOTHING = { strokes: [], pictures: [] };
 
 /** @param {Selection} selection */
-export const isNothing = ({ strokes, layers }) => !strokes.length && !layers.length;
+export const isNothing = ({ strokes, pictures }) => !strokes.length && !pictures.length;
 
 /** Returns what is chosen, as values. @param {import("./document.js").Doc} doc @param {Selection} selection */
-const itemsOf = (doc, { strokes, layers }) => [...strokes.map((i) => doc.strokes[i]), ...layers.map((i) => doc.layers[i])];
+const itemsOf = (doc, { strokes, pictures }) =>
+  [...strokes.map((i) => activeLayer(doc).strokes[i]), ...pictures.map((i) => doc.pictures[i])];
 
 /** Returns the box around all that is chosen. @param {import("./document.js").Doc} doc @param {Selection} selection */
 export const boxOfSelection = (doc, selection) => unitedBox(itemsOf(doc, selection).map(extentOf));
@@ -49,7 +51,7 @@ export class SelectTool {
       if (!touch.straight) editor.set({ selection: NOTHING });
       return;
     }
-    const has = selection.strokes.includes(hit.strokes[0]) || selection.layers.includes(hit.layers[0]);
+    const has = selection.strokes.includes(hit.strokes[0]) || selection.pictures.includes(hit.pictures[0]);
     if (touch.straight) editor.set({ selection: has ? without(selection, hit) : together(selection, hit) });
     else if (!has) editor.set({ selection: hit });
     this.held = { kind: "move", from: touch, before: editor.selection };
@@ -80,13 +82,13 @@ export class SelectTool {
     this.held = null;
     editor.marquee = null;
     if (held?.kind === "around" && marquee) {
-      const inside = (/** @type {import("./document.js").Stroke | import("./document.js").Layer} */ item) => {
+      const inside = (/** @type {import("./document.js").Stroke | import("./document.js").Picture} */ item) => {
         const { left, top, right, bottom } = extentOf(item);
         return left >= marquee.left && right <= marquee.right && top >= marquee.top && bottom <= marquee.bottom;
       };
-      const strokes = editor.doc.strokes.flatMap((stroke, i) => (stroke.kind !== "eraser" && inside(stroke) ? [i] : []));
-      const layers = editor.doc.layers.flatMap((layer, i) => (inside(layer) ? [i] : []));
-      editor.set({ selection: together(held.before, { strokes, layers }) });
+      const strokes = editor.layer.strokes.flatMap((stroke, i) => (stroke.kind !== "eraser" && inside(stroke) ? [i] : []));
+      const pictures = editor.doc.pictures.flatMap((picture, i) => (inside(picture) ? [i] : []));
+      editor.set({ selection: together(held.before, { strokes, pictures }) });
     } else if (editor.draft) editor.commit(editor.draft);
     else editor.mark();
   }
@@ -100,32 +102,29 @@ export class SelectTool {
   /** Removes what is chosen. @returns {boolean} whether there was something */
   remove() {
     const { editor } = this;
-    const { strokes, layers } = editor.selection;
+    const { strokes, pictures } = editor.selection;
     if (isNothing(editor.selection)) return false;
-    const { doc } = editor;
+    const { doc, layer } = editor;
     editor.set({ selection: NOTHING });
-    editor.commit({
-      ...doc,
-      strokes: strokes.length ? doc.strokes.filter((_, i) => !strokes.includes(i)) : doc.strokes,
-      layers: layers.length ? doc.layers.filter((_, i) => !layers.includes(i)) : doc.layers,
-    });
+    const left = strokes.length ? withActive(doc, { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) }) : doc;
+    editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);
     return true;
   }
 
   /** Chooses all strokes. */
   all() {
-    const strokes = this.editor.doc.strokes.flatMap((stroke, i) => (stroke.kind === "eraser" ? [] : [i]));
-    this.editor.set({ tool: "select", selection: { strokes, layers: [] } });
+    const strokes = this.editor.layer.strokes.flatMap((stroke, i) => (stroke.kind === "eraser" ? [] : [i]));
+    this.editor.set({ tool: "select", selection: { strokes, pictures: [] } });
   }
 
   /** @param {Touch} touch @returns {Selection | null} what lies uppermost */
   #hit(touch) {
-    const { strokes, layers } = this.editor.doc;
+    const { layer: { strokes }, doc: { pictures } } = this.editor;
     for (let i = strokes.length - 1; i >= 0; i--) {
-      if (strokes[i].kind !== "eraser" && isHit(strokes[i], touch, touch.reach / 3)) return { strokes: [i], layers: [] };
+      if (strokes[i].kind !== "eraser" && isHit(strokes[i], touch, touch.reach / 3)) return { strokes: [i], pictures: [] };
     }
-    for (let i = layers.length - 1; i >= 0; i--) {
-      if (layers[i].visible && isHit(layers[i], touch, 0)) return { strokes: [], layers: [i] };
+    for (let i = pictures.length - 1; i >= 0; i--) {
+      if (pictures[i].visible && isHit(pictures[i], touch, 0)) return { strokes: [], pictures: [i] };
     }
     return null;
   }
@@ -134,24 +133,22 @@ export class SelectTool {
 /** @param {Selection} a @param {Selection} b @returns {Selection} */
 function together(a, b) {
   const both = (/** @type {number[]} */ x, /** @type {number[]} */ y) => [...new Set([...x, ...y])].sort((p, q) => p - q);
-  return { strokes: both(a.strokes, b.strokes), layers: both(a.layers, b.layers) };
+  return { strokes: both(a.strokes, b.strokes), pictures: both(a.pictures, b.pictures) };
 }
 
 /** @param {Selection} a @param {Selection} b @returns {Selection} */
 function without(a, b) {
-  return { strokes: a.strokes.filter((i) => !b.strokes.includes(i)), layers: a.layers.filter((i) => !b.layers.includes(i)) };
+  return { strokes: a.strokes.filter((i) => !b.strokes.includes(i)), pictures: a.pictures.filter((i) => !b.pictures.includes(i)) };
 }
 
 /**
  * @param {import("./document.js").Doc} doc @param {Selection} selection @param {import("./moving.js").Move} move
  * @returns {import("./document.js").Doc}
  */
-function withMoved(doc, { strokes, layers }, move) {
-  return {
-    ...doc,
-    strokes: strokes.length ? doc.strokes.map((each, i) => (strokes.includes(i) ? movedStroke(each, move) : each)) : doc.strokes,
-    layers: layers.length ? doc.layers.map((each, i) => (layers.includes(i) ? movedLayer(each, move) : each)) : doc.layers,
-  };
+function withMoved(doc, { strokes, pictures }, move) {
+  const moved = activeLayer(doc).strokes.map((each, i) => (strokes.includes(i) ? movedStroke(each, move) : each));
+  const drawn = strokes.length ? withActive(doc, { strokes: moved }) : doc;
+  return pictures.length ? { ...drawn, pictures: doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each)) } : drawn;
 }
 
 /**

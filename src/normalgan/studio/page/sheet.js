@@ -12,6 +12,8 @@ import { decoded } from "./pictures.js";
  * @property {boolean} paper whether paper and pictures lie under it
  */
 
+/** Opacity of the lines of layers that are not worked on. */
+const OTHERS = 0.4;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
 /** @type {Part[]} */
 const WHOLE = [{ from: 0, to: 1, lines: true, paper: true }];
@@ -20,13 +22,13 @@ export class Sheet {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {import("./editor.js").Editor} editor
-   * @param {import("./ink.js").Ink} ink
+   * @param {import("./ink.js").Inks} inks
    * @param {import("./camera.js").Camera} camera
    */
-  constructor(canvas, editor, ink, camera) {
+  constructor(canvas, editor, inks, camera) {
     this.canvas = canvas;
     this.editor = editor;
-    this.ink = ink;
+    this.inks = inks;
     this.camera = camera;
     this.context = context2d(canvas);
     this.parts = WHOLE;
@@ -93,10 +95,11 @@ export class Sheet {
   /** @param {boolean} lines @param {boolean} paper */
   #part(lines, paper) {
     const { context, camera } = this;
-    const { doc } = this.editor;
+    const { doc, layer: worked } = this.editor;
+    const layers = doc.layers.filter(({ visible }) => visible);
     const ratio = devicePixelRatio;
     context.setTransform(...camera.transform(ratio));
-    const zoom = (camera.scale * ratio) / this.ink.scale;
+    const zoom = (camera.scale * ratio) / this.inks.of(worked).scale;
     context.imageSmoothingEnabled = zoom < 8;
     // Mipmaps are dear, and only show where it gets much smaller.
     context.imageSmoothingQuality = zoom < 0.6 ? "medium" : "low";
@@ -105,9 +108,9 @@ export class Sheet {
       context.fillRect(0, 0, doc.width, doc.height);
     }
     // A picture may lie beside the paper, to be looked at.
-    if (paper) for (const layer of doc.layers.filter((each) => each.visible)) {
-      context.globalAlpha = layer.opacity;
-      context.drawImage(decoded(layer.picture), layer.x, layer.y, layer.width, layer.height);
+    if (paper) for (const { picture, opacity, x, y, width, height } of doc.pictures.filter((each) => each.visible)) {
+      context.globalAlpha = opacity;
+      context.drawImage(decoded(picture), x, y, width, height);
     }
     context.globalAlpha = 1;
     context.beginPath();
@@ -115,8 +118,13 @@ export class Sheet {
     context.clip();
     if (this.veil) context.drawImage(this.veil, 0, 0, doc.width, doc.height);
     // The paper of an imported drawing must not hide what is traced.
-    if (doc.layers.length || !paper) context.globalCompositeOperation = "multiply";
-    if (lines) context.drawImage(this.ink.canvas, 0, 0, doc.width, doc.height);
+    if (doc.pictures.length || layers.length > 1 || !paper) context.globalCompositeOperation = "multiply";
+    if (lines) for (const layer of layers) {
+      // What is not worked on steps back.
+      context.globalAlpha = paper && layer !== worked ? OTHERS : 1;
+      context.drawImage(this.inks.of(layer).canvas, 0, 0, doc.width, doc.height);
+    }
+    context.globalAlpha = 1;
     context.globalCompositeOperation = "source-over";
   }
 }

@@ -14,6 +14,7 @@ export const SHOWN = [
   ["Y", "keySymmetry"],
   ["X", "keyMask"],
   [",  .", "keyTurn"],
+  ["PgUp  PgDn", "keyLayer"],
   ["N  Shift+N", "keyHint"],
   ["Del", "keyDelete"],
   ["Esc", "keyEscape"],

@@ -6,8 +6,8 @@ import { context2d } from "./canvas.js";
 import { parseDocument, picturesOf } from "./document.js";
 import { $, label, make, open } from "./dom.js";
 import { icon } from "./icons.js";
-import { decodeAll, decoded } from "./pictures.js";
-import { drawStroke } from "./strokes.js";
+import { linesAt } from "./ink.js";
+import { decodeAll } from "./pictures.js";
 import { openTabs } from "./tab.js";
 import { say, text } from "./text.js";
 
@@ -129,9 +129,6 @@ async function described({ name, changed, read }) {
 
 /** Draws a document as large as fits. @param {HTMLCanvasElement} canvas @param {import("./document.js").Doc} doc */
 function draw(canvas, doc) {
-  const context = context2d(canvas);
-  const scale = SMALL / Math.max(doc.width, doc.height);
-  context.translate((SMALL - scale * doc.width) / 2, (SMALL - scale * doc.height) / 2);
-  context.scale(scale, scale);
-  for (const stroke of doc.strokes) drawStroke(context, stroke, decoded);
+  const lines = linesAt(doc, SMALL);
+  context2d(canvas).drawImage(lines, (SMALL - lines.width) / 2, (SMALL - lines.height) / 2);
 }

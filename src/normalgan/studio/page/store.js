@@ -1,24 +1,27 @@
 /** Store: unsaved work in the browser's own database, at once and without the server. */
 
+import { fromSteps, toSteps } from "./steps.js";
+
 const NAME = "normalgan-studio";
-/** Of each tab its document, with the numbers of its strokes and layers in place of these. */
+/** Of each tab its document, with the numbers of its strokes and pictures in place of these. */
 const HEADS = "unsaved";
-/** Strokes and layers by [tab, number]: a stroke is written once, and not with every one that follows. */
+/** Strokes and pictures by [tab, number]: a stroke is written once, and not with every one that follows. */
 const PIECES = "pieces";
 
-/** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Stroke} Stroke
- * @typedef {import("./document.js").Layer} Layer */
+/** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer
+ * @typedef {import("./steps.js").Piece} Piece @typedef {import("./steps.js").Past} Past */
 /**
  * @typedef {{tab: string, changed: string, etag: string | null, doc: Doc}} Unsaved
  *   changed: ISO time; etag: what the server called the project when it was opened or saved here
- * @typedef {Omit<Doc, "strokes" | "layers"> & {strokes: (number | Stroke)[], layers: (number | Layer)[]}} Head
+ * @typedef {Omit<Layer, "strokes"> & {strokes: number[]}} LayerHead
+ * @typedef {Omit<Doc, "layers" | "pictures"> & {layers: LayerHead[], pictures: number[]}} Head
  * @typedef {{tab: string, changed: string, etag?: string | null, doc: Head,
- *   history?: {steps: Step[], at: number}}} Entry
+ *   history?: import("./steps.js").Steps}} Entry
  */
 
 /** @type {Promise<IDBDatabase> | null} */
 let opened = null;
-/** @type {WeakMap<object, number>} the number of each stroke and layer of this page */
+/** @type {WeakMap<object, number>} the number of each stroke and picture of this page */
 const numbers = new WeakMap();
 /** @type {Set<number>} what is in the database of this page */
 const stored = new Set();
@@ -70,76 +73,22 @@ const ofTab = (tab) => IDBKeyRange.bound([tab], [tab, []]);
 /** Steps of history that are kept. */
 const MOST_STEPS = 100;
 
-/**
- * @typedef {object} Step a document of the history, beside the step before it
- * @property {[number, ...number[]]} strokes how many are the same as there, then the numbers of the others
- * @property {[number, ...number[]]} layers
- * @property {Partial<Doc>} more what else differs
- * @typedef {{states: Doc[], at: number}} Past
- */
-
-/**
- * Returns a history as steps, each of which holds only what it changed.
- * @param {Past} past
- * @param {(piece: Stroke | Layer) => number} numbered
- * @returns {{steps: Step[], at: number}}
- */
-function toSteps({ states, at }, numbered) {
-  const first = Math.max(0, Math.min(at, states.length - MOST_STEPS));
-  const shown = states.slice(first, first + MOST_STEPS);
-  const steps = shown.map((state, i) => {
-    const before = /** @type {Record<string, any> | undefined} */ (shown[i - 1]);
-    const others = (/** @type {(Stroke | Layer)[]} */ to, /** @type {(Stroke | Layer)[]} */ from) => {
-      let same = 0;
-      while (same < to.length && same < from.length && to[same] === from[same]) same++;
-      return /** @type {[number, ...number[]]} */ ([same, ...to.slice(same).map(numbered)]);
-    };
-    const { strokes, layers, ...rest } = state;
-    const more = Object.fromEntries(Object.entries(rest).filter(([key, value]) => !before || before[key] !== value));
-    return { strokes: others(strokes, before?.strokes ?? []), layers: others(layers, before?.layers ?? []), more };
-  });
-  return { steps, at: at - first };
-}
-
-/**
- * Returns the history that was kept as steps; null if something of it is missing.
- * @param {{steps: Step[], at: number} | undefined} kept
- * @param {(number: number) => any} piece
- * @returns {Past | null}
- */
-function fromSteps(kept, piece) {
-  if (!kept) return null;
-  /** @type {Doc[]} */
-  const states = [];
-  for (const { strokes, layers, more } of kept.steps) {
-    const before = states[states.length - 1];
-    const list = (/** @type {number[]} */ [same, ...others], /** @type {any[]} */ from) => {
-      const found = others.map(piece);
-      // Equal lists are one list, by which others see that nothing has changed.
-      return from && same === from.length && !found.length ? from : [...(from ?? []).slice(0, same), ...found];
-    };
-    const state = /** @type {Doc} */ ({ ...before, ...more, strokes: list(strokes, before?.strokes), layers: list(layers, before?.layers) });
-    if ([...state.strokes, ...state.layers].some((each) => each === undefined)) return null;
-    states.push(state);
-  }
-  return states[kept.at] ? { states, at: kept.at } : null;
-}
-
 /** Keeps this page's document and its history: only what is new of it is written. @param {Unsaved & {past: Past}} entry */
 export const keep = (entry) => inTurn(() => write(entry));
 
 /** @param {Unsaved & {past: Past}} entry */
 async function write({ tab, changed, etag, doc, past }) {
   const wanted = new Map();
-  /** @param {Stroke | Layer} each */
+  /** @param {Piece} each */
   const numbered = (each) => {
     const number = numbers.get(each) ?? next++;
     numbers.set(each, number);
     wanted.set(number, each);
     return number;
   };
-  const head = { ...doc, strokes: doc.strokes.map(numbered), layers: doc.layers.map(numbered) };
-  const history = toSteps(past, numbered);
+  const layers = doc.layers.map((layer) => ({ ...layer, strokes: layer.strokes.map(numbered) }));
+  const head = { ...doc, layers, pictures: doc.pictures.map(numbered) };
+  const history = toSteps(past, MOST_STEPS, numbered);
   const fresh = [...wanted].filter(([number]) => !stored.has(number));
   const old = [...stored].filter((number) => !wanted.has(number));
   await run("readwrite", (heads, pieces) => {
@@ -154,7 +103,7 @@ async function write({ tab, changed, etag, doc, past }) {
 /**
  * Returns what was kept, without the documents, which are read when they are asked for.
  * @returns {Promise<{tab: string, changed: string, etag: string | null, name: string,
- *   read: () => Promise<{doc: Doc, past: Past | null}>}[]>}
+ *   read: () => Promise<{doc: unknown, past: Past | null}>}[]>}
  */
 export async function kept() {
   const entries = /** @type {Entry[]} */ (await run("readonly", (heads) => heads.getAll()));
@@ -164,8 +113,9 @@ export async function kept() {
 }
 
 /**
- * @param {string} tab @param {Head} head @param {{steps: Step[], at: number} | undefined} history
- * @returns {Promise<{doc: Doc, past: Past | null}>}
+ * @param {string} tab @param {any} head a `Head`, or one of an older version, which `parseDocument` brings up to date
+ * @param {import("./steps.js").Steps | undefined} history
+ * @returns {Promise<{doc: unknown, past: Past | null}>}
  */
 async function whole(tab, head, history) {
   const [keys, values] = await Promise.all([
@@ -174,10 +124,13 @@ async function whole(tab, head, history) {
   ]);
   const found = new Map(keys.map((key, i) => [/** @type {[string, number]} */ (key)[1], values[i]]));
   // The first version kept the strokes themselves.
-  /** @param {number | Stroke | Layer} each */
+  /** @param {any} each */
   const piece = (each) => (typeof each === "number" ? found.get(each) : each);
-  const doc = /** @type {Doc} */ ({ ...head, strokes: head.strokes.map(piece), layers: head.layers.map(piece) });
-  return { doc, past: fromSteps(history, piece) };
+  if (!head.pictures) return { doc: { ...head, strokes: head.strokes.map(piece), layers: head.layers.map(piece) }, past: null };
+  const layers = head.layers.map((/** @type {LayerHead} */ layer) => ({ ...layer, strokes: layer.strokes.map(piece) }));
+  const past = fromSteps(history, piece);
+  // The very document of the history, by which others see what in it is the same as in the step before.
+  return { doc: past ? past.states[past.at] : { ...head, layers, pictures: head.pictures.map(piece) }, past };
 }
 
 /** @param {string} tab @param {boolean} [own] whether it is this page's */

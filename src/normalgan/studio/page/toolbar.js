@@ -1,6 +1,6 @@
 /** Toolbar: which tool, how wide, how smooth; shows what the editor holds. */
 
-import { withSettings } from "./document.js";
+import { withActive, withSettings } from "./document.js";
 import { $, enable, field } from "./dom.js";
 import { isNothing } from "./selecting.js";
 import { recalled, remember } from "./settings.js";
@@ -39,8 +39,8 @@ export function widen(editor, step) {
   editor.set({ widths: { ...editor.widths, [kind]: width } });
 }
 
-/** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Ink} ink */
-export function followTools(editor, ink) {
+/** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
+export function followTools(editor, inks) {
   for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
   /** @type {HTMLInputElement} */
   const size = $("size");
@@ -63,9 +63,9 @@ export function followTools(editor, ink) {
   for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
   recallBrushes(editor);
   editor.addEventListener("state", () => keepBrushes(editor));
-  $("mask-clear").addEventListener("click", () => editor.commit({ ...editor.doc, mask: [] }));
+  $("mask-clear").addEventListener("click", () => editor.commit(withActive(editor.doc, { mask: [] })));
   const show = () => {
-    const { tool, doc } = editor;
+    const { tool, doc, layer } = editor;
     for (const each of TOOLS) $(`tool-${each}`).setAttribute("aria-pressed", String(each === tool));
     for (const each of document.querySelectorAll("#board, #overlay")) /** @type {HTMLElement} */ (each).dataset.tool = tool;
     const width = editor.widths[tool];
@@ -84,7 +84,7 @@ export function followTools(editor, ink) {
     $("mask-options").hidden = tool !== "mask";
     $("mask-add").setAttribute("aria-pressed", String(editor.adds));
     $("mask-cut").setAttribute("aria-pressed", String(!editor.adds));
-    enable("mask-clear", doc.mask.length > 0);
+    enable("mask-clear", layer.mask.length > 0);
     $("light-options").hidden = tool !== "light";
     if (width) {
       size.value = String(WIDTHS.findIndex((each) => each >= width));
@@ -96,10 +96,10 @@ export function followTools(editor, ink) {
     source.value = doc.settings.source ?? "";
     enable("undo", editor.history.canUndo);
     enable("redo", editor.history.canRedo);
-    enable("suggest", doc.strokes.length > 0);
+    enable("suggest", layer.visible && layer.strokes.length > 0);
     $("project-name").textContent = doc.settings.name || text.untitled;
     document.title = `${doc.settings.name || text.untitled} – ${text.title}`;
-    const begun = doc.strokes.length + doc.layers.length > 0 || Boolean(ink.live);
+    const begun = doc.pictures.length > 0 || doc.layers.some((each) => each.strokes.length > 0) || inks.live;
     $("empty-board").hidden = begun;
     $("offer").hidden = begun;
     $("pixels").textContent = say("pixels", { width: doc.width, height: doc.height });

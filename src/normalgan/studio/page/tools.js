@@ -1,6 +1,6 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
-import { MOST_AREAS, MOST_MASK_STROKES, anchorOf, changedHint, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
+import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, anchorOf, changedHint, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
 import { Smoother } from "./smoothing.js";
@@ -21,7 +21,6 @@ import { text } from "./text.js";
  * @property {() => void} cancel
  */
 
-export const MOST_HINTS = 200;
 /** Radians within which a straight line is level, upright or diagonal. */
 const SNAP = 0.06;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
@@ -30,10 +29,10 @@ const round = (value) => Math.round(value * 100) / 100;
 
 /** Pen and eraser: a stroke from down to up. */
 export class LineTool {
-  /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Ink} ink */
-  constructor(editor, ink) {
+  /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
+  constructor(editor, inks) {
     this.editor = editor;
-    this.ink = ink;
+    this.inks = inks;
     /** @type {import("./document.js").Line | null} */
     this.line = null;
     /** @type {Touch | null} where a straight line begins */
@@ -63,7 +62,7 @@ export class LineTool {
       return;
     }
     this.#add(this.smoother.move(touch));
-    this.editor.draw(this.ink.draw(this.line, false));
+    this.editor.draw(this.inks.of(this.editor.layer).draw(this.line, false));
   }
 
   up() {
@@ -72,7 +71,7 @@ export class LineTool {
     if (!this.start) this.#add(this.smoother.end());
     this.line = null;
     editor.guide = null;
-    editor.draw(this.ink.draw(line, true), true);
+    editor.draw(this.inks.of(editor.layer).draw(line, true), true);
     editor.commit(withStroke(editor.doc, line));
   }
 
@@ -80,7 +79,7 @@ export class LineTool {
     if (!this.line) return;
     this.line = null;
     this.editor.guide = null;
-    this.ink.sync(this.editor.doc);
+    this.inks.sync(this.editor.doc);
     this.editor.draw(ALL, true);
     this.editor.drop();
   }
@@ -126,10 +125,10 @@ export class HintTool {
   /** @param {Touch} touch */
   down(touch) {
     const { editor } = this;
-    const { doc } = editor;
-    const index = nearest(doc.hints, touch, touch.reach);
+    const { doc, layer } = editor;
+    const index = nearest(layer.hints, touch, touch.reach);
     if (index >= 0) {
-      const { x, y } = doc.hints[index];
+      const { x, y } = layer.hints[index];
       this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false };
       editor.set({ chosen: index });
       return;
@@ -173,7 +172,7 @@ export class HintTool {
    */
   add(at, normal) {
     const { editor } = this;
-    const { width, height, hints } = editor.doc;
+    const { doc: { width, height }, layer: { hints } } = editor;
     if (at.x < 0 || at.y < 0 || at.x >= width || at.y >= height) return false;
     if (hints.length >= MOST_HINTS) {
       this.announce(text.tooMany);
@@ -214,12 +213,12 @@ export class AreaTool {
   /** @param {Touch} touch */
   down(touch) {
     const { editor } = this;
-    const index = nearest(editor.doc.areas.map(anchorOf), touch, touch.reach);
+    const index = nearest(editor.layer.areas.map(anchorOf), touch, touch.reach);
     if (index >= 0) {
       editor.set({ area: index });
       return;
     }
-    if (editor.doc.areas.length >= MOST_AREAS) {
+    if (editor.layer.areas.length >= MOST_AREAS) {
       this.announce(text.tooManyAreas);
       return;
     }
@@ -246,12 +245,12 @@ export class AreaTool {
     this.cancel();
     if (!points || (!size && points.length < 6)) return;
     const { editor } = this;
-    const { doc } = editor;
+    const { doc, layer } = editor;
     const normal = size
       ? editor.direction ?? normalAt(this.map(), points[0] / doc.width, points[1] / doc.height)
       : meanNormal(this.map(), points, doc);
     editor.commit(withArea(doc, { points, normal, ...(size && { size }) }));
-    editor.set({ area: doc.areas.length });
+    editor.set({ area: layer.areas.length });
   }
 
   cancel() {
@@ -273,7 +272,7 @@ export class MaskTool {
   /** @param {Touch} touch */
   down(touch) {
     const { editor } = this;
-    if (editor.doc.mask.length >= MOST_MASK_STROKES) {
+    if (editor.layer.mask.length >= MOST_MASK_STROKES) {
       this.announce(text.tooManyMaskStrokes);
       return;
     }

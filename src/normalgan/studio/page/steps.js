@@ -1,0 +1,87 @@
+/** Steps: a history of documents as what each of them changed, so that it can be kept. */
+
+/** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer
+ * @typedef {import("./document.js").Stroke | import("./document.js").Picture} Piece */
+/**
+ * @typedef {[number, ...number[]]} Numbers how many are the same as in the step before, then the numbers of the others
+ * @typedef {{id: number, strokes: Numbers, more: Partial<Layer>}} LayerStep beside the layer of that id before
+ * @typedef {object} Step a document of the history, beside the step before it
+ * @property {(number | LayerStep)[] | null} layers a number is the id of a layer that is as before; null: all are
+ * @property {Numbers} pictures
+ * @property {Partial<Doc>} more what else differs
+ * @typedef {{steps: Step[], at: number}} Steps
+ * @typedef {{states: Doc[], at: number}} Past
+ */
+
+/** @param {Piece[]} to @param {Piece[]} from @param {(piece: Piece) => number} numbered @returns {Numbers} */
+function others(to, from, numbered) {
+  let same = 0;
+  while (same < to.length && same < from.length && to[same] === from[same]) same++;
+  return [same, ...to.slice(same).map(numbered)];
+}
+
+/** Returns what of a value is another one. @template {object} T @param {T} to @param {Record<string, any>} [from] @returns {Partial<T>} */
+const differing = (to, from) =>
+  /** @type {Partial<T>} */ (Object.fromEntries(Object.entries(to).filter(([key, value]) => !from || from[key] !== value)));
+
+/**
+ * Returns a history as steps, each of which holds only what it changed.
+ * @param {Past} past
+ * @param {number} most steps
+ * @param {(piece: Piece) => number} numbered
+ * @returns {Steps}
+ */
+export function toSteps({ states, at }, most, numbered) {
+  const first = Math.max(0, Math.min(at, states.length - most));
+  const shown = states.slice(first, first + most);
+  const steps = shown.map((state, i) => {
+    const before = /** @type {Doc | undefined} */ (shown[i - 1]);
+    const { layers, pictures, ...rest } = state;
+    const changed = layers.map((layer) => {
+      const old = before?.layers.find(({ id }) => id === layer.id);
+      if (old === layer) return layer.id;
+      const { strokes, ...more } = layer;
+      return { id: layer.id, strokes: others(strokes, old?.strokes ?? [], numbered), more: differing(more, old) };
+    });
+    return {
+      layers: layers === before?.layers ? null : changed,
+      pictures: others(pictures, before?.pictures ?? [], numbered), more: differing(rest, before),
+    };
+  });
+  return { steps, at: at - first };
+}
+
+/**
+ * Returns the history that was kept as steps; null if something of it is missing.
+ * @param {Steps | undefined} kept
+ * @param {(number: number) => any} piece
+ * @returns {Past | null}
+ */
+export function fromSteps(kept, piece) {
+  if (!kept) return null;
+  /** @param {Numbers} numbers @param {any[] | undefined} from */
+  const list = ([same, ...more], from) => {
+    const found = more.map(piece);
+    if (found.includes(undefined) || same > (from?.length ?? 0)) throw new RangeError("a piece is missing");
+    // Equal lists are one list, by which others see that nothing has changed.
+    return from && same === from.length && !found.length ? from : [...(from ?? []).slice(0, same), ...found];
+  };
+  /** @type {Doc[]} */
+  const states = [];
+  try {
+    for (const { layers, pictures, more } of kept.steps) {
+      const before = /** @type {Doc | undefined} */ (states[states.length - 1]);
+      const found = layers?.map((each) => {
+        const id = typeof each === "number" ? each : each.id;
+        const old = before?.layers.find((layer) => layer.id === id);
+        if (typeof each !== "number") return { ...old, ...each.more, strokes: list(each.strokes, old?.strokes) };
+        if (!old) throw new RangeError("a layer is missing");
+        return old;
+      });
+      states.push(/** @type {Doc} */ ({ ...before, ...more, layers: found ?? before?.layers, pictures: list(pictures, before?.pictures) }));
+    }
+  } catch {
+    return null; // damaged: the document itself is kept apart from it
+  }
+  return states[kept.at] ? { states, at: kept.at } : null;
+}

@@ -1,0 +1,215 @@
+"""The studio's layers: each is painted for itself and has its own marks; the front one hides the others."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from studio_page import SIDE, Server, Studio, open_studio
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+MIDDLE = SIDE / 2
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """An empty drawing, the panel of layers, and how many bytes of which layers were sent to be painted."""
+    server.begin_anew()
+    with open_studio(opened, server.url) as page:
+        page.page.locator("#layers-toggle").click()
+        page.new()
+        page.page.evaluate(
+            """() => {
+              window.sent = [];
+              const ask = window.fetch;
+              window.fetch = (path, options) => {
+                if (path === "/api/paint") {
+                  const length = new DataView(options.body.buffer).getUint32(0, true);
+                  const text = new TextDecoder().decode(options.body.subarray(4, 4 + length));
+                  const { layers } = JSON.parse(text);
+                  sent.push(layers.map(({ name, bytes }) => [name, bytes]));
+                }
+                return ask(path, options);
+              };
+            }"""
+        )
+        yield page
+
+
+def names(studio: Studio) -> list[str]:
+    """Return what the layers are called, the front one first."""
+    return studio.page.locator("#layer-list .name").all_inner_texts()
+
+
+def add(studio: Studio) -> None:
+    """Add a layer in front."""
+    studio.page.locator("#layer-add").click()
+
+
+def two(studio: Studio) -> None:
+    """Draw two circles that overlap, each on a layer of its own; the right one is in front."""
+    with studio.repainting():
+        studio.circle(MIDDLE - 40)
+    add(studio)
+    with studio.repainting():
+        studio.circle(MIDDLE + 40)
+
+
+def test_each_layer_is_painted_for_itself_and_the_front_one_hides_the_other(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle(MIDDLE - 40)
+    back = studio.shown(MIDDLE, MIDDLE)
+    add(studio)
+    page.evaluate("() => { sent.length = 0; }")
+    with studio.repainting():
+        studio.circle(MIDDLE + 40)
+    front = studio.shown(MIDDLE, MIDDLE)
+    assert np.abs(front - back).max() > 0.1
+    for layers in page.evaluate("sent"):
+        assert [name for name, _ in layers] == ["Layer 1", "Layer 2"]
+        assert layers[0][1] == 0  # of what has not changed no pixel is sent
+    assert names(studio) == ["Layer 2", "Layer 1"]
+    with studio.repainting():
+        page.locator("#layer-back").click()
+    np.testing.assert_allclose(studio.shown(MIDDLE, MIDDLE), back, atol=0.01)
+    assert names(studio) == ["Layer 1", "Layer 2"]
+    with studio.repainting():
+        page.keyboard.press("Control+z")
+    np.testing.assert_allclose(studio.shown(MIDDLE, MIDDLE), front, atol=0.01)
+    with studio.repainting():
+        page.locator("#layer-list .eye").first.click()
+    np.testing.assert_allclose(studio.shown(MIDDLE, MIDDLE), back, atol=0.01)
+    assert not studio.inked(MIDDLE + 40 + 80, MIDDLE)
+
+
+def test_marks_and_erasing_belong_to_the_layer_that_is_worked_on(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    with studio.repainting():
+        studio.pin(MIDDLE + 60, MIDDLE)
+    assert page.locator("#chips .chip").count() == 1
+    page.keyboard.press("Escape")
+    page.locator("#layer-list .name", has_text="Layer 1").click()
+    assert page.locator("#chips .chip").count() == 0
+    page.keyboard.press("PageUp")
+    assert page.locator("#chips .chip").count() == 1
+    page.keyboard.press("PageDown")
+    page.keyboard.press("e")
+    # Both lines pass here; only that of the back goes.
+    with studio.repainting():
+        studio.line((MIDDLE + 40, MIDDLE - 20), (MIDDLE + 40, MIDDLE + 20))
+    assert not studio.inked(MIDDLE + 40, MIDDLE)
+    page.keyboard.press("PageUp")
+    page.wait_for_timeout(200)
+    assert studio.inked(MIDDLE - 40, MIDDLE)
+
+
+def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    page.locator("#layer-name").click()
+    page.keyboard.type("Arm")
+    page.keyboard.press("Enter")
+    assert names(studio) == ["Arm", "Layer 1"]
+    page.locator("#layer-list .eye").first.click()
+    page.wait_for_timeout(100)
+    page.keyboard.press("p")
+    before = studio.painted()
+    studio.line((20, 20), (60, 20))
+    studio.wait_for_status("This layer is hidden")
+    assert studio.painted() == before
+    with studio.repainting():
+        page.locator("#layer-list .eye").first.click()
+    with studio.repainting():
+        page.locator("#layer-remove").click()
+    assert names(studio) == ["Layer 1"]
+    assert page.locator("#layer-remove").is_disabled()
+    page.locator("#history summary").click()
+    steps = page.locator("#history-list button").all_inner_texts()
+    assert steps[-6:] == [
+        "Layer added",
+        "Line",
+        "Layer renamed",
+        "Layer hidden",
+        "Layer shown",
+        "Layer removed",
+    ]
+    page.locator("#history summary").click()
+    with studio.repainting():
+        page.keyboard.press("Control+z")
+    assert names(studio) == ["Arm", "Layer 1"]
+
+
+def test_layers_are_saved_and_opened_again_with_which_is_worked_on(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    shown = studio.shown(MIDDLE, MIDDLE)
+    page.keyboard.press("Control+s")
+    page.locator("#name-field").fill("fox")
+    page.keyboard.press("Enter")
+    studio.wait_for_status("Saved")
+    page.locator("#layer-list .name", has_text="Layer 1").click()
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    # Another layer to be worked on is nothing that could be lost.
+    assert "fox" not in page.locator("#restore-words").inner_text()
+    assert page.locator("#layers").is_visible()
+    page.locator("#open").click()
+    with studio.repainting():
+        page.locator(".project", has_text="fox").click()
+    assert names(studio) == ["Layer 2", "Layer 1"]
+    assert page.locator("#layer-list [aria-current] .name").inner_text() == "Layer 2"
+    np.testing.assert_allclose(studio.shown(MIDDLE, MIDDLE), shown, atol=0.01)
+
+
+def test_unsaved_layers_and_their_history_outlive_a_reload(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    page.locator("#layer-back").click()
+    page.wait_for_timeout(500)
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    with studio.repainting():
+        page.locator("#restore-yes").click()
+    assert names(studio) == ["Layer 1", "Layer 2"]
+    page.keyboard.press("Control+z")
+    assert names(studio) == ["Layer 2", "Layer 1"]
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    assert names(studio) == ["Layer 1"]
+    assert studio.inked(MIDDLE - 40 + 80, MIDDLE)
+
+
+def test_a_project_of_an_older_version_is_one_layer(studio: Studio, tmp_path: Path) -> None:
+    line = [60, 60, 0.5, 190, 60, 0.5, 190, 190, 0.5, 60, 190, 0.5, 60, 60, 0.5]
+    older = {
+        "format": "normalgan-studio",
+        "version": 3,
+        "width": SIDE,
+        "height": SIDE,
+        "strokes": [{"kind": "pen", "size": 6, "points": line}],
+        "hints": [{"x": 100, "y": 100, "normal": [0, 0, 1]}],
+        "areas": [],
+        "mask": [],
+        "layers": [],
+        "settings": {"source": None, "name": "old"},
+    }
+    file = tmp_path / "old.normalgan"
+    file.write_text(json.dumps(older), encoding="utf-8")
+    page = studio.page
+    with studio.repainting():
+        page.set_input_files("#open-file", files=file)
+    assert names(studio) == ["Layer 1"]
+    assert page.locator("#chips .chip").count() == 1
+    assert studio.inked(190, 120)
+    file.write_text(json.dumps({**older, "version": 5}), encoding="utf-8")
+    page.set_input_files("#open-file", files=file)
+    page.locator("#choose button[value=drop]").click()
+    studio.wait_for_status("newer studio")
+    assert studio.inked(190, 120)
