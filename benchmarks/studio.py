@@ -1,10 +1,12 @@
 """Times `normalgan studio` in Chromium at a person's pace.
 
-studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0]: a model by `normalgan export`. For each
-side of the drawing: strokes with pauses between them, from a stroke's end to its map on show; scribbling,
+studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by
+`normalgan export`. For each side of the drawing: strokes with pauses between them, from a stroke's end to its map on show; scribbling,
 four strokes a second, with the longest time without a new map; a pin turned by its ball, in maps a second.
 `--memory 500` then draws so many strokes and tells how much memory the page takes more than after the first
-twenty. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints JSON.
+twenty. `--starts` loads the page so often in a new browser context, and once more in each: milliseconds until
+it can be drawn on, and how many requests that took. Needs Playwright, and Chromium on the PATH or as
+NORMALGAN_CHROMIUM. Prints JSON.
 """
 
 import argparse
@@ -26,7 +28,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from machine import describe
-from playwright.sync_api import CDPSession, Page, sync_playwright
+from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
 
 WATCH = """() => {
   window.events = [];
@@ -200,6 +202,27 @@ def memory(hand: Hand, session: CDPSession, renderers: list[int], count: int) ->
     return {"strokes": count, "growth_mb": {key: round(after[key] - before[key], 1) for key in after}}
 
 
+def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:
+    """Return how long (ms) the page takes until it can be drawn on, with nothing kept and with all kept."""
+    found: dict[str, Any] = {}
+    times: dict[str, list[float]] = {"cold": [], "again": []}
+    for _ in range(count):
+        context = browser.new_context(viewport={"width": 1280, "height": 800})
+        page = context.new_page()
+        for kind, kept in times.items():
+            start = time.perf_counter()
+            page.goto(address)
+            page.wait_for_selector("html[data-ready]")
+            kept.append(1000 * (time.perf_counter() - start))
+            # What came from the cache has a size but was not transferred.
+            asked = "performance.getEntriesByType('resource').filter((each) => each.transferSize > 0).length"
+            found[f"{kind}_requests"] = page.evaluate(asked)
+        context.close()
+    for kind, kept in times.items():
+        found[f"{kind}_ms"] = {"p50": round(statistics.median(kept)), "worst": round(max(kept))}
+    return found
+
+
 @contextmanager
 def serving(model: Path) -> Iterator[str]:
     """Run the studio and give its address."""
@@ -225,11 +248,15 @@ def main() -> None:
     parser.add_argument("--sides", type=int, nargs="+", default=[256, 512, 1024])
     parser.add_argument("--strokes", type=int, default=20)
     parser.add_argument("--memory", type=int, default=0)
+    parser.add_argument("--starts", type=int, default=5)
     given = parser.parse_args()
     chromium = shutil.which(os.environ.get("NORMALGAN_CHROMIUM") or "chromium")
     figures: dict[str, Any] = {}
     with serving(given.model) as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        if given.starts:
+            figures["start"] = starts(browser, address, given.starts)
+            print("start", figures["start"], file=sys.stderr, flush=True)
         for side in given.sides:
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             inside: list[float] = []

@@ -1,21 +1,28 @@
 """The studio without a server paints in Chromium what Python paints, with the network cut off."""
 
 import base64
+import io
 import runpy
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 
 import normalgan
 from chromium import browser
 from chromium import page as open_page
 from needs import NPM
+from normalgan.painting.composition import compose
+from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.onnx_backend import SHIPPED
 from normalgan.painting.picture import read_picture
+from normalgan.studio.drawing import Drawing
 from pens import blob, outline
 from web_folder import serve
 
@@ -26,17 +33,20 @@ pytestmark = pytest.mark.slow  # downloads a package of npm
 ROOT = Path(__file__).parents[1]
 LARGEST = 30e6
 SIDE = 512
-ASK = """async ([grey, width, height, more]) => {
+ASK = """async ([grey, width, height, more, path = "/api/paint"]) => {
   const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));
   const planes = [{ name: "ink", width, height, channels: 1, box: [0, 0, width, height] }];
-  const drawn = { planes, hints: [], areas: [], source: null, ...more };
-  const fields = { tab: "test", number: 1, base: null, keep: false, ...drawn };
+  const layer = { base: null, bytes: width * height, planes, hints: [], areas: [] };
+  const count = pixels.length / (width * height);
+  const layers = Array.from({ length: count }, (_, id) => ({ ...layer, id, name: `Layer ${id}` }));
+  const drawn = count > 1 ? { layers } : layer;
+  const fields = { tab: "test", number: 1, source: null, ...drawn, ...more };
   const json = new TextEncoder().encode(JSON.stringify(fields));
   const body = new Uint8Array(4 + json.length + pixels.length);
   new DataView(body.buffer).setUint32(0, json.length, true);
   body.set(json, 4);
   body.set(pixels, 4 + json.length);
-  const answer = await fetch("/api/paint", { method: "POST", body });
+  const answer = await fetch(path, { method: "POST", body });
   let text = "";
   for (const byte of new Uint8Array(await answer.arrayBuffer())) text += String.fromCharCode(byte);
   return { status: answer.status, warning: answer.headers.get("X-Warning"), rgba: btoa(text) };
@@ -96,13 +106,65 @@ def test_the_mask_brush_cuts_and_adds(studio: "Page") -> None:
     assert (decoded(whole, grey.shape)[..., 3] > 0)[105, 110]
 
 
+def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
+    drawn = [
+        np.rint(255 * (1 - outline(blob((SIDE, SIDE), middle, 120)))).astype(np.uint8)
+        for middle in ((200, 256), (300, 280))
+    ]
+    paint = normalgan.load(SHIPPED)
+    wanted = compose([paint(each) for each in drawn])
+    found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
+    assert_near(found, wanted, share=0.98, degrees=1)
+    lines = np.full_like(drawn[0], 255)
+    one = studio.evaluate(ASK, encoded(drawn[0], lines))
+    assert "Layer 1: no line is seen" in unquote(one["warning"])
+    assert np.array_equal(
+        decoded(one, lines.shape), decoded(studio.evaluate(ASK, encoded(drawn[0])), lines.shape)
+    )
+
+
+@pytest.mark.parametrize(
+    "area",
+    [
+        {"points": [130, 50, 210, 50, 210, 130, 130, 130], "normal": [0.6, 0.0, 0.8]},
+        {"points": [130, 70, 170, 90, 210, 110], "normal": [0.0, -0.6, 0.8], "size": 40},
+    ],
+    ids=["region", "direction brush"],
+)
+def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", area: dict[str, Any]) -> None:
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    painted = normalgan.load(SHIPPED)(grey)
+    edited = Drawing(grey[..., None], [], None, None, [area]).edit(painted.extended, painted.mask, grey.shape)
+    turned = np.abs(edited - painted.extended).max(-1) > 0.1
+    assert turned.sum() > 1500  # or it would be no test
+    found = decoded(studio.evaluate(ASK, [*encoded(grey), {"areas": [area]}]), grey.shape)
+    assert_near(found, replace(painted, extended=edited), share=0.98, degrees=1)
+
+
+@pytest.mark.parametrize("down", [False, True])
+def test_an_exported_png_is_the_map_with_a_soft_edge(studio: "Page", down: bool) -> None:
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    wish = {"what": "map", "format": "png8", "name": "fox", "alpha": True, "y": "down" if down else "up"}
+    answer = studio.evaluate(ASK, [*encoded(grey), wish, "/api/export"])
+    assert answer["status"] == 200
+    found = np.asarray(Image.open(io.BytesIO(base64.b64decode(answer["rgba"]))))
+    wanted = normalgan.load(SHIPPED)(grey)
+    file = wanted.pixels("down" if down else "up", alpha=True)
+    alike = np.abs(found[..., 3].astype(int) - file[..., 3])
+    assert alike.mean() < 1
+    assert ((found[..., 3] > 8) & (found[..., 3] < 247)).sum() > 150  # soft
+    inside = (found[..., 3] > 250) & (file[..., 3] > 250)
+    assert np.abs(found[..., :3].astype(int) - file[..., :3])[inside].mean() < 2
+
+
 def test_painted_areas_have_their_outline(studio: "Page") -> None:
     assert_alike(studio, np.rint(255 * (1 - blob())).astype(np.uint8), [], share=0.95, degrees=6)
 
 
-def encoded(grey: NDArray[np.uint8]) -> list[Any]:
-    """Return a drawing as the page is given it."""
-    return [base64.b64encode(grey.tobytes()).decode(), grey.shape[1], grey.shape[0]]
+def encoded(*layers: NDArray[np.uint8]) -> list[Any]:
+    """Return a drawing as the page is given it, the hindmost layer first."""
+    whole = b"".join(each.tobytes() for each in layers)
+    return [base64.b64encode(whole).decode(), layers[0].shape[1], layers[0].shape[0]]
 
 
 def decoded(answer: dict[str, Any], shape: tuple[int, ...]) -> NDArray[np.uint8]:
@@ -120,7 +182,11 @@ def assert_alike(
 ) -> None:
     """Assert that the page paints nearly the mask and the normals that Python paints."""
     found = decoded(page.evaluate(ASK, [*encoded(grey), {"hints": hints}]), grey.shape)
-    wanted = normalgan.load(SHIPPED)(grey, hints=hints or None)
+    assert_near(found, normalgan.load(SHIPPED)(grey, hints=hints or None), share, degrees)
+
+
+def assert_near(found: NDArray[np.uint8], wanted: NormalMap, share: float, degrees: float) -> None:
+    """Assert that a map (H, W, 4) of the page has nearly the mask and the normals of Python's."""
     mask = found[..., 3] > 0
     both = mask & wanted.mask
     assert both.sum() > share * (mask | wanted.mask).sum()

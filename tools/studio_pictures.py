@@ -4,6 +4,7 @@ tools/studio_pictures.py [FOLDER] [DRAWING]: where they go (docs/pictures), and 
 Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM.
 """
 
+import math
 import os
 import re
 import shutil
@@ -117,6 +118,43 @@ def film(page: Page, path: Path) -> None:
     tiled(frames).quantize(256, kmeans=4, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
+def layers(page: Page, path: Path) -> None:
+    """Write the window with a drawing of three layers: a head before a body before an arm."""
+    page.locator("#new").click()
+    page.locator("#choose button[value=drop]").click()
+    page.locator("#new-dialog button.strong").click()
+    page.locator("#view-lit").click()
+    page.locator("#layers-toggle").click()
+    page.keyboard.press("p")
+    if page.locator("#symmetry").get_attribute("aria-pressed") == "true":
+        page.keyboard.press("y")
+    box = page.locator("#board").bounding_box()
+    assert box is not None
+    x, y, radius = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, 0.42 * box["width"]
+    parts = (
+        ("Arm", (0.5, 0.1), 0.32, 0.5),
+        ("Body", (0, 0.35), 0.5, 0.85),
+        ("Head", (-0.12, -0.4), 0.4, 0.95),
+    )
+    for number, (name, (right, down), wide, tall) in enumerate(parts):
+        if number:
+            page.locator("#layer-add").click()
+        for i in range(61):
+            angle = math.tau * i / 60
+            across = right + wide * math.cos(angle) * (1 + 0.1 * math.sin(2 * angle))
+            page.mouse.move(x + radius * across, y + radius * (down + wide * tall * math.sin(angle)))
+            if i == 0:
+                page.mouse.down()
+        page.mouse.up()
+        page.wait_for_function(PAINTED)
+        page.locator("#layer-name").click()
+        page.keyboard.type(name)
+        page.keyboard.press("Enter")
+        page.locator("#board").focus()
+    shoot(page, path)
+    page.locator("#layers-close").click()
+
+
 def tiled(frames: list[Image.Image]) -> Image.Image:
     """Return pictures of half their size, two in a row."""
     width, height = frames[0].width // 2, frames[0].height // 2
@@ -154,6 +192,7 @@ def main(
         shoot(page, folder / "studio_dark.png")
         page.emulate_media(color_scheme="light")
         film(page, folder / "studio_film.png")
+        layers(page, folder / "studio_layers.png")
         page.keyboard.press("p")
         page.set_viewport_size({"width": 420, "height": 860})
         page.keyboard.press("2")

@@ -18,6 +18,37 @@ def direction(x: float, y: float) -> NDArray[np.float64]:
     return np.array([x, y, np.sqrt(1 - x * x - y * y)])
 
 
+def test_marks_that_are_removed_leave_nothing_behind(studio: Studio) -> None:
+    """A frame of nothing but clearing does not always reach the screen: see `clear` in canvas.js."""
+    page = studio.page
+    page.keyboard.press("h")
+    page.mouse.move(2, 2)
+    page.wait_for_timeout(300)
+    before = studio.screen()
+    studio.pin(MIDDLE, MIDDLE)
+    page.keyboard.press("Delete")
+    page.wait_for_function("() => document.querySelectorAll('#chips .chip').length === 0")
+    page.mouse.move(2, 2)
+    page.wait_for_timeout(600)
+    (left, top), (right, bottom) = studio.on_board(0, 0), studio.on_board(SIDE, SIDE)
+    place = np.s_[round(top) : round(bottom), round(left) : round(right)]
+    assert np.array_equal(studio.screen()[place], before[place])
+    drawn = page.evaluate(
+        """async () => {
+          const { src } = document.querySelector("script[type=module]");
+          const { clear } = await import(src.replace("main", "canvas"));
+          const canvas = Object.assign(document.createElement("canvas"), { width: 4, height: 4 });
+          const context = canvas.getContext("2d");
+          context.fillRect(0, 0, 4, 4);
+          clear(context);
+          return [...context.getImageData(0, 0, 4, 4).data].map((value, i) => i % 4 === 3 && value);
+        }"""
+    )
+    alpha = [value for value in drawn if value is not False]
+    assert 0 < alpha[0] < 4  # a drawing, which nobody sees
+    assert not any(alpha[1:])
+
+
 def test_opposed_pins_near_one_another_hold(studio: Studio) -> None:
     for x, lean in ((MIDDLE - 8, -0.7), (MIDDLE + 8, 0.7)):
         studio.pin(x, MIDDLE)

@@ -168,6 +168,48 @@ def test_layers_are_saved_and_opened_again_with_which_is_worked_on(studio: Studi
     np.testing.assert_allclose(studio.shown(MIDDLE, MIDDLE), shown, atol=0.01)
 
 
+def test_a_saved_project_keeps_its_history(studio: Studio, tmp_path: Path) -> None:
+    page = studio.page
+    two(studio)
+    page.keyboard.press("Control+z")  # what was undone is kept too
+    page.keyboard.press("Control+s")
+    page.locator("#name-field").fill("past")
+    page.keyboard.press("Enter")
+    studio.wait_for_status("Saved")
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    page.locator("#open").click()
+    with studio.repainting():
+        page.locator(".project", has_text="past").click()
+    assert not studio.inked(MIDDLE + 40 + 80, MIDDLE)
+    with studio.repainting():
+        page.keyboard.press("Control+Shift+z")
+    assert studio.inked(MIDDLE + 40 + 80, MIDDLE)
+    page.locator("#history summary").click()
+    steps = page.locator("#history-list button").all_inner_texts()
+    assert steps == ["Beginning", "Line", "Layer added", "Line"]
+    page.locator("#history summary").click()
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    assert names(studio) == ["Layer 1"]
+    assert page.locator("#project-name").inner_text() == "past"  # undone or not, it is that project
+    page.locator("#open").click()
+    with page.expect_download() as waiting:
+        page.locator("#download-project").click()
+    waiting.value.save_as(tmp_path / "past.normalgan")
+    kept = json.loads((tmp_path / "past.normalgan").read_text(encoding="utf-8"))
+    assert len(kept["history"]["steps"]) == 4
+    # A damaged history is left out, and the drawing is opened.
+    kept["history"]["steps"][1] = {"layers": [7], "pictures": [0], "more": {}}
+    (tmp_path / "past.normalgan").write_text(json.dumps(kept), encoding="utf-8")
+    page.locator("#open-dialog button[value='']").click()
+    page.set_input_files("#open-file", files=tmp_path / "past.normalgan")
+    page.locator("#choose button[value=drop]").click()
+    studio.wait_for_status("Opened")
+    assert page.locator("#undo").is_disabled()
+    assert studio.inked(MIDDLE - 40 + 80, MIDDLE)
+
+
 def test_unsaved_layers_and_their_history_outlive_a_reload(studio: Studio) -> None:
     page = studio.page
     two(studio)

@@ -1,3 +1,4 @@
+import re
 import socket
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +10,7 @@ from studio_client import PORT, asking, document, serving
 
 from normalgan.painting.lighting import Clay
 from normalgan.studio.app import PAGE
+from normalgan.studio.page_files import modules_of, version_of
 from normalgan.studio.rate_limit import TokenBucket
 from onnx_models import write_model
 
@@ -103,6 +105,35 @@ def test_files_of_the_page_are_served_and_no_others(client: TestClient) -> None:
             assert client.get(f"/page/{written}").status_code == 404
     assert client.get("/page/text.js%00.png").status_code == 404
     assert client.get("/page/").status_code == 404
+
+
+def test_the_page_names_all_its_modules_ahead_at_addresses_that_are_kept(client: TestClient) -> None:
+    page = client.get("/")
+    assert page.headers["cache-control"] == "no-cache"
+    ahead = re.findall(r'<link rel="modulepreload" href="([^"]+)">', page.text)
+    assert sorted(url.rpartition("/")[2] for url in ahead) == sorted(path.name for path in PAGE.glob("*.js"))
+    script = re.search(r'<script type="module" src="([^"]+)">', page.text)
+    assert script is not None
+    assert ahead[0] == script[1]  # or the browser would fetch it twice
+    for url in (*ahead[:2], *re.findall(r'<link rel="stylesheet" href="([^"]+)">', page.text)):
+        answer = client.get(url)
+        assert answer.content == (PAGE / url.rpartition("/")[2]).read_bytes()
+        assert "immutable" in answer.headers["cache-control"]
+    assert client.get(f"{ahead[0]}.not").headers["cache-control"] == "no-cache"
+    clay = ahead[0].replace("main.js", "clay.json")
+    assert client.get(clay).json() == client.get("/page/clay.json").json()
+
+
+def test_another_page_has_another_version(tmp_path: Path) -> None:
+    (tmp_path / "main.js").write_text('import { a } from "./a.js";\nexport * from "./b.js";\n')
+    (tmp_path / "a.js").write_text('import {\n  b,\n} from "./b.js";\nimport "./c.js";\n')
+    (tmp_path / "b.js").write_text('// import { x } from "./x.js";\n')
+    (tmp_path / "c.js").write_text('import { a } from "./a.js";\n')
+    assert modules_of(tmp_path, "main.js") == ["main.js", "a.js", "b.js", "c.js"]
+    before = version_of(tmp_path.glob("*.js"))
+    assert version_of(tmp_path.glob("*.js")) == before
+    (tmp_path / "b.js").write_text("// nothing\n")
+    assert version_of(tmp_path.glob("*.js")) != before
 
 
 @pytest.mark.parametrize("store", ["projects", "autosave"])

@@ -16,6 +16,8 @@ from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 
+from normalgan.studio.page_files import markup
+
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "src" / "normalgan" / "studio" / "page"
 BACKEND = ROOT / "tools" / "static_studio"
@@ -113,5 +115,5 @@ def build(folder: Path, runtime: bytes) -> None:
     about = '<p id="about" class="quiet"></p>'
     assert main in text, "the page's script has another name"
     assert about in text, "the page's help has no line about itself"
-    text = text.replace(main, first + main).replace(about, _ABOUT + about)
+    text = markup(text.replace(main, first + main).replace(about, _ABOUT + about), page)
     (folder / "index.html").write_text(text, encoding="utf-8")

@@ -4,14 +4,17 @@
  */
 
 import { documents } from "./documents.js";
+import { blurred } from "./raster.js";
 
 const MOST = 2048;
+/** Layers whose pixels are kept. */
+const MOST_KEPT = 64;
 const LACKS = "this needs Python: install normalgan and run `normalgan studio`, which opens what you save here with Open a file";
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
 /** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
 
-/** @type {{number: number, planes: Map<string, Plane>} | null} what was sent last */
-let kept = null;
+/** @type {Map<string, {number: number, planes: Map<string, Plane>}>} what was sent last, of each layer of each tab */
+const kept = new Map();
 let asked = 0;
 /** @type {Map<number, {resolve: (painted: Painted) => void, reject: (error: Error) => void}>} */
 const waiting = new Map();
@@ -39,35 +42,41 @@ const json = (value, status = 200, headers = {}) =>
 /** @param {string} error @param {number} status */
 const refused = (error, status) => json({ error: `${error.replace(/\.$/, "")}.` }, status);
 
-/** @param {Record<string, any>} fields @param {Uint8Array} pixels @returns {Map<string, Plane> | null} null: all is to be sent */
-function take(fields, pixels) {
+/**
+ * @param {string} key of the layer @param {Record<string, any>} fields @param {number} number of the request
+ * @param {Uint8Array} pixels
+ * @returns {Map<string, Plane> | null} null: all is to be sent
+ */
+function take(key, fields, number, pixels) {
   const based = fields.base !== null && fields.base !== undefined;
-  if (based && kept?.number !== fields.base) return null;
+  const before = kept.get(key);
+  if (based && before?.number !== fields.base) return null;
   /** @type {Map<string, Plane>} */
-  const planes = new Map(based ? kept?.planes : []);
+  const planes = new Map(based ? before?.planes : []);
   let at = 0;
   for (const { name, width, height, channels, box: [left, top, right, bottom] } of fields.planes) {
-    const before = planes.get(name);
-    const alike = before && before.width === width && before.height === height && before.channels === channels;
+    const old = planes.get(name);
+    const alike = old && old.width === width && old.height === height && old.channels === channels;
     const whole = right - left === width && bottom - top === height;
     if (!alike && !whole) return null;
-    const plane = { pixels: whole || !before ? new Uint8Array(width * height * channels) : before.pixels.slice(), width, height, channels };
+    const plane = { pixels: whole || !old ? new Uint8Array(width * height * channels) : old.pixels.slice(), width, height, channels };
     const line = (right - left) * channels;
     for (let y = top; y < bottom; y++, at += line) plane.pixels.set(pixels.subarray(at, at + line), (y * width + left) * channels);
     planes.set(name, plane);
   }
-  if (fields.keep !== false) kept = { number: fields.number, planes };
+  kept.delete(key);
+  kept.set(key, { number, planes });
+  for (const oldest of kept.keys()) if (kept.size > MOST_KEPT) kept.delete(oldest);
   return planes;
 }
 
-/** @param {Map<string, Plane>} planes @param {Record<string, any>} fields @param {number | null} longest @returns {Promise<Painted>} */
-async function painted(planes, fields, longest) {
+/** @param {import("./worker.js").Layer[]} layers @param {Record<string, any>} fields @param {number | null} longest @returns {Promise<Painted>} */
+async function painted(layers, { source = null }, longest) {
   await size;
   const id = ++asked;
-  const { hints = [], areas = [], mask_strokes: strokes = [], source = null } = fields;
   return new Promise((resolve, reject) => {
     waiting.set(id, { resolve, reject });
-    worker.postMessage({ id, ink: planes.get("ink"), strokes, hints, areas, source, longest });
+    worker.postMessage({ id, layers, source, longest });
   });
 }
 
@@ -75,11 +84,20 @@ async function painted(planes, fields, longest) {
 async function drawing(path, body) {
   const length = new DataView(body.buffer, body.byteOffset).getUint32(0, true);
   const fields = JSON.parse(new TextDecoder().decode(body.subarray(4, 4 + length)));
-  const planes = take(fields, body.subarray(4 + length));
-  if (!planes) return refused("send all of the drawing", 409);
+  const layers = [];
+  let at = 4 + length;
+  // A drawing of one layer may be without a list of them.
+  for (const layer of fields.layers ?? [{ ...fields, id: 0, name: "", bytes: body.length - at }]) {
+    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [] } = layer;
+    const planes = take(`${fields.tab} ${id}`, layer, fields.number, body.subarray(at, at + bytes));
+    at += bytes;
+    const ink = planes?.get("ink");
+    if (!ink) return refused("send all of the drawing", 409);
+    layers.push({ name, ink, strokes, hints, areas });
+  }
   if (path === "/api/paint") {
     try {
-      const { rgba, width, height, warning } = await painted(planes, fields, fields.longest ?? null);
+      const { rgba, width, height, warning } = await painted(layers, fields, fields.longest ?? null);
       const headers = { "X-Width": String(width), "X-Height": String(height), "X-Warning": encodeURIComponent(warning) };
       return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (rgba), { headers });
     } catch (error) {
@@ -88,7 +106,7 @@ async function drawing(path, body) {
     }
   }
   if (path === "/api/export" && fields.what === "map" && fields.format === "png8") {
-    const file = await png(await painted(planes, fields, fields.size ?? null), fields.y === "down", fields.alpha !== false);
+    const file = await png(await painted(layers, fields, fields.size ?? null), fields.y === "down", fields.alpha !== false);
     const name = encodeURIComponent(`${fields.name}_normal.png`);
     return new Response(file, { headers: { "Content-Disposition": `attachment; filename*=UTF-8''${name}` } });
   }
@@ -98,9 +116,14 @@ async function drawing(path, body) {
 /** Returns a map as a file. @param {Painted} map @param {boolean} down whether green is turned over @param {boolean} alpha */
 async function png({ rgba, width, height }, down, alpha) {
   const pixels = new Uint8ClampedArray(rgba);
+  // The staircase of the mask becomes an edge of a pixel, as normalgan.painting.pipeline has it.
+  const mask = Float32Array.from({ length: width * height }, (_, i) => rgba[4 * i + 3] / 255);
+  const soft = alpha ? blurred(mask, width, height, 1).map((value) => Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5))) : mask;
   for (let i = 0; i < pixels.length; i += 4) {
-    if (!pixels[i + 3]) pixels.set([128, 128, 255, alpha ? 0 : 255], i);
-    if (down) pixels[i + 1] = 255 - pixels[i + 1];
+    const opacity = Math.round(255 * soft[i / 4]);
+    if (!opacity) pixels.set([128, 128, 255], i);
+    if (down && opacity) pixels[i + 1] = 255 - pixels[i + 1];
+    pixels[i + 3] = alpha ? opacity : 255;
   }
   const canvas = new OffscreenCanvas(width, height);
   canvas.getContext("2d")?.putImageData(new ImageData(pixels, width), 0, 0);

@@ -1,6 +1,7 @@
 /** Worker: the network and what is about it, beside the page, so that the pen never waits for them. */
 
 import * as ort from "./ort.wasm.min.mjs";
+import { compose } from "./compose.js";
 import { finish } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
@@ -10,19 +11,23 @@ ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
 
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
 /**
- * @typedef {object} Wish
- * @property {number} id
+ * @typedef {object} Layer
+ * @property {string} name
  * @property {Plane} ink
  * @property {import("./hold.js").MaskStroke[]} strokes of the mask brush
  * @property {import("./document.js").Hint[]} hints
  * @property {import("./document.js").Area[]} areas
- * @property {null | "outline" | "model"} source
- * @property {number | null} longest
  */
+/** @typedef {{id: number, layers: Layer[], source: null | "outline" | "model", longest: number | null}} Wish layers: the hindmost first */
+/** @typedef {import("./compose.js").LayerMap & {warning: string}} Painted */
 
+/** Pixels of what is kept: of several layers only one is painted again. */
+const KEPT = 2 ** 23;
 const ready = load();
-/** @type {{key: string, prepared: import("./prepare.js").Prepared} | null} while a pin is turned, nothing but the hints changes */
-let kept = null;
+/** @type {Map<string, import("./prepare.js").Prepared>} while a pin is turned, nothing but the hints changes */
+const prepared = new Map();
+/** @type {Map<string, Painted>} */
+const painted = new Map();
 /** @type {Promise<unknown>} one at a time */
 let turn = Promise.resolve();
 
@@ -33,25 +38,71 @@ async function load() {
   return { session, size: Number(session.inputMetadata[0].shape[3]) };
 }
 
-/** @param {Wish} wish */
-async function paint({ ink, strokes, hints, areas, source, longest }) {
+/**
+ * Returns what was kept, or makes and keeps it; the oldest go.
+ * @template {{width: number, height: number}} T
+ * @param {Map<string, T>} kept @param {string} key @param {() => T | Promise<T>} make
+ * @returns {Promise<T>}
+ */
+async function recalled(kept, key, make) {
+  const found = kept.get(key) ?? await make();
+  kept.delete(key);
+  kept.set(key, found);
+  let pixels = [...kept.values()].reduce((sum, { width, height }) => sum + width * height, 0);
+  for (const [old, { width, height }] of kept) {
+    if (pixels <= KEPT || kept.size === 1) break;
+    pixels -= width * height;
+    kept.delete(old);
+  }
+  return found;
+}
+
+/** @param {Layer} layer @param {Wish["source"]} source @param {number | null} longest @returns {Promise<Painted>} */
+async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
   const { session, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
-  if (kept?.key !== key) kept = { key, prepared: prepare(ink, size, source, longest) };
-  const { prepared } = kept;
-  const { width, height, frame } = prepared;
-  const scale = width / ink.width;
-  const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
-  const feeds = { sketch: new ort.Tensor("float32", prepared.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
-  const { normal } = await session.run(feeds);
-  const { normals, mask: object, warning } = finish(prepared, normal.data, byHand(strokes, width, height, scale));
-  hold({ normals, mask: object, width, height }, hints, areas, scale);
-  const rgba = new Uint8Array(4 * width * height);
-  for (let i = 0; i < object.length; i++) {
-    for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
-    rgba[4 * i + 3] = object[i] ? 255 : 0;
+  return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
+    const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest));
+    const { width, height, frame } = lines;
+    const scale = width / ink.width;
+    const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
+    const feeds = { sketch: new ort.Tensor("float32", lines.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
+    const { normal } = await session.run(feeds);
+    const { normals, mask, warning } = finish(lines, normal.data, byHand(strokes, width, height, scale));
+    hold({ normals, mask, width, height }, hints, areas, scale);
+    return { normals, mask, width, height, warning };
+  });
+}
+
+/** @param {Wish} wish */
+async function paint({ layers, source, longest }) {
+  /** @type {Painted[]} */
+  const maps = [];
+  /** @type {string[]} */
+  const said = [];
+  /** @type {Unpaintable | null} */
+  let first = null;
+  for (const layer of layers) {
+    // Of one layer it is clear which is meant.
+    const name = layers.length > 1 ? `${layer.name}: ` : "";
+    try {
+      const found = await paintLayer(layer, source, longest);
+      maps.push(found);
+      if (found.warning) said.push(`${name}${found.warning}`);
+    } catch (error) {
+      if (!(error instanceof Unpaintable)) throw error;
+      first ??= new Unpaintable(`${name}${error.message}`);
+      said.push(`${name}${error.message.replace(/\.$/, "")}`);
+    }
   }
-  return { rgba, width, height, warning };
+  if (!maps.length) throw first ?? new Unpaintable("there is nothing to be painted.");
+  const { normals, mask, width, height } = compose(maps);
+  const rgba = new Uint8Array(4 * width * height);
+  for (let i = 0; i < mask.length; i++) {
+    for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
+    rgba[4 * i + 3] = mask[i] ? 255 : 0;
+  }
+  return { rgba, width, height, warning: said.join("; ") };
 }
 
 /** Returns what the network is told: mean normals at the pins, and where they are. @param {import("./document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */

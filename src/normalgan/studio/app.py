@@ -11,7 +11,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
@@ -24,6 +24,7 @@ from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.drawing import MOST_HINTS, MOST_SIDE
 from normalgan.studio.guard import Guard
 from normalgan.studio.opening import Opened
+from normalgan.studio.page_files import markup, version_of
 from normalgan.studio.painter import Painter
 from normalgan.studio.painting_routes import PaintingRoutes
 from normalgan.studio.pictures import import_picture
@@ -87,8 +88,13 @@ def build_app(
         finally:
             waiting -= 1
 
+    version = version_of([*PAGE.glob("*.*"), CLAY_FILE])
+    kept = f"/page/{version}"
+    text = (PAGE / "index.html").read_text(encoding="utf-8")
+    page = markup(text, PAGE).replace('"/page/', f'"{kept}/')
+
     async def index(_: Request) -> Response:
-        return FileResponse(PAGE / "index.html")
+        return HTMLResponse(page)
 
     async def clay(_: Request) -> Response:
         return FileResponse(CLAY_FILE)  # the viewer's lit view looks like the previews of `generate`
@@ -107,11 +113,13 @@ def build_app(
             *painting.routes(),
             *DocumentRoutes("/api/projects", projects, guarded=True).routes(),
             *DocumentRoutes("/api/autosave", autosaved, False, _AUTOSAVES).routes(),
+            Route(f"{kept}/clay.json", clay),
+            Mount(kept, StaticFiles(directory=PAGE)),
             Route("/page/clay.json", clay),
             Mount("/page", StaticFiles(directory=PAGE)),
         ],
         middleware=[
-            Middleware(ResponseMiddleware),
+            Middleware(ResponseMiddleware, kept=f"{kept}/"),
             Middleware(Guard, port=port, bucket=bucket or TokenBucket(rate=50, burst=100)),
         ],
         exception_handlers={InputError: _told, HTTPException: _known, ClientDisconnect: _left},

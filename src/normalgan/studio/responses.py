@@ -39,10 +39,12 @@ class ResponseMiddleware:
 
     Args:
         app: what answers.
+        kept: what addresses begin with whose content is the same forever.
     """
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, kept: str) -> None:
         self._app = app
+        self._kept = kept
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request."""
@@ -57,8 +59,7 @@ class ResponseMiddleware:
                 begun = True
                 headers = MutableHeaders(scope=message)
                 headers.update(_HEADERS)
-                # A newer version of the package has other pages at the same address.
-                headers["Cache-Control"] = "no-store" if scope["path"].startswith("/api/") else "no-cache"
+                headers["Cache-Control"] = self._caching(scope["path"], message["status"])
             await send(message)
 
         try:
@@ -68,6 +69,13 @@ class ResponseMiddleware:
             if begun:  # the client sees a body that breaks off
                 raise
             await failed(_sentence(error), 500)(scope, receive, sealed)
+
+    def _caching(self, path: str, status: int) -> str:
+        if path.startswith("/api/"):
+            return "no-store"
+        if path.startswith(self._kept) and status in {200, 304}:
+            return "max-age=31536000, immutable"
+        return "no-cache"  # a newer version of the package has another page at the same address
 
 
 def _sentence(error: Exception) -> str:

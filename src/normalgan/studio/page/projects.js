@@ -6,6 +6,7 @@ import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from ".
 import { $, download, label, make } from "./dom.js";
 import { icon } from "./icons.js";
 import { decodeAll, keepOnly } from "./pictures.js";
+import { pastOf, savedSteps } from "./steps.js";
 import { say, text } from "./text.js";
 
 const CONFLICT = 412;
@@ -56,7 +57,7 @@ export class Projects {
     const { editor } = this;
     const doc = withSettings(editor.history.state, { name });
     try {
-      this.etag = await projects.write(name, doc, etag);
+      this.etag = await projects.write(name, { ...doc, history: savedSteps(doc, editor.history) }, etag);
     } catch (error) {
       if (error instanceof Refused && error.status === CONFLICT) return this.#conflict(name, etag);
       this.status.fail(error);
@@ -66,6 +67,8 @@ export class Projects {
     const now = editor.history.state;
     const unchanged = now.layers === doc.layers && now.pictures === doc.pictures && now.width === doc.width && now.height === doc.height;
     const named = unchanged ? doc : withSettings(editor.history.state, { name });
+    // No step either: what is undone is of that project.
+    editor.history.states = editor.history.states.map((state) => withSettings(state, { name }));
     editor.history.replace(named);
     editor.dispatchEvent(new CustomEvent("state"));
     if (unchanged) await this.autosave.settle(doc);
@@ -101,13 +104,16 @@ export class Projects {
    * @param {unknown} value
    * @param {string | null} etag null: it is not the project of that name as the server has it
    * @param {boolean} saved whether it need not be kept
-   * @param {import("./steps.js").Past | null} past the steps that led to it
+   * @param {import("./steps.js").Past | null} past the steps that led to it; by default those that a project keeps
    */
   async load(value, etag = null, saved = true, past = null) {
     const doc = parseDocument(value);
-    const pictures = [...new Set([doc, ...(past?.states ?? [])].flatMap(picturesOf))];
+    const found = past ?? pastOf(doc, /** @type {any} */ (value).history, parseDocument);
+    // A project's name is no step: whatever is undone, it is that project.
+    const before = found && { ...found, states: found.states.map((state) => withSettings(state, { name: doc.settings.name })) };
+    const pictures = [...new Set([doc, ...(before?.states ?? [])].flatMap(picturesOf))];
     await decodeAll(pictures);
-    this.#show(doc, etag, saved, past);
+    this.#show(doc, etag, saved, before);
   }
 
   /**
@@ -205,7 +211,8 @@ export class Projects {
 
   /** Gives the project as a file. */
   download() {
-    const doc = this.editor.history.state;
+    const { history } = this.editor;
+    const doc = { ...history.state, history: savedSteps(history.state, history) };
     download(new Blob([JSON.stringify(doc)], { type: "application/json" }), `${this.name || text.untitled}${ENDING}`);
   }
 }

@@ -85,3 +85,49 @@ export function fromSteps(kept, piece) {
   }
   return states[kept.at] ? { states, at: kept.at } : null;
 }
+
+/** Steps that a saved project keeps, and letters of what is in them and no more in the drawing. */
+const [MOST_SAVED, MOST_LETTERS] = [100, 1_000_000];
+
+/** Returns all that lies on a document, by which its history is numbered. @param {Doc} doc @returns {Piece[]} */
+const piecesOf = ({ layers, pictures }) => [...layers.flatMap(({ strokes }) => strokes), ...pictures];
+
+/**
+ * Returns the history of a document as a project keeps it: as many of the last steps as are small enough.
+ * @param {Doc} doc the one at `past.at`
+ * @param {Past} past
+ * @returns {Steps & {pieces: Piece[]}} pieces: what is no more in the document
+ */
+export function savedSteps(doc, past) {
+  for (let most = MOST_SAVED; ; most >>= 1) {
+    const there = piecesOf(doc);
+    const numbers = new Map(there.map((piece, i) => [piece, i]));
+    /** @type {Piece[]} */
+    const pieces = [];
+    const steps = toSteps(past, Math.max(1, most), (piece) => {
+      const number = numbers.get(piece) ?? there.length + pieces.push(piece) - 1;
+      numbers.set(piece, number);
+      return number;
+    });
+    const saved = { ...steps, pieces };
+    if (most <= 1 || JSON.stringify(saved).length <= MOST_LETTERS) return saved;
+  }
+}
+
+/**
+ * Returns the history that a project keeps; null if there is none, or if it is damaged.
+ * @param {Doc} doc
+ * @param {any} saved what the project's file holds
+ * @param {(state: unknown) => Doc} check throws if it is no document
+ * @returns {Past | null}
+ */
+export function pastOf(doc, saved, check) {
+  if (!Array.isArray(saved?.steps) || !Array.isArray(saved.pieces)) return null;
+  const all = [...piecesOf(doc), ...saved.pieces];
+  const past = fromSteps(saved, (number) => all[number]);
+  try {
+    return past && { states: past.states.map(check), at: past.at };
+  } catch {
+    return null; // the drawing itself is whole
+  }
+}

@@ -1,0 +1,32 @@
+/** Compose: maps of layers that were painted each for itself, one over the other, as normalgan.painting.composition does it. */
+
+import { distance, where } from "./raster.js";
+
+/** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} LayerMap x, y, z of each pixel, and the object */
+
+/**
+ * Returns one map: what is in front hides what is behind it; off all layers the nearest goes on.
+ * @param {LayerMap[]} maps of one size, the hindmost first
+ * @returns {LayerMap}
+ */
+export function compose(maps) {
+  const [back, ...others] = maps;
+  if (!others.length) return back;
+  const { width, height } = back;
+  const [normals, mask] = [back.normals.slice(), back.mask.slice()];
+  for (const front of others) {
+    for (let i = 0; i < mask.length; i++) {
+      if (!front.mask[i]) continue;
+      mask[i] = 1;
+      for (let c = 3 * i; c < 3 * i + 3; c++) normals[c] = front.normals[c];
+    }
+  }
+  const away = maps.map((each) => distance(where(each.mask, (value) => value === 0), width, height));
+  for (let i = 0; i < mask.length; i++) {
+    if (mask[i]) continue;
+    let nearest = 0;
+    for (let k = 1; k < maps.length; k++) if (away[k][i] < away[nearest][i]) nearest = k;
+    for (let c = 3 * i; c < 3 * i + 3; c++) normals[c] = maps[nearest].normals[c];
+  }
+  return { normals, mask, width, height };
+}
