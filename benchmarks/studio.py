@@ -1,12 +1,12 @@
 """Times `normalgan studio` in Chromium at a person's pace.
 
 studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by
-`normalgan export`. For each side of the drawing: strokes with pauses between them, from a stroke's end to its map on show; scribbling,
-four strokes a second, with the longest time without a new map; a pin turned by its ball, in maps a second.
-`--memory 500` then draws so many strokes and tells how much memory the page takes more than after the first
-twenty. `--starts` loads the page so often in a new browser context, and once more in each: milliseconds until
-it can be drawn on, and how many requests that took. Needs Playwright, and Chromium on the PATH or as
-NORMALGAN_CHROMIUM. Prints JSON.
+`normalgan export`. For each side of the drawing: strokes with pauses between them, from a stroke's end to
+its map on show; scribbling, four strokes a second, with the longest time without a new map; a pin turned by
+its ball, in maps a second. `--memory 500` then draws so many strokes and tells how much memory the page takes
+more than after the first twenty. `--starts` loads the page so often in a new browser context, and once more
+in each: milliseconds until it can be drawn on, and how many requests that took. Needs Playwright, and
+Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints JSON.
 """
 
 import argparse
