@@ -14,7 +14,7 @@ from PIL import Image
 from starlette.testclient import TestClient
 from studio_client import HEIGHT, WIDTH, Pixels, asking, b64, png, serving
 
-from normalgan.studio import painter
+from normalgan.painting.pipeline import paint
 from normalgan.studio.layers import MOST_LAYERS
 from normalgan.studio.planes import CONTENT_TYPE
 
@@ -87,13 +87,12 @@ def test_only_the_layer_that_changed_is_painted_again(
     model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     painted: list[int] = []
-    whole = painter.paint
 
     def counted(*given: Any) -> Any:
         painted.append(1)
-        return whole(*given)
+        return paint(*given)
 
-    monkeypatch.setattr(painter, "paint", counted)
+    monkeypatch.setattr("normalgan.studio.painter.paint", counted)
     with serving(model, tmp_path) as client:
         first = sent(client, 1, [raw(1, "a", None, BACK), raw(2, "b", None, FRONT)])
         assert first.status_code == 200, first.text

@@ -113,7 +113,8 @@ export class Projects {
     const before = found && { ...found, states: found.states.map((state) => withSettings(state, { name: doc.settings.name })) };
     const pictures = [...new Set([doc, ...(before?.states ?? [])].flatMap(picturesOf))];
     await decodeAll(pictures);
-    this.#show(doc, etag, saved, before);
+    // The very document of the history, by which others see what in it is the same as in the step before.
+    this.#show(before ? before.states[before.at] : doc, etag, saved, before);
   }
 
   /**

@@ -125,8 +125,12 @@ export function pastOf(doc, saved, check) {
   if (!Array.isArray(saved?.steps) || !Array.isArray(saved.pieces)) return null;
   const all = [...piecesOf(doc), ...saved.pieces];
   const past = fromSteps(saved, (number) => all[number]);
+  /** @param {Doc} state */
+  const content = ({ width, height, layers, pictures }) => JSON.stringify([width, height, layers, pictures]);
   try {
-    return past && { states: past.states.map(check), at: past.at };
+    // A history that does not lead to the drawing is another one's.
+    if (!past || content(past.states[past.at]) !== content(doc)) return null;
+    return { states: past.states.map(check), at: past.at };
   } catch {
     return null; // the drawing itself is whole
   }
