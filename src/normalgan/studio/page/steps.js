@@ -126,7 +126,9 @@ export function pastOf(doc, saved, check) {
   const all = [...piecesOf(doc), ...saved.pieces];
   const past = fromSteps(saved, (number) => all[number]);
   /** @param {Doc} state */
-  const content = ({ width, height, layers, pictures }) => JSON.stringify([width, height, layers, pictures]);
+  const content = ({ width, height, layers, pictures }) => JSON.stringify([
+    width, height, pictures, ...layers.map(({ id, name, visible, strokes, hints, areas, mask }) => [id, name, visible, strokes, hints, areas, mask]),
+  ]);
   try {
     // A history that does not lead to the drawing is another one's.
     if (!past || content(past.states[past.at]) !== content(doc)) return null;
