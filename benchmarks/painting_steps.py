@@ -22,7 +22,6 @@ from machine import describe
 from normalgan.painting import pipeline, preparation
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.picture import Picture, fitted, read_picture
-from normalgan.painting.upsampling import fill_and_sharpen
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 
@@ -68,7 +67,7 @@ def once(drawing: Picture, backend: OnnxBackend) -> dict[str, float]:
     with clock.steps():
         prepared = preparation.prepare(drawing, backend.size)
     painted = clock.wrap("network", backend.paint)(prepared.seen, prepared.hints)
-    upsample = clock.wrap("upsample", fill_and_sharpen)
+    upsample = clock.wrap("upsample", backend.upsample)
     clock.wrap("finish", pipeline.finish)(prepared, *painted, upsample)
     total = 1000 * (time.process_time() - start)
     taken = dict(clock.taken)

@@ -67,6 +67,8 @@ class NormalGAN(LightningModule):
             backward more.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
+        refined: whether its maps, enlarged to a drawing's size, are mended by the refiner of the package,
+            which was trained for the weights that come with it.
 
     References:
         He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling".
@@ -89,6 +91,7 @@ class NormalGAN(LightningModule):
         share_every: int = 0,
         noise_at_test: bool = False,
         seed: int = 0,
+        refined: bool = False,
     ) -> None:
         super().__init__()
         if n_critic < 1:
@@ -123,6 +126,7 @@ class NormalGAN(LightningModule):
         self.share_every = share_every
         self.noise_at_test = noise_at_test
         self.seed = seed
+        self.refined = refined
         self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 

@@ -46,8 +46,8 @@ def _backend(name: str, size: int | None) -> Backend:
 
     if path.suffix.lower() == SUFFIX:
         weights = read_weights(path)
-        return TorchBackend(weights.generator(), weights.notes.size)
+        return TorchBackend(weights.generator(), weights.notes.size, refined=weights.notes.refined)
     from normalgan.exporting.deployed import load as load_checkpoint
 
-    model, _ = load_checkpoint(path, size)
-    return TorchBackend(model.generator, model.size)
+    model, notes = load_checkpoint(path, size)
+    return TorchBackend(model.generator, model.size, refined=notes.refined)

@@ -13,6 +13,7 @@ from normalgan.painting.picture import Picture
 from normalgan.painting.pipeline import finish
 from normalgan.painting.polarity import is_light_on_dark
 from normalgan.painting.preparation import prepare
+from normalgan.painting.upsampling import enlarge
 from pens import Floats, blob, outline, overlap
 
 FILLED = blob()
@@ -169,7 +170,8 @@ def test_a_sheet_or_a_desk_is_no_scenery(desk: tuple[float, float, float] | None
 
 def _warning(colour: Floats) -> str:
     prepared = prepare(Picture(colour, None), 64)
-    return finish(prepared, np.dstack([np.zeros((64, 64, 2)), np.ones((64, 64))]).astype(np.float32)).warning
+    flat = np.dstack([np.zeros((64, 64, 2)), np.ones((64, 64))]).astype(np.float32)
+    return finish(prepared, flat, None, enlarge).warning
 
 
 def test_dust_is_left_out() -> None:

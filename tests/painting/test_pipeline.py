@@ -13,7 +13,6 @@ from normalgan.painting.onnx_backend import OnnxBackend
 from normalgan.painting.picture import Picture
 from normalgan.painting.pipeline import paint
 from normalgan.painting.preparation import prepare
-from normalgan.painting.upsampling import sharpen
 from onnx_models import ramp, write_model
 from pens import Floats, blob, outline, overlap
 
@@ -179,22 +178,6 @@ def test_an_extension_is_harmonic() -> None:
     filled = extend(normalize(truth), known, ~known)
     assert (filled[known] == normalize(truth)[known]).all()
     assert degrees(filled, normalize(truth)).max() < 1.5
-
-
-def test_enlarging_keeps_an_edge_on_its_line() -> None:
-    import cv2
-
-    small = np.zeros((32, 32, 3), np.float32)
-    small[:, :16], small[:, 16], small[:, 17:] = (0.8, 0, 0.6), (0, 0, 1), (-0.8, 0, 0.6)
-    ink = np.zeros((256, 256), np.float32)
-    ink[:, 130:135] = 1
-    blurred = np.asarray(cv2.resize(small, (256, 256), interpolation=cv2.INTER_LINEAR), np.float32)
-    weight = np.asarray(1 - cv2.dilate(ink, np.ones((1, 25))), np.float32)
-    sharp = normalize(sharpen(blurred, weight, ink, np.ones((256, 256), bool), 8.0))
-    truth = np.where((np.arange(256) < 132.5)[None, :, None], small[:1, :1], small[:1, -1:])
-    away = np.abs(np.arange(256) - 132) > 3
-    assert degrees(normalize(blurred), np.broadcast_to(truth, blurred.shape))[:, away].max() > 20
-    assert degrees(sharp, np.broadcast_to(truth, sharp.shape))[:, away].max() < 6
 
 
 def test_the_same_picture_gives_the_same_map(model: Path) -> None:

@@ -22,7 +22,8 @@ ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "src" / "normalgan" / "studio" / "page"
 BACKEND = ROOT / "tools" / "static_studio"
 CLAY = ROOT / "src" / "normalgan" / "painting" / "clay.json"
-MODEL = ROOT / "src" / "normalgan" / "weights" / "ours.onnx"
+WEIGHTS = ROOT / "src" / "normalgan" / "weights"
+MODELS = (WEIGHTS / "ours.onnx", WEIGHTS / "refiner.onnx")
 LOCK = ROOT / "examples" / "onnx_web" / "package-lock.json"
 """The example that paints in the browser takes the same version."""
 CACHE = ROOT / "build" / "npm"
@@ -97,7 +98,7 @@ def build(folder: Path, runtime: bytes) -> None:
     (page / "index.html").unlink()
     for path in BACKEND.glob("*.js"):
         shutil.copy(path, page)
-    for path in (MODEL, CLAY):
+    for path in (*MODELS, CLAY):
         shutil.copy(path, page)
     with tarfile.open(fileobj=io.BytesIO(runtime)) as packed:
         for name in RUNTIME:

@@ -1,21 +1,23 @@
 /** Finish: what the network painted at the drawing's size and place, as normalgan.painting does it in Python. */
 
 import { Unpaintable, shrunk } from "./prepare.js";
-import { boxOf, distance, extreme, part, quantile, resized, thicker, where } from "./raster.js";
+import { boxOf, distance, part, quantile, resized, where } from "./raster.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame */
+/** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
 
 const [PRESENT, LEAST, CLOSED] = [0.6, 0.02, 0.8];
-const [BARRIER, FINEST, INK, ENLARGED] = [6, 3, 0.35, 1.2];
+const [CELL, RIM, ENLARGED, LARGEST] = [4, 16, 1.2, 4];
 const SWEEPS = 6;
 
 /**
  * Returns normals, x, y, z for each pixel, the mask, and what is to be said of it.
  * @param {Prepared} prepared
  * @param {Float32Array} painted three planes, vectors as long as an object is probable
+ * @param {Refiner} refiner
  * @param {Int8Array | null} [hand] 1 where a hand has added to the object, -1 where it has cut
  */
-export function finish(prepared, painted, hand = null) {
+export async function finish(prepared, painted, refiner, hand = null) {
   const { width, height, frame } = prepared;
   const area = frame.size ** 2;
   const [normals, length] = [new Float32Array(3 * area), new Float32Array(area)];
@@ -40,7 +42,7 @@ export function finish(prepared, painted, hand = null) {
   if (!inside) throw new Unpaintable("its mask is empty; draw the outline of an object.");
   const coarse = known.every(Boolean) ? normals : extended(normals, known, needed, frame.size);
   const out = restored(coarse, prepared, 3);
-  if (frame.side > ENLARGED * frame.size) sharpen(out, known, prepared, mask);
+  if (frame.side > ENLARGED * frame.size) await refine(out, prepared, mask, refiner);
   for (let i = 0; i < out.length; i += 3) {
     const size = Math.hypot(out[i], out[i + 1], out[i + 2]);
     if (size > 1e-8) for (let c = 0; c < 3; c++) out[i + c] /= size;
@@ -144,148 +146,54 @@ function extended(normals, known, needed, size) {
 }
 
 /**
- * Lets enlarged normals change at the drawing's lines, in place.
- * @param {Float32Array} normals @param {Uint8Array} known @param {Prepared} prepared @param {Uint8Array} mask
+ * Mends enlarged normals by the drawing's lines and rim, in place.
+ * @param {Float32Array} normals @param {Prepared} prepared @param {Uint8Array} mask @param {Refiner} refiner
  */
-function sharpen(normals, known, prepared, mask) {
-  const { width, height, frame, seen } = prepared;
-  const around = extreme(seen, frame.size, frame.size, 1, 1);
-  const trusted = around.map((value, i) => (1 - Math.min(2 * value, 1)) * known[i]);
-  const whole = restored(trusted, prepared, 1);
+async function refine(normals, prepared, mask, refiner) {
+  const { width, height, frame } = prepared;
   const scale = frame.side / frame.size;
-  const beside = Math.ceil(2 * scale);
+  const beside = Math.round(2 * scale);
   const found = boxOf(mask, width, height);
   if (!found) return;
   /** @type {import("./raster.js").Box} */
   const box = [Math.max(found[0] - beside, 0), Math.max(found[1] - beside, 0), Math.min(found[2] + beside, width), Math.min(found[3] + beside, height)];
   const [wide, high] = [box[2] - box[0], box[3] - box[1]];
-  const values = part(normals, width, height, box, 3);
-  const weight = part(whole, width, height, box);
-  const ink = part(prepared.ink, width, height, box);
-  const inside = new Uint8Array(part(mask, width, height, box));
-  const out = sharpened(values, weight, ink, inside, wide, high, scale);
+  const factor = Math.min(LARGEST / scale, 1);
+  const [w, h] = [wide, high].map((side) => Math.max(1, Math.round(side * factor)));
+  /** @param {import("./raster.js").Plane} picture @param {number} [channels] */
+  const shown = (picture, channels = 1) => {
+    const own = part(picture, width, height, box, channels);
+    return factor < 1 ? resized(own, wide, high, w, h, channels) : own;
+  };
+  const mended = await mend(shown(normals, 3), shown(prepared.ink), where(shown(mask), (value) => value > 0.5), w, h, refiner);
+  const out = factor < 1 ? resized(mended, w, h, wide, high, 3) : mended;
   for (let y = 0; y < high; y++) normals.set(out.subarray(3 * y * wide, 3 * (y + 1) * wide), 3 * ((y + box[1]) * width + box[0]));
 }
 
 /**
- * Returns values that do not blend across lines.
- * @param {Float32Array} values @param {Float32Array} weight @param {Float32Array} ink @param {Uint8Array} mask
- * @param {number} width @param {number} height @param {number} scale
+ * Returns what the refiner makes of normals, x, y, z for each pixel.
+ * @param {Float32Array} normals @param {Float32Array} ink @param {Uint8Array} mask
+ * @param {number} width @param {number} height @param {Refiner} refiner
  */
-function sharpened(values, weight, ink, mask, width, height, scale) {
-  const factor = Math.min(FINEST / scale, 1);
-  if (factor === 1) return gathered(values, weight, ink, mask, width, height, scale);
-  const [wide, high] = [width, height].map((side) => Math.max(1, Math.round(side * factor)));
-  /** @param {import("./raster.js").Plane} picture @param {number} [channels] */
-  const smaller = (picture, channels = 1) => resized(picture, width, height, wide, high, channels);
-  const inside = where(smaller(mask), (value) => value > 0.5);
-  if (!inside.some(Boolean)) return values;
-  const small = gathered(smaller(values, 3), smaller(weight), smaller(extreme(ink, width, height, 1, 1)), inside, wide, high, FINEST);
-  const enlarged = resized(small, wide, high, width, height, 3);
-  for (let i = 0; i < weight.length; i++) {
-    for (let c = 3 * i; c < 3 * i + 3; c++) enlarged[c] += weight[i] * weight[i] * (values[c] - enlarged[c]);
-  }
-  return parted(enlarged, ink, mask, width, height, 1.5 / factor);
-}
-
-/**
- * Returns values gathered over about `reach` pixels where their own weight is low (Gastal and Oliveira 2011).
- * @param {Float32Array} values @param {Float32Array} weight @param {Float32Array} ink @param {Uint8Array} mask
- * @param {number} width @param {number} height @param {number} reach
- */
-function gathered(values, weight, ink, mask, width, height, reach) {
-  const carried = new Float32Array(4 * weight.length);
-  for (let i = 0; i < weight.length; i++) {
-    const own = mask[i] ? weight[i] + 1e-3 : 1e-6;
-    carried.set([values[3 * i] * own, values[3 * i + 1] * own, values[3 * i + 2] * own, own], 4 * i);
-  }
-  const decay = middles(ink, mask, width, height).map((line) => Math.exp((-Math.SQRT2 / reach) * (1 + BARRIER * reach * line)));
-  const far = 2 ** Math.ceil(Math.log2((-Math.log(0.005) * reach) / Math.SQRT2));
-  for (const [count, length, step, line] of [[width, height, width, 1], [height, width, 1, width]]) {
-    for (let i = 0; i < count; i++) along(carried, decay, i * line, step, length, far);
-  }
-  const out = new Float32Array(values.length);
-  for (let i = 0; i < weight.length; i++) {
-    const trusted = mask[i] ? weight[i] * weight[i] : 0;
-    for (let c = 0; c < 3; c++) {
-      const there = carried[4 * i + c] / carried[4 * i + 3];
-      out[3 * i + c] = there + trusted * (values[3 * i + c] - there);
+async function mend(normals, ink, mask, width, height, refiner) {
+  const depth = distance(mask, width, height, true);
+  // Whole cells, to which the last row and column go on.
+  const [wide, high] = [width, height].map((side) => Math.ceil(side / CELL) * CELL);
+  const area = wide * high;
+  const planes = new Float32Array(6 * area);
+  for (let y = 0, to = 0; y < high; y++) {
+    for (let x = 0; x < wide; x++, to++) {
+      const from = Math.min(y, height - 1) * width + Math.min(x, width - 1);
+      for (let c = 0; c < 3; c++) planes[c * area + to] = normals[3 * from + c];
+      planes[3 * area + to] = ink[from];
+      planes[4 * area + to] = mask[from];
+      planes[5 * area + to] = Math.min(depth[from] / RIM, 1);
     }
+  }
+  const mended = await refiner(planes, wide, high);
+  const out = new Float32Array(normals.length);
+  for (let y = 0, to = 0; y < height; y++) {
+    for (let x = 0; x < width; x++, to += 3) for (let c = 0; c < 3; c++) out[to + c] = mended[c * area + y * wide + x];
   }
   return out;
 }
-
-/**
- * Smooths a line of pixels there and back, in place; nothing is carried farther than `far`.
- * @param {Float32Array} carried @param {Float32Array} decay
- * @param {number} start @param {number} step @param {number} length @param {number} far
- */
-function along(carried, decay, start, step, length, far) {
-  for (const way of [1, -1]) {
-    const first = way === 1 ? start : start + (length - 1) * step;
-    const own = new Float32Array(4 * length);
-    const kept = new Float32Array(length);
-    for (let k = 0; k < length; k++) {
-      const at = first + way * k * step;
-      kept[k] = k ? Math.min(decay[at], decay[at - way * step]) : 0;
-      for (let c = 0; c < 4; c++) own[4 * k + c] = (1 - kept[k]) * carried[4 * at + c];
-    }
-    // What left the window of `far` pixels is taken out again.
-    const sums = [0, 0, 0, 0];
-    let through = 1;
-    for (let k = 0; k < length; k++) {
-      through = 1;
-      sums.fill(0);
-      for (let back = 0; back < far && k - back >= 0; back++) {
-        for (let c = 0; c < 4; c++) sums[c] += through * own[4 * (k - back) + c];
-        through *= kept[k - back];
-        if (through < 1e-7) break;
-      }
-      const at = first + way * k * step;
-      for (let c = 0; c < 4; c++) carried[4 * at + c] = sums[c];
-    }
-  }
-}
-
-/** Returns values that change at once in the middle of lines. @param {Float32Array} values @param {Float32Array} ink @param {Uint8Array} mask @param {number} width @param {number} height @param {number} reach */
-function parted(values, ink, mask, width, height, reach) {
-  const blended = thicker(where(middles(ink, mask, width, height), (value) => value > 0.5), width, height, reach);
-  const nearest = new Int32Array(mask.length).fill(-1);
-  /** @type {number[]} */
-  let edge = [];
-  for (let i = 0; i < mask.length; i++) {
-    if (!mask[i] || blended[i]) continue;
-    nearest[i] = i;
-    edge.push(i);
-  }
-  if (!edge.length) return values;
-  const out = values.slice();
-  const steps = [-1, 1, -width, width, -width - 1, -width + 1, width - 1, width + 1];
-  for (let round = 0; edge.length && round < 4 * reach + 8; round++) {
-    /** @type {number[]} */
-    const next = [];
-    for (const at of edge) {
-      for (const step of steps) {
-        const other = at + step;
-        if (!mask[other] || nearest[other] >= 0 || Math.abs((other % width) - (at % width)) > 1) continue;
-        nearest[other] = nearest[at];
-        out.set(values.subarray(3 * nearest[at], 3 * nearest[at] + 3), 3 * other);
-        next.push(other);
-      }
-    }
-    edge = next;
-  }
-  return out;
-}
-
-/** Returns 1 along the middle of lines and next to nothing at their edges; the contour is left out. @param {Float32Array} ink @param {Uint8Array} mask @param {number} width @param {number} height */
-function middles(ink, mask, width, height) {
-  const inked = where(ink, (value) => value > INK);
-  const depth = distance(inked, width, height, true);
-  const half = quantile(depth.filter((value) => value > 0));
-  const size = Number.isNaN(half) ? 3 : 2 * Math.ceil(half) + 1;
-  const deepest = extreme(depth, width, height, (size - 1) / 2, 1);
-  const inner = extreme(mask, width, height, size, -1);
-  return depth.map((value, i) => (value / Math.max(deepest[i], 1)) ** 4 * inner[i]);
-}
-

@@ -32,10 +32,20 @@ const painted = new Map();
 let turn = Promise.resolve();
 
 async function load() {
-  const answer = await fetch(new URL("ours.onnx", import.meta.url));
+  const [session, second] = await Promise.all([network("ours.onnx"), network("refiner.onnx")]);
+  /** @type {import("./finish.js").Refiner} */
+  const refiner = async (planes, width, height) => {
+    const { normal } = await second.run({ planes: new ort.Tensor("float32", planes, [1, 6, height, width]) });
+    return normal.data;
+  };
+  return { session, refiner, size: Number(session.inputMetadata[0].shape[3]) };
+}
+
+/** @param {string} name */
+async function network(name) {
+  const answer = await fetch(new URL(name, import.meta.url));
   if (!answer.ok) throw new Error("the model cannot be fetched");
-  const session = await ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
-  return { session, size: Number(session.inputMetadata[0].shape[3]) };
+  return ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
 }
 
 /**
@@ -59,7 +69,7 @@ async function recalled(kept, key, make) {
 
 /** @param {Layer} layer @param {Wish["source"]} source @param {number | null} longest @returns {Promise<Painted>} */
 async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
-  const { session, size } = await ready;
+  const { session, refiner, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
   return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
     const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest));
@@ -68,7 +78,7 @@ async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
     const feeds = { sketch: new ort.Tensor("float32", lines.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
     const { normal } = await session.run(feeds);
-    const { normals, mask, warning } = finish(lines, normal.data, byHand(strokes, width, height, scale));
+    const { normals, mask, warning } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale));
     hold({ normals, mask, width, height }, hints, areas, scale);
     return { normals, mask, width, height, warning };
   });

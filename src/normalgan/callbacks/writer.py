@@ -6,6 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Literal
 
+import torch
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import BasePredictionWriter
 from torch import Tensor
@@ -13,6 +14,7 @@ from torch import Tensor
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
+from normalgan.gan import NormalGAN
 from normalgan.normals import Bits, Green
 from normalgan.painting.jobs import Job, plan
 from normalgan.painting.normal_map import Format
@@ -20,6 +22,7 @@ from normalgan.painting.outputs import Heights, Outputs, level_heights
 from normalgan.painting.pipeline import finish
 from normalgan.painting.series import flat_map
 from normalgan.painting.torch_backend import channels_last
+from normalgan.painting.upsampling import enlarge, upsampler
 
 __all__ = ["NormalMapWriter"]
 
@@ -88,6 +91,7 @@ class NormalMapWriter(BasePredictionWriter):
         self._jobs: dict[str, Job] = {}
         self._failed = 0
         self._heights: Heights = []
+        self._upsample = enlarge
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
         """Make sure that the maps can be written before anything is computed.
@@ -97,6 +101,9 @@ class NormalMapWriter(BasePredictionWriter):
         """
         if stage != "predict":
             return
+        # Another one's module has no refiner.
+        refined = isinstance(pl_module, NormalGAN) and pl_module.refined
+        self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         files = _data_of(trainer).drawings.files
         jobs = plan(files, self.folder, self.outputs.ending, list(self.outputs.others()))
         self._jobs, self._failed, self._heights = {job.files.drawing.stem: job for job in jobs}, 0, []
@@ -129,7 +136,7 @@ class NormalMapWriter(BasePredictionWriter):
         for name, preds in zip(batch["name"], prediction, strict=True):
             job = self._jobs[name]
             try:
-                painted = finish(drawings.prepared(name), channels_last(preds))
+                painted = finish(drawings.prepared(name), channels_last(preds), None, self._upsample)
             except InputError as error:
                 sentence = named(job.files.drawing, error)
                 if len(self._jobs) == 1:

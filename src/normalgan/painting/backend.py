@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from normalgan.normals import Floats
+from normalgan.painting.upsampling import Upsampler
 
 __all__ = ["Backend"]
 
@@ -13,6 +14,11 @@ class Backend(Protocol):
     @property
     def size(self) -> int:
         """Side in pixels of the pictures that it takes and paints."""
+        ...
+
+    @property
+    def upsample(self) -> Upsampler:
+        """The step from that size to a drawing's."""
         ...
 
     def paint(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:

@@ -13,6 +13,7 @@ from normalgan.errors import InputError, brief
 from normalgan.limits import read_bounded
 from normalgan.normals import Floats
 from normalgan.painting.onnx_graph import check_graph
+from normalgan.painting.upsampling import upsampler
 
 __all__ = ["LARGEST", "MEMORY", "PATIENCE", "SHIPPED", "SMALLEST", "OnnxBackend", "find_model"]
 
@@ -100,6 +101,8 @@ class OnnxBackend:
             )
         self.size: int = side
         """Side of the model's pictures in pixels."""
+        self.upsample = upsampler(refined=self.notes.get("refined") == "true", threads=threads)
+        """The step from that size to a drawing's."""
 
     def paint(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
         """Return the normals painted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.

@@ -4,7 +4,7 @@ from normalgan.painting.backend import Backend
 from normalgan.painting.inputs import AnyHints, AnyMask, AnyPicture, prepare_any
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.pipeline import paint
-from normalgan.painting.upsampling import Upsampler, fill_and_sharpen
+from normalgan.painting.upsampling import Upsampler
 
 __all__ = ["Painter"]
 
@@ -14,12 +14,12 @@ class Painter:
 
     Args:
         backend: the network.
-        upsample: the step from the network's size to the drawing's.
+        upsample: the step from the network's size to the drawing's; None is the network's own.
     """
 
-    def __init__(self, backend: Backend, upsample: Upsampler = fill_and_sharpen) -> None:
+    def __init__(self, backend: Backend, upsample: Upsampler | None = None) -> None:
         self.backend = backend
-        self.upsample = upsample
+        self.upsample = upsample or backend.upsample
 
     @property
     def size(self) -> int:

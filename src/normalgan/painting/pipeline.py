@@ -14,10 +14,10 @@ from normalgan.painting.edits import MOST_PINS, REACH, hold_pins
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.picture import resize
 from normalgan.painting.preparation import Mark, Prepared
-from normalgan.painting.upsampling import Coarse, Upsampler, fill_and_sharpen
+from normalgan.painting.upsampling import Coarse, Upsampler
 from normalgan.painting.vectors import lengths, unit
 
-__all__ = ["CLOSED", "finish", "paint"]
+__all__ = ["CLOSED", "coarse_of", "finish", "paint"]
 
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
@@ -39,12 +39,7 @@ _SCENERY = (
 _HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
 
 
-def finish(
-    prepared: Prepared,
-    preds: Floats,
-    confidence: Floats | None = None,
-    upsample: Upsampler = fill_and_sharpen,
-) -> NormalMap:
+def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
     """Bring what the network painted back to the drawing's size and place; hold it to the mask and the pins.
 
     Args:
@@ -66,13 +61,12 @@ def finish(
         warning += (
             f"the model takes only {painted_share:.0%} of its mask for an object and is unsure of the rest"
         )
-    needed = frame.shrink(mask.astype(np.float32)) > 0
-    known = _known(length, needed)
-    if not known.any():
+    coarse = coarse_of(prepared, preds, mask)
+    if not coarse.known.any():
         raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
     if not mask.any():
         raise InputError("its mask is empty; paint the object white.")
-    normals = upsample(Coarse(unit(preds), known, needed), prepared, mask)
+    normals = upsample(coarse, prepared, mask)
     edge = _soft_edge(mask, prepared.shape)
     shown = None
     if confidence is not None:
@@ -100,26 +94,33 @@ def _soft_edge(mask: Mark, shape: tuple[int, int]) -> Floats:
     return np.asarray(np.rint(edge * 255) / 255, np.float32)
 
 
-def _known(length: Floats, needed: Mark) -> Mark:
-    """Return where painted vectors (S, S) have a direction worth keeping.
+def coarse_of(prepared: Prepared, preds: Floats, mask: Mark) -> Coarse:
+    """Return what the network painted, and where it has a direction worth keeping.
 
     Where there is an object for certain, the model's doubt of it, a short vector, is no doubt of the
     direction: what is short beside most of the others is left out there.
+
+    Args:
+        prepared: as `prepare` gives it.
+        preds: (S, S, 3), vectors as long as an object is probable.
+        mask: (h, w), the object at the size of ``prepared.ink``.
     """
+    length = lengths(preds)
+    needed = prepared.frame.shrink(mask.astype(np.float32)) > 0
     known: Mark = length > 0.5
     if needed.any():
         usual = float(np.percentile(length[needed], 95))
         known |= needed & (length > max(0.1 * usual, _LEAST))
-    return known
+    return Coarse(unit(preds), known, needed)
 
 
-def paint(backend: Backend, prepared: Prepared, upsample: Upsampler = fill_and_sharpen) -> NormalMap:
-    """Paint the normal map of a prepared drawing.
+def paint(backend: Backend, prepared: Prepared, upsample: Upsampler | None = None) -> NormalMap:
+    """Paint the normal map of a prepared drawing; ``upsample`` replaces the network's own step to its size.
 
     Raises:
         InputError: if the network sees no object.
     """
-    return finish(prepared, *backend.paint(prepared.seen, prepared.hints), upsample)
+    return finish(prepared, *backend.paint(prepared.seen, prepared.hints), upsample or backend.upsample)
 
 
 def _choose(prepared: Prepared, present: Mark) -> tuple[Mark, str]:

@@ -6,6 +6,7 @@ from torch import Tensor, nn
 
 from normalgan.models.condition import make_condition
 from normalgan.normals import Floats
+from normalgan.painting.upsampling import upsampler
 
 __all__ = ["TorchBackend", "channels_last"]
 
@@ -18,10 +19,14 @@ class TorchBackend:
             evaluation: dropout is off, statistics are fixed.
         size: side of its pictures in pixels.
         device: where it paints.
+        refined: whether the refiner of the package was trained for it.
     """
 
-    def __init__(self, generator: nn.Module, size: int, device: str | torch.device = "cpu") -> None:
+    def __init__(
+        self, generator: nn.Module, size: int, device: str | torch.device = "cpu", *, refined: bool = False
+    ) -> None:
         self.size = size
+        self.upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         self._generator = generator.eval().to(device)
         self._device = device
 

@@ -81,6 +81,7 @@ class Checkpoint:
                 noise_at_test=bool(self.settings.get("noise_at_test", False)),
                 seed=int(_number("seed", self.settings.get("seed", 0))),
                 licence=licence,
+                refined=bool(self.settings.get("refined", False)),
             )
             notes.settings()  # the classes are known
             return Weights(notes, tensors)

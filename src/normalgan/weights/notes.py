@@ -24,6 +24,7 @@ class Notes:
         noise_at_test: whether the noise stays on when testing and predicting.
         seed: of the hints and the noise.
         licence: of the weights.
+        refined: whether the refiner of the package was trained for it, and mends its maps.
         version: of normalgan that wrote them.
     """
 
@@ -33,6 +34,7 @@ class Notes:
     noise_at_test: bool = False
     seed: int = 0
     licence: str = "not stated"
+    refined: bool = False
     version: str = __version__
 
     def metadata(self) -> dict[str, str]:
@@ -46,6 +48,7 @@ class Notes:
             "hint_sampler": self.hint_sampler.to_json(),
             "noise_at_test": str(self.noise_at_test).lower(),
             "seed": str(self.seed),
+            "refined": str(self.refined).lower(),
         }
 
     def settings(self) -> dict[str, Any]:
@@ -59,6 +62,7 @@ class Notes:
             "hint_sampler": self.hint_sampler.configuration(HINT_SAMPLERS),
             "noise_at_test": self.noise_at_test,
             "seed": self.seed,
+            "refined": self.refined,
         }
 
     @classmethod
@@ -75,6 +79,7 @@ class Notes:
             noise_at_test=metadata["noise_at_test"] == "true",
             seed=_number(metadata, "seed", 2**63 - 1),
             licence=metadata["licence"],
+            refined=metadata.get("refined") == "true",  # files of older versions do not say
             version=metadata["normalgan_version"],
         )
 

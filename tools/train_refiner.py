@@ -1,0 +1,286 @@
+"""Trains the refiner that ships: coarse maps of the shipped model, and the truth at 1024 pixels.
+
+train_refiner.py paint SAMPLES OUT [--splits train val test]
+train_refiner.py train SETS OUT.onnx [--minutes 30] [--width 32] [--blocks 3]
+
+SAMPLES is the folder (in the cache) that `normalgan render --config configs/ours.yaml --config
+configs/refiner.yaml` wrote. `paint` paints each of its sketches as `normalgan generate` does, as far as the
+model's own size, and keeps that beside the truth in OUT; `train` fits the network to it on one core, at all
+scales between the model's size and four times that, and reports on the held-out meshes.
+"""
+
+import argparse
+import copy
+import json
+import math
+from pathlib import Path
+from time import monotonic
+
+import cv2
+import numpy as np
+import torch
+import zarr
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from normalgan.errors import InputError
+from normalgan.painting.extension import extend
+from normalgan.painting.framing import Frame
+from normalgan.painting.hint_files import Hints
+from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.picture import Picture
+from normalgan.painting.pipeline import coarse_of
+from normalgan.painting.preparation import prepare
+from normalgan.painting.upsampling import CELL, RIM, planes
+
+Floats = NDArray[np.float32]
+CROP = 192
+BATCH = 12
+RATE = 2e-3
+
+
+class Refiner(nn.Module):
+    """Enlarged normals, lines, mask and depth in, (N, 6, H, W); mended normals out, (N, 3, H, W)."""
+
+    def __init__(self, width: int, blocks: int) -> None:
+        super().__init__()
+        self.stem = nn.Conv2d(6, width, CELL, CELL)
+        self.blocks = nn.ModuleList(
+            nn.Sequential(
+                nn.Conv2d(width, width, 3, padding=1), nn.ReLU(), nn.Conv2d(width, width, 3, padding=1)
+            )
+            for _ in range(blocks)
+        )
+        # Each pixel is reached from two cells a way, so that cells leave no grid.
+        self.head = nn.ConvTranspose2d(width, 3, 2 * CELL, CELL, CELL // 2)
+        nn.init.zeros_(self.head.weight)
+        assert self.head.bias is not None
+        nn.init.zeros_(self.head.bias)
+
+    def forward(self, given: Tensor) -> Tensor:
+        """Return the given normals and what is missing in them."""
+        features = torch.relu(self.stem(given))
+        for block in self.blocks:
+            features = features + block(features)
+        return given[:, :3] + self.head(torch.relu(features))
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Do one of the stages."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    stages = parser.add_subparsers(dest="stage", required=True)
+    stage = stages.add_parser("paint")
+    stage.add_argument("samples", type=Path)
+    stage.add_argument("out", type=Path)
+    stage.add_argument("--splits", nargs="+", default=["train", "val", "test"])
+    stage = stages.add_parser("train")
+    stage.add_argument("sets", type=Path)
+    stage.add_argument("out", type=Path)
+    stage.add_argument("--minutes", type=float, default=30.0)
+    stage.add_argument("--width", type=int, default=32)
+    stage.add_argument("--blocks", type=int, default=3)
+    given = parser.parse_args(arguments)
+    if given.stage == "paint":
+        for split in given.splits:
+            paint(given.samples, split, given.out)
+    else:
+        torch.manual_seed(0)
+        train(given.sets, given.out, given.minutes, Refiner(given.width, given.blocks))
+
+
+def paint(samples: Path, split: str, out: Path) -> None:
+    """Paint the sketches of a split; write what the refiner learns from, a file each."""
+    group = zarr.open_group(samples / "samples.zarr", mode="r")[split]
+    network = OnnxBackend(find_model(), threads=1)
+    generator = np.random.default_rng(0)
+    (out / split).mkdir(parents=True, exist_ok=True)
+    for i in range(group["mask"].shape[0]):
+        target = out / split / f"{i:05}.npz"
+        sketch, truth, object_ = group["sketch"][i], group["normal"][i], group["mask"][i]
+        # What is drawn from the generator is the same whether a file is there or not.
+        hinted, found, number = generator.random() < 0.5, generator.random() < 0.5, generator.random()
+        if target.exists() or not sketch.any() or object_.sum() < 2000:
+            continue
+        rows, columns = np.nonzero(object_)
+        chosen = np.random.default_rng(i).integers(len(rows), size=int(60**number))
+        points = np.stack([columns[chosen], rows[chosen]], 1).astype(np.float32) + 0.5
+        hints = Hints(points, truth[rows[chosen], columns[chosen]].astype(np.float32)) if hinted else None
+        picture = Picture(np.repeat(1 - sketch[..., None].astype(np.float32) / 255, 3, -1), None)
+        try:
+            prepared = prepare(picture, network.size, None, hints)
+        except InputError as error:
+            print(f"{split} {i}: {error}")
+            continue
+        mask = object_
+        if found and prepared.mask is not None:
+            both, either = prepared.mask & object_, prepared.mask | object_
+            mask = prepared.mask if both.sum() > 0.93 * either.sum() else object_
+        coarse = coarse_of(prepared, network.paint(prepared.seen, prepared.hints)[0], mask)
+        if not coarse.known.any():
+            continue
+        normals = extend(coarse.normals, coarse.known, coarse.needed)
+        frame = prepared.frame
+        row = {
+            "coarse": normals.astype(np.float16),
+            "frame": np.array([frame.left, frame.top, frame.side]),
+            "ink": np.rint(255 * np.clip(prepared.ink, 0, 1)).astype(np.uint8),
+            "mask": mask,
+            "truth": np.rint(127 * truth.astype(np.float32) * object_[..., None]).astype(np.int8),
+        }
+        partial = target.with_suffix(".part")
+        with partial.open("wb") as file:
+            np.savez(file, **row)
+        partial.rename(target)
+        if i % 50 == 0:
+            print(split, i, flush=True)
+
+
+def opened(path: Path, scale: float | None = None) -> tuple[Floats, Floats]:
+    """Return what the refiner is shown (6, h, w) and the truth (3, h, w), zero off the object.
+
+    Args:
+        path: a file that `paint` wrote.
+        scale: pixels for each of the model; None, or more than there are, for those of the picture.
+    """
+    row = np.load(path)
+    left, top, side = row["frame"].tolist()
+    coarse = row["coarse"].astype(np.float32)
+    size = coarse.shape[0]
+    ink, mask = row["ink"].astype(np.float32) / 255, row["mask"]
+    truth = row["truth"].astype(np.float32) / 127
+    factor = 1.0 if scale is None else min(scale * size / side, 1.0)
+    normals = Frame(mask.shape, left, top, side, size).restore(coarse)
+    if factor < 1:
+        shape = (round(mask.shape[1] * factor), round(mask.shape[0] * factor))
+        ink = cv2.resize(ink, shape, interpolation=cv2.INTER_AREA)
+        mask = cv2.resize(mask.astype(np.float32), shape, interpolation=cv2.INTER_AREA) > 0.5
+        truth = cv2.resize(truth, shape, interpolation=cv2.INTER_AREA)
+        length = np.linalg.norm(truth, axis=-1, keepdims=True)
+        truth = np.where(length > 0.5, truth / np.maximum(length, 1e-6), 0).astype(np.float32)
+        normals = Frame(mask.shape, left * factor, top * factor, side * factor, size).restore(coarse)
+    h, w = (each // CELL * CELL for each in mask.shape)
+    return planes(normals[:h, :w], ink[:h, :w], mask[:h, :w]), np.moveaxis(truth[:h, :w], -1, 0)
+
+
+def crops(path: Path, generator: np.random.Generator, count: int = 6) -> list[tuple[Floats, Floats]]:
+    """Return parts of a sample at a random scale, mirrored and turned by right angles at random."""
+    given, truth = opened(path, math.exp(generator.uniform(math.log(1.3), math.log(4.5))))
+    rows, columns = np.nonzero(given[4])
+    out = []
+    for _ in range(count):
+        chosen = generator.integers(len(rows))
+        y = int(np.clip(rows[chosen] - generator.integers(CROP), 0, max(given.shape[1] - CROP, 0)))
+        x = int(np.clip(columns[chosen] - generator.integers(CROP), 0, max(given.shape[2] - CROP, 0)))
+        a, b = given[:, y : y + CROP, x : x + CROP].copy(), truth[:, y : y + CROP, x : x + CROP].copy()
+        if a.shape[1:] != (CROP, CROP):
+            continue
+        if generator.random() < 0.5:
+            a, b = a[:, :, ::-1].copy(), b[:, :, ::-1].copy()
+            a[0] *= -1
+            b[0] *= -1
+        if generator.random() < 0.5:
+            a, b = a[:, ::-1].copy(), b[:, ::-1].copy()
+            a[1] *= -1
+            b[1] *= -1
+        if generator.random() < 0.5:  # rows for columns: y is up and rows go down, so both change sign
+            a, b = a.transpose(0, 2, 1).copy(), b.transpose(0, 2, 1).copy()
+            a[[0, 1]] = -a[[1, 0]]
+            b[[0, 1]] = -b[[1, 0]]
+        out.append((a, b))
+    return out
+
+
+def errors(normals: Tensor, truth: Tensor) -> Tensor:
+    """Return angles in radians (N, H, W) between vectors of any length and unit ones, (N, 3, H, W)."""
+    unit = normals / (normals.norm(dim=1, keepdim=True) + 1e-6)
+    across = torch.linalg.cross(unit, truth, dim=1)
+    return torch.atan2((across.square().sum(1) + 1e-12).sqrt(), (unit * truth).sum(1))
+
+
+def train(sets: Path, out: Path, minutes: float, network: Refiner) -> None:
+    """Fit a refiner for so many minutes, and write it as ONNX with its weights and figures beside it."""
+    torch.set_num_threads(1)
+    generator = np.random.default_rng(0)
+    files = sorted((sets / "train").glob("*.npz"))
+    network = network.to(memory_format=torch.channels_last)
+    average = copy.deepcopy(network)
+    optimizer = torch.optim.RAdam(network.parameters(), lr=RATE, betas=(0.9, 0.98))
+    start, step, pool, recent = monotonic(), 0, [], []
+    while (gone := (monotonic() - start) / (60 * minutes)) < 1:
+        while len(pool) < 12 * BATCH:
+            pool += crops(files[generator.integers(len(files))], generator)
+        batch = [pool.pop(generator.integers(len(pool))) for _ in range(BATCH)]
+        given = torch.from_numpy(np.stack([each[0] for each in batch])).to(memory_format=torch.channels_last)
+        truth = torch.from_numpy(np.stack([each[1] for each in batch]))
+        for group in optimizer.param_groups:
+            group["lr"] = RATE * min(gone / 0.02, 1) * (1 + math.cos(math.pi * gone)) / 2
+        mended = network(given)
+        there = (truth.square().sum(1) > 0.5) & (given[:, 4] > 0.5)
+        weight = there.float()
+        rim = weight * (given[:, 5] < 6 / RIM)
+        angle = errors(mended, truth)
+        mean = (angle * weight).sum() / weight.sum().clamp(min=1)
+        at_rim = (angle * rim).sum() / rim.sum().clamp(min=1)
+        facing = (mended[:, 2] / (mended.norm(dim=1) + 1e-6) - truth[:, 2]) * weight
+        # Relief: how much a neighbourhood faces the viewer is to be right on average.
+        relief = nn.functional.avg_pool2d(facing[:, None], 64).abs().sum()
+        relief = relief / nn.functional.avg_pool2d(weight[:, None], 64).sum().clamp(min=1e-3)
+        loss = mean + 0.5 * at_rim + 0.5 * relief
+        optimizer.zero_grad()
+        loss.backward()
+        nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        optimizer.step()
+        step += 1
+        with torch.no_grad():
+            for kept, new in zip(average.parameters(), network.parameters(), strict=True):
+                kept.lerp_(new, max(0.005, 1 / step))
+        recent.append(math.degrees(mean.item()))
+        if step % 100 == 0:
+            print(step, round(monotonic() - start), f"{np.mean(recent[-100:]):.2f}", flush=True)
+        if step % 1000 == 0:
+            write(average, out)
+            print(report(average, sets, 20), flush=True)
+    write(average, out)
+    figures = {"steps": step, "minutes": minutes, **report(average, sets)}
+    out.with_suffix(".json").write_text(json.dumps(figures, indent=1) + "\n")
+    print(json.dumps(figures))
+
+
+def write(network: Refiner, out: Path) -> None:
+    """Write a refiner as ONNX, for pictures of any number of cells."""
+    example = torch.zeros(1, 6, 64, 64)
+    torch.save(network.state_dict(), out.with_suffix(".pt"))
+    partial = out.with_suffix(".part")
+    torch.onnx.export(
+        network.eval(),
+        (example,),
+        partial,
+        input_names=["planes"],
+        output_names=["normal"],
+        dynamic_axes={"planes": {2: "height", 3: "width"}, "normal": {2: "height", 3: "width"}},
+        dynamo=False,
+    )
+    partial.rename(out)
+    network.train()
+
+
+def report(network: Refiner, sets: Path, most: int | None = None) -> dict[str, list[float]]:
+    """Return errors on held-out meshes, enlarged only and mended: on the object, at its rim, off in n_z."""
+    rows: dict[str, list[list[float]]] = {"enlarged": [], "mended": []}
+    files = sorted((sets / "val").glob("*.npz"))[:most]
+    with torch.no_grad():
+        for path in files:
+            given, truth = (torch.from_numpy(each)[None] for each in opened(path))
+            there = (truth.square().sum(1) > 0.5) & (given[:, 4] > 0.5)
+            rim = there & (given[:, 5] < 6 / RIM)
+            for name, normals in (("enlarged", given[:, :3]), ("mended", network(given))):
+                angle = torch.rad2deg(errors(normals, truth))
+                facing = normals[:, 2] / (normals.norm(dim=1) + 1e-6) - truth[:, 2]
+                rows[name].append(
+                    [float(angle[there].mean()), float(angle[rim].mean()), float(facing[there].mean())]
+                )
+    return {name: np.mean(row, axis=0).round(3).tolist() for name, row in rows.items()}
+
+
+if __name__ == "__main__":
+    main()
