@@ -13,6 +13,7 @@ import argparse
 import copy
 import json
 import math
+import warnings
 from pathlib import Path
 from time import monotonic
 
@@ -22,8 +23,10 @@ import torch
 import zarr
 from numpy.typing import NDArray
 from torch import Tensor, nn
+from torch.export import Dim
 
 from normalgan.errors import InputError
+from normalgan.exporting.onnx_file import finish
 from normalgan.painting.extension import extend
 from normalgan.painting.framing import Frame
 from normalgan.painting.hint_files import Hints
@@ -34,6 +37,7 @@ from normalgan.painting.preparation import prepare
 from normalgan.painting.upsampling import CELL, RIM, planes
 
 Floats = NDArray[np.float32]
+LICENCE = "MIT; trained on procedural shapes of normalgan and on CC0 meshes (docs/model_card.md)"
 CROP = 192
 BATCH = 12
 RATE = 2e-3
@@ -248,18 +252,23 @@ def train(sets: Path, out: Path, minutes: float, network: Refiner) -> None:
 
 def write(network: Refiner, out: Path) -> None:
     """Write a refiner as ONNX, for pictures of any number of cells."""
-    example = torch.zeros(1, 6, 64, 64)
     torch.save(network.state_dict(), out.with_suffix(".pt"))
     partial = out.with_suffix(".part")
-    torch.onnx.export(
-        network.eval(),
-        (example,),
-        partial,
-        input_names=["planes"],
-        output_names=["normal"],
-        dynamic_axes={"planes": {2: "height", 3: "width"}, "normal": {2: "height", 3: "width"}},
-        dynamo=False,
-    )
+    cells = {2: CELL * Dim("rows", min=1), 3: CELL * Dim("columns", min=1)}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # between torch and its own parts
+        program = torch.onnx.export(
+            network.eval(),
+            (torch.zeros(1, 6, 64, 48),),
+            input_names=["planes"],
+            output_names=["normal"],
+            dynamic_shapes=(cells,),
+            opset_version=18,
+            dynamo=True,
+            verbose=False,
+        )
+    assert program is not None
+    partial.write_bytes(finish(program.model_proto, {"licence": LICENCE}))
     partial.rename(out)
     network.train()
 
