@@ -1,6 +1,7 @@
 # make demo   sets everything up and runs the main job on the embedded animals
 # make test   sets everything up and runs the tests
 # make coverage   sets everything up, runs the tests, and reports the lines and branches that they do not reach
+# make integrations   sets everything up and tests the add-ons in those programs that are installed
 # make audit   sets everything up and looks at the licences of what it depends on, and for known advisories
 # make docs   sets everything up and builds the documentation into site/index.html
 VENV ?= .venv
@@ -9,7 +10,7 @@ RUN := runs/quickstart
 # As many processes as cores, but no more than four: each needs 1.5 GB. A file's tests share fixtures, so they stay together.
 PYTEST := $(BIN)/pytest --numprocesses=logical --maxprocesses=4 --dist=loadfile --no-loadscope-reorder --durations=10
 
-.PHONY: help install dev demo test processors coverage audit docs lint types clean
+.PHONY: help install dev demo test integrations processors coverage audit docs lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
@@ -34,6 +35,10 @@ demo: install
 # make test SLOW=1 also runs the tests that take long; TESTS=tests/metrics runs a part.
 test: dev
 	$(PYTEST) $(if $(SLOW),,-m "not slow") $(TESTS)
+
+# One after the other: programs with windows wait long for a busy core.
+integrations: dev
+	$(BIN)/pytest --durations=10 tests/integrations
 
 # Doctests and numeric tests as on other processors, where the last bits of results differ: nothing may depend on them.
 processors: dev

@@ -1,0 +1,148 @@
+"""Blender: a drawing becomes a plane with a lit material that has the drawing's normal map."""
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+
+from .normalgan_command import CommandError, paint
+
+bl_info = {
+    "name": "normalgan: drawing to lit material",
+    "author": "The normalgan authors",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "3D Viewport > Add > Image > Drawing with Normal Map",
+    "description": "Paints the normal map of a drawing and makes a material of it",
+    "category": "Material",
+}
+
+
+class NormalganPreferences(bpy.types.AddonPreferences):
+    """Where the command is, if it is not found by itself."""
+
+    bl_idname = __name__
+
+    command: StringProperty(  # type: ignore[valid-type]
+        name="normalgan", subtype="FILE_PATH", description="The command, if it is not found by itself"
+    )
+
+    def draw(self, _context: Any) -> None:
+        """Show the only setting."""
+        self.layout.prop(self, "command")
+
+
+class NormalganDrawing(bpy.types.Operator, ImportHelper):
+    """Paint the normal map of a drawing, and put it into a material."""
+
+    bl_idname = "normalgan.drawing"
+    bl_label = "Drawing with Normal Map"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012 - Blender reads it so
+
+    filter_glob: StringProperty(  # type: ignore[valid-type]
+        default="*.png;*.jpg;*.jpeg;*.webp;*.bmp;*.tif;*.tiff;*.svg;*.psd;*.kra;*.ora", options={"HIDDEN"}
+    )
+    surface: EnumProperty(  # type: ignore[valid-type]
+        name="Surface",
+        items=[
+            ("CLAY", "Clay", "One colour, under the lines' relief alone"),
+            ("DRAWING", "Drawing", "The drawing's own colours"),
+        ],
+    )
+    strength: FloatProperty(name="Strength", default=1, min=0, soft_max=2)  # type: ignore[valid-type]
+    replace: BoolProperty(  # type: ignore[valid-type]
+        name="Onto the active object", description="Rather than onto a new plane", default=False
+    )
+
+    def execute(self, context: Any) -> set[str]:
+        """Paint, and build the material."""
+        drawing = Path(bpy.path.abspath(self.filepath))
+        active = context.active_object
+        if self.replace and (active is None or not hasattr(active.data, "materials")):
+            self.report({"ERROR"}, "normalgan: no object that takes a material is active; select one.")
+            return {"CANCELLED"}
+        add_on = context.preferences.addons.get(__name__)
+        chosen = bpy.path.abspath(add_on.preferences.command) if add_on else ""
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                painted = Path(folder) / f"{drawing.stem}_normal.png"
+                warned = paint(drawing, painted, "--bits", "16", "--alpha", chosen=chosen)
+                normals = bpy.data.images.load(str(painted))
+                normals.colorspace_settings.name = "Non-Color"  # before it is packed, which reads it
+                normals.pack()
+        except CommandError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if warned:
+            self.report({"WARNING"}, warned)
+        colours = None
+        if self.surface == "DRAWING" and drawing.suffix.lower() in bpy.path.extensions_image:
+            colours = bpy.data.images.load(str(drawing), check_existing=True)
+        material = material_of(drawing.stem, normals, colours, self.strength)
+        target = active if self.replace else plane(context, drawing.stem, *normals.size)
+        target.data.materials.clear()
+        target.data.materials.append(material)
+        return {"FINISHED"}
+
+
+def material_of(name: str, normals: Any, colours: Any | None, strength: float) -> Any:
+    """Return a material that is lit by a normal map and clear where the map has no object."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    material.blend_method = "HASHED"
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Base Color"].default_value = (0.7, 0.45, 0.25, 1)
+    shader.inputs["Roughness"].default_value = 0.7
+    texture = nodes.new("ShaderNodeTexImage")
+    texture.image, texture.location = normals, (-620, -200)
+    bend = nodes.new("ShaderNodeNormalMap")
+    bend.inputs["Strength"].default_value, bend.location = strength, (-280, -250)
+    links.new(texture.outputs["Color"], bend.inputs["Color"])
+    links.new(bend.outputs["Normal"], shader.inputs["Normal"])
+    links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
+    if colours is not None:
+        picture = nodes.new("ShaderNodeTexImage")
+        picture.image, picture.location = colours, (-620, 150)
+        links.new(picture.outputs["Color"], shader.inputs["Base Color"])
+    return material
+
+
+def plane(context: Any, name: str, width: int, height: int) -> Any:
+    """Return a new plane of a picture's proportions, 2 units on its longer side, facing up."""
+    x, y = width / max(width, height), height / max(width, height)
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)], [], [(0, 1, 2, 3)])
+    layer = mesh.uv_layers.new()
+    for corner, uv in zip(layer.data, [(0, 0), (1, 0), (1, 1), (0, 1)], strict=True):
+        corner.uv = uv
+    made = bpy.data.objects.new(name, mesh)
+    context.collection.objects.link(made)
+    context.view_layer.objects.active = made
+    made.select_set(True)
+    return made
+
+
+CLASSES = (NormalganPreferences, NormalganDrawing)
+
+
+def entry(self: Any, _context: Any) -> None:
+    """Draw the entry in the menu."""
+    self.layout.operator(NormalganDrawing.bl_idname, icon="IMAGE_DATA")
+
+
+def register() -> None:
+    """Add the operator and its entry in the menu."""
+    for known in CLASSES:
+        bpy.utils.register_class(known)
+    bpy.types.VIEW3D_MT_image_add.append(entry)
+
+
+def unregister() -> None:
+    """Take them out again."""
+    bpy.types.VIEW3D_MT_image_add.remove(entry)
+    for known in reversed(CLASSES):
+        bpy.utils.unregister_class(known)

@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""Put an add-on where its program looks for it, and note beside it where normalgan is.
+
+    python integrations/install.py inkscape
+    python integrations/install.py godot --to my_game/
+    python integrations/install.py krita --normalgan ~/normalgan/.venv/bin/normalgan
+
+It needs the standard library alone. What an earlier install put there is replaced.
+"""
+
+import argparse
+import os
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+COMMAND = "normalgan_command.py"
+CONFIG = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
+DATA = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+
+
+@dataclass(frozen=True)
+class AddOn:
+    """Where an add-on goes.
+
+    Args:
+        folder: that the program reads; None where there is none yet, or no usual one: `--to` must name it.
+        files: pairs of what lies here in the program's folder and where it goes in `folder`.
+        beside: where in `folder` the note of the command goes, and for those in Python what calls it.
+        python: whether it calls the command from Python.
+        then: what is left to do in the program.
+    """
+
+    folder: Path | None
+    files: tuple[tuple[str, str], ...]
+    beside: str
+    python: bool
+    then: str
+
+
+def newest_blender() -> Path | None:
+    """Return where the newest Blender that was used here looks for add-ons, or None."""
+    used = [path for path in (CONFIG / "blender").glob("*.*") if path.name.replace(".", "").isdigit()]
+    newest = max(used, key=lambda path: [int(part) for part in path.name.split(".")], default=None)
+    return newest / "scripts" / "addons" if newest else None
+
+
+GIMP_THEN = "Start GIMP anew: Filters > Map > Normal map of the drawing (normalgan)."
+KRITA_THEN = (
+    "Settings > Configure Krita > Python Plugin Manager: enable it; start Krita anew; Tools > Scripts."
+)
+GODOT_THEN = (
+    "Project > Project Settings > Plugins: enable normalgan. Then choose it in the Import dock of a drawing."
+)
+ADD_ONS = {
+    "inkscape": AddOn(
+        CONFIG / "inkscape" / "extensions",
+        (("normalgan_light.inx", "normalgan/"), ("normalgan_light.py", "normalgan/")),
+        "normalgan",
+        True,
+        "Start Inkscape anew: Extensions > Render > Normal map and light.",
+    ),
+    "godot3": AddOn(
+        None,
+        (("addons/normalgan", "addons/normalgan"),),
+        "addons/normalgan",
+        False,
+        GODOT_THEN,
+    ),
+    "godot4": AddOn(
+        None,
+        (("addons/normalgan", "addons/normalgan"),),
+        "addons/normalgan",
+        False,
+        GODOT_THEN,
+    ),
+    "blender": AddOn(
+        newest_blender(),
+        (("normalgan_blender", "normalgan_blender"),),
+        "normalgan_blender",
+        True,
+        "Edit > Preferences > Add-ons: enable normalgan. Then Add > Image > Drawing with Normal Map.",
+    ),
+    "gimp": AddOn(
+        CONFIG / "GIMP" / "2.10" / "plug-ins",
+        (("normalgan_layer.py", "normalgan_layer/"),),
+        "normalgan_layer",
+        True,
+        GIMP_THEN,
+    ),
+    "krita": AddOn(
+        DATA / "krita" / "pykrita",
+        (("normalgan_krita", "normalgan_krita"), ("normalgan_krita.desktop", "")),
+        "normalgan_krita",
+        True,
+        KRITA_THEN,
+    ),
+    "aseprite": AddOn(
+        CONFIG / "aseprite" / "scripts",
+        (("normalgan.lua", ""),),
+        "",
+        False,
+        "File > Scripts > Rescan Scripts Folder: normalgan.",
+    ),
+    "comfyui": AddOn(
+        None,
+        (("normalgan_nodes", "normalgan_nodes"),),
+        "normalgan_nodes",
+        False,
+        "Install normalgan into ComfyUI's own Python, and start ComfyUI anew.",
+    ),
+}
+
+
+def install(name: str, folder: Path, normalgan: str) -> None:
+    """Copy an add-on's files.
+
+    Args:
+        name: of the add-on.
+        folder: that its program reads.
+        normalgan: the path of the command, or nothing, in which case it is looked for when it is called.
+    """
+    add_on = ADD_ONS[name]
+    for source, target in add_on.files:
+        start = HERE / name / source
+        goal = folder / target
+        if not target or target.endswith("/"):
+            goal = goal / start.name
+        goal.parent.mkdir(parents=True, exist_ok=True)
+        if start.is_dir():
+            shutil.rmtree(goal, ignore_errors=True)
+            shutil.copytree(start, goal, ignore=shutil.ignore_patterns("__pycache__", COMMAND))
+        else:
+            shutil.copy(start, goal)
+    beside = folder / add_on.beside
+    if add_on.python:
+        shutil.copy(HERE / COMMAND, beside / COMMAND)
+    note = beside / "normalgan_path.txt"
+    if normalgan:
+        note.write_text(f"{normalgan}\n", encoding="utf-8")
+    else:
+        note.unlink(missing_ok=True)
+
+
+def own_command() -> str:
+    """Return the command of this clone's environment, or of the search path, or nothing."""
+    for path in (
+        HERE.parent / ".venv" / "bin" / "normalgan",
+        HERE.parent / ".venv" / "Scripts" / "normalgan.exe",
+    ):
+        if path.exists():
+            return str(path)
+    return shutil.which("normalgan") or ""
+
+
+def main() -> int:
+    """Install the add-on that the command line names."""
+    parser = argparse.ArgumentParser(description="Install an add-on for a program.")
+    parser.add_argument("name", choices=sorted(ADD_ONS), help="the program")
+    parser.add_argument("--to", type=Path, help="the folder that it goes to, if not the program's usual one")
+    parser.add_argument(
+        "--normalgan", default="", help="the command, by default that of this clone or the search path"
+    )
+    given = parser.parse_args()
+    folder = given.to or ADD_ONS[given.name].folder
+    if folder is None:
+        parser.error(f"the add-on for {given.name} goes into a folder of yours: name it with --to")
+    if given.normalgan and shutil.which(given.normalgan) is None:
+        parser.error(f"{given.normalgan} is no command; give the path of normalgan")
+    normalgan = str(Path(given.normalgan).absolute()) if given.normalgan else own_command()
+    try:
+        install(given.name, folder, normalgan)
+    except OSError as error:
+        parser.error(f"{error.filename or folder} cannot be written: {error.strerror}")
+    print(f"Installed in {folder}. {ADD_ONS[given.name].then}")
+    if not normalgan:
+        print("normalgan itself was not found; install it and run this again.", file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

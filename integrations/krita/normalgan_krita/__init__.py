@@ -1,0 +1,97 @@
+"""Krita: the normal map of a layer as a new layer above it."""
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from krita import Extension, Krita
+from PyQt5.QtCore import Qt
+from PyQt5.QtGui import QImage
+from PyQt5.QtWidgets import QApplication, QMessageBox
+
+from .normalgan_command import CommandError, paint
+
+NAME = "Normal map"
+SRGB = "sRGB-elle-V2-srgbtrc.icc"
+
+
+def normal_layer(document: Any, node: Any, *settings: str) -> tuple[Any, str]:
+    """Paint the normal map of a layer.
+
+    Args:
+        document: of Krita.
+        node: the layer in it, or a group.
+        settings: more of those of `normalgan generate`.
+
+    Returns:
+        The new layer above it, and what the command warned of.
+
+    Raises:
+        CommandError: with a sentence for the user.
+    """
+    if document.colorModel() != "RGBA":
+        raise CommandError("A normal map needs an RGB document: Image > Convert Image Color Space.")
+    with tempfile.TemporaryDirectory() as folder:
+        drawn, painted = Path(folder) / "layer.png", Path(folder) / "normals.png"
+        if not layer_picture(document, node).save(str(drawn)):
+            raise CommandError(f"Krita could not write the layer {node.name()} as a picture.")
+        warned = paint(drawn, painted, "--alpha", *settings)
+        image = QImage(str(painted)).convertToFormat(QImage.Format_ARGB32)
+    if image.isNull():
+        raise CommandError("Krita could not read the normal map.")
+    bits = image.constBits()
+    bits.setsize(image.byteCount())
+    layer = document.createNode(NAME, "paintlayer")
+    layer.setColorSpace("RGBA", "U8", SRGB)  # whatever the document's, the numbers stay
+    layer.setPixelData(bytes(bits), 0, 0, image.width(), image.height())
+    node.parentNode().addChildNode(layer, node)
+    document.refreshProjection()
+    return layer, warned
+
+
+def layer_picture(document: Any, node: Any) -> Any:
+    """Return what a layer shows on the whole canvas, as an image of Qt."""
+    width, height = document.width(), document.height()
+    copy = None
+    if (node.colorModel(), node.colorDepth()) != ("RGBA", "U8"):
+        copy = document.clone()
+        copy.setBatchmode(True)
+        copy.setColorSpace("RGBA", "U8", SRGB)
+        copy.waitForDone()
+        node = copy.nodeByUniqueID(node.uniqueId())
+    pixels = bytes(node.projectionPixelData(0, 0, width, height))
+    if copy is not None:
+        copy.close()
+    return QImage(pixels, width, height, 4 * width, QImage.Format_ARGB32).copy()
+
+
+class NormalMapOfLayer(Extension):
+    """The entry under Tools > Scripts."""
+
+    def setup(self) -> None:
+        """Do nothing as Krita starts."""
+
+    def createActions(self, window: Any) -> None:  # noqa: N802 - Krita's name
+        """Add the entry to a window."""
+        action = window.createAction(
+            "normalgan_layer", "Normal map of the layer (normalgan)", "tools/scripts"
+        )
+        action.triggered.connect(self.paint)
+
+    def paint(self) -> None:
+        """Paint the map of the active layer, and show what went wrong."""
+        document = Krita.instance().activeDocument()
+        if document is None:
+            return
+        QApplication.setOverrideCursor(Qt.WaitCursor)
+        try:
+            _, said = normal_layer(document, document.activeNode())
+        except CommandError as error:
+            said = str(error)
+        finally:
+            QApplication.restoreOverrideCursor()
+        if said:
+            QMessageBox.warning(None, "normalgan", said)
+
+
+Krita.instance().addExtension(NormalMapOfLayer(Krita.instance()))

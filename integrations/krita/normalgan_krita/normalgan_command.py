@@ -1,0 +1,1 @@
+../../normalgan_command.py
