@@ -1,8 +1,10 @@
 """Makes a sheet of drawings and, by `normalgan generate` with the package's model, their maps, also lit.
 
-tools/generated_picture.py OUTPUT.png DRAWING…: files, folders or patterns, as `generate` takes them.
+generated_picture.py OUTPUT DRAWING… [--painted 200] [--shown 200] [--columns 6]: files, folders or patterns,
+as `generate` takes them; the longer side of the maps and of their pictures on the sheet.
 """
 
+import argparse
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,39 +17,47 @@ from normalgan.drawings import find_drawings
 from normalgan.normals import read_png
 from normalgan.painting.lighting import lamp_direction, shade, to_srgb
 
-SIDE = 200
-COLUMNS = 6
 
-
-def square(picture: Image.Image) -> Image.Image:
+def square(picture: Image.Image, side: int) -> Image.Image:
     """Return a picture in the middle of a white square."""
     page = Image.new("RGBA", picture.size, "white")
     page.alpha_composite(picture.convert("RGBA"))
-    page.thumbnail((SIDE, SIDE))
-    whole = Image.new("RGB", (SIDE, SIDE), "white")
-    whole.paste(page.convert("RGB"), ((SIDE - page.width) // 2, (SIDE - page.height) // 2))
+    page.thumbnail((side, side))
+    whole = Image.new("RGB", (side, side), "white")
+    whole.paste(page.convert("RGB"), ((side - page.width) // 2, (side - page.height) // 2))
     return whole
 
 
-def main(output: Path, *given: str) -> None:
+def main(arguments: list[str]) -> None:
     """Write the sheet."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("output", type=Path)
+    parser.add_argument("drawings", nargs="+")
+    parser.add_argument("--painted", type=int, default=200)
+    parser.add_argument("--shown", type=int, default=200)
+    parser.add_argument("--columns", type=int, default=6)
+    given = parser.parse_args(arguments)
+    side = given.shown
     with TemporaryDirectory() as folder:
-        if code := normalgan(["generate", *given, "-o", folder, "--size", str(SIDE), "--alpha"]):
+        if code := normalgan(
+            ["generate", *given.drawings, "-o", folder, "--size", str(given.painted), "--alpha"]
+        ):
             sys.exit(code)
         columns = []
-        for drawing in find_drawings(given, "_normal.png", ()):
+        for drawing in find_drawings(given.drawings, "_normal.png", ()):
             path = Path(folder) / f"{drawing.stem}_normal.png"
             normals, alpha = read_png(path)
             clay = to_srgb(shade(normals, lamp_direction(130, 40)))
             lit = Image.fromarray(np.dstack([clay, np.uint8(255 * alpha)]))
-            columns.append([square(each) for each in (Image.open(drawing), Image.open(path), lit)])
-    rows = -(-len(columns) // COLUMNS)
-    sheet = Image.new("RGB", (min(len(columns), COLUMNS) * SIDE, rows * 3 * SIDE), "white")
+            columns.append([square(each, side) for each in (Image.open(drawing), Image.open(path), lit)])
+    rows = -(-len(columns) // given.columns)
+    sheet = Image.new("RGB", (min(len(columns), given.columns) * side, rows * 3 * side), "white")
     for number, column in enumerate(columns):
         for row, picture in enumerate(column):
-            sheet.paste(picture, (number % COLUMNS * SIDE, (number // COLUMNS * 3 + row) * SIDE))
-    sheet.save(output)
+            place = number % given.columns * side, (number // given.columns * 3 + row) * side
+            sheet.paste(picture, place)
+    sheet.save(given.output)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), *sys.argv[2:])
+    main(sys.argv[1:])
