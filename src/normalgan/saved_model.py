@@ -42,12 +42,15 @@ def _backend(name: str, size: int | None) -> Backend:
         return OnnxBackend(path)
     # Late: torch takes seconds to import.
     from normalgan.painting.torch_backend import TorchBackend
+    from normalgan.weights.checkpoint import read_checkpoint
     from normalgan.weights.file import SUFFIX, read_weights
 
     if path.suffix.lower() == SUFFIX:
         weights = read_weights(path)
-        return TorchBackend(weights.generator(), weights.notes.size, refined=weights.notes.refined)
-    from normalgan.exporting.deployed import load as load_checkpoint
-
-    model, notes = load_checkpoint(path, size)
-    return TorchBackend(model.generator, model.size, refined=notes.refined)
+    else:
+        checkpoint = read_checkpoint(path)
+        size = size or checkpoint.trained_size()
+        if size is None:
+            raise InputError(f"{path} does not say of what size its pictures are; export it first.")
+        weights = checkpoint.weights(size)
+    return TorchBackend(weights.generator(), weights.notes.size, refined=weights.notes.refined)

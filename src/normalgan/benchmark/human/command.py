@@ -20,14 +20,10 @@ from normalgan.benchmark.table import figure_cell, interval_cell
 from normalgan.benchmark.training import write_json
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files import write_bytes
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.painter import Painter
-from normalgan.weights.checkpoint import read_checkpoint
-from normalgan.weights.file import SUFFIX, read_weights
+from normalgan.saved_model import load
 
 __all__ = ["find_drawings", "human", "tables"]
 
-SHIPPED = "shipped"
 _GALLERY = 6
 _SEED = 0
 _LAYOUTS = (
@@ -62,7 +58,7 @@ def human(
             )
     drawings = [drawing for drawing in found.drawings if not groups or drawing.group in groups]
     say(f"{found.layout}: {len(drawings)} drawings in {folder}")
-    measured = measure_drawings(drawings, _painter(name), _SEED, _GALLERY, say)
+    measured = measure_drawings(drawings, load(name), _SEED, _GALLERY, say)
     measured.left_out = [*found.left_out, *measured.left_out]
     if not measured.drawings:
         raise InputError(f"none of the drawings in {folder} can be measured; {measured.left_out[0]}")
@@ -150,22 +146,3 @@ def tables(layout: str, model: str, measured: Measurement) -> str:
 
 def _degrees(value: float | None) -> str:
     return "–" if value is None else f"{value:.2f}°"
-
-
-def _painter(name: str) -> Painter:
-    """Return a model of any kind of file as what paints."""
-    if name == SHIPPED:
-        return Painter(OnnxBackend(find_model()))
-    path = Path(name)
-    if path.suffix.lower() == ".onnx":
-        return Painter(OnnxBackend(find_model(name)))
-    from normalgan.painting.torch_backend import TorchBackend
-
-    if path.suffix.lower() == SUFFIX:
-        weights = read_weights(path)
-        return Painter(TorchBackend(weights.generator(), weights.notes.size))
-    checkpoint = read_checkpoint(path)
-    size = checkpoint.generator_size()
-    if size is None:
-        raise InputError(f"{path} does not say of what size its pictures are; export it first.")
-    return Painter(TorchBackend(checkpoint.weights(size).generator(), size))
