@@ -15,6 +15,7 @@ from normalgan.models import (
     GlobalDiscriminator,
     PatchDiscriminator,
     ResidualUNetGenerator,
+    TiledGenerator,
     UNetDiscriminator,
     UNetGenerator,
 )
@@ -24,6 +25,7 @@ from normalgan.objectives import (
     RECONSTRUCTIONS,
     AdversarialObjective,
     AngularLikelihood,
+    CosineAndL2,
     CrossEntropy,
     L1AndHints,
     Reconstruction,
@@ -41,6 +43,7 @@ GENERATORS: dict[str, Callable[[], Generator]] = {
     "unet": lambda: UNetGenerator(size=32, width=4),
     "residual": lambda: ResidualUNetGenerator((8, 8), (1, 1)),
     "residual, batch norm": lambda: ResidualUNetGenerator((8, 8), (1, 1), norm="batch"),
+    "tiled": lambda: TiledGenerator(window=16, widths=(8, 8), blocks=(1, 1)),
 }
 DISCRIMINATORS: dict[str, Callable[[], Discriminator]] = {
     "unet": lambda: UNetDiscriminator(size=32, width=4, norm="instance"),
@@ -50,6 +53,7 @@ DISCRIMINATORS: dict[str, Callable[[], Discriminator]] = {
 RECONSTRUCTION_LOSSES: dict[type[Reconstruction], list[Reconstruction]] = {
     L1AndHints: [L1AndHints()],
     AngularLikelihood: [AngularLikelihood(), AngularLikelihood(angle_weight=3.0)],
+    CosineAndL2: [CosineAndL2()],
 }
 OBJECTIVES: dict[type[AdversarialObjective], AdversarialObjective] = {
     kind: kind() for kind in (CrossEntropy, Wasserstein, WassersteinGradientPenalty)
@@ -92,7 +96,8 @@ def test_every_loss_is_tried_here() -> None:
         for name in GENERATORS
         for few in RECONSTRUCTION_LOSSES.values()
         for loss in few
-        if name != "unet" or not isinstance(loss, AngularLikelihood)  # which needs a confidence
+        if name not in {"unet", "tiled"}
+        or not isinstance(loss, AngularLikelihood)  # which needs a confidence
     ],
     ids=str,
 )

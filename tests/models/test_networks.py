@@ -122,5 +122,5 @@ def test_wrong_sizes_are_said() -> None:
 
 
 def test_all_are_registered() -> None:
-    assert GENERATORS.names() == ["ResidualUNetGenerator", "UNetGenerator"]
+    assert GENERATORS.names() == ["ResidualUNetGenerator", "TiledGenerator", "UNetGenerator"]
     assert DISCRIMINATORS.names() == ["GlobalDiscriminator", "PatchDiscriminator", "UNetDiscriminator"]

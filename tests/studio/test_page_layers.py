@@ -131,7 +131,9 @@ def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
     assert names(studio) == ["Layer 1"]
     assert page.locator("#layer-remove").is_disabled()
     page.locator("#history summary").click()
-    steps = page.locator("#history-list button").all_inner_texts()
+    rows = page.locator("#history-list button")
+    rows.first.wait_for()  # the list is filled once it is open
+    steps = rows.all_inner_texts()
     assert steps[-6:] == [
         "Layer added",
         "Line",
@@ -186,7 +188,9 @@ def test_a_saved_project_keeps_its_history(studio: Studio, tmp_path: Path) -> No
         page.keyboard.press("Control+Shift+z")
     assert studio.inked(MIDDLE + 40 + 80, MIDDLE)
     page.locator("#history summary").click()
-    steps = page.locator("#history-list button").all_inner_texts()
+    rows = page.locator("#history-list button")
+    rows.first.wait_for()  # the list is filled once it is open
+    steps = rows.all_inner_texts()
     assert steps == ["Beginning", "Line", "Layer added", "Line"]
     page.locator("#history summary").click()
     page.keyboard.press("Control+z")

@@ -18,7 +18,7 @@ from normalgan.shipped_configs import find_config
 __all__ = ["PLACEMENTS", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
 
 Settings = dict[str, Any]
-TEST_DATA = ("hand", "lines", "medium")
+_TEST_DATA = ("hand", "lines", "medium")
 """Settings of the data that may be others for the test split: how it is drawn, not what."""
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
 """See `normalgan.benchmark.placements`, which needs torch."""
@@ -118,9 +118,9 @@ class Plan:
         unknown = [name for name in self.placements if name not in PLACEMENTS]
         if unknown:
             raise InputError(f"there is no placement {unknown[0]!r} in a plan; use {', '.join(PLACEMENTS)}.")
-        other = [name for name in self.test_data if name not in TEST_DATA]
+        other = [name for name in self.test_data if name not in _TEST_DATA]
         if other:
-            raise InputError(f"test_data of a plan has {', '.join(TEST_DATA)} alone, not {other[0]}.")
+            raise InputError(f"test_data of a plan has {', '.join(_TEST_DATA)} alone, not {other[0]}.")
         if bool(self.placements) != bool(self.placement_counts):
             raise InputError("a plan has placements if and only if it has placement_counts.")
         twice = [name for name, times in Counter(row.name for row in self.rows).items() if times > 1]

@@ -14,7 +14,7 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["Found", "HumanDrawing", "read_json", "stroke_of"]
 
-LARGEST_SIDE = 4096
+_LARGEST_SIDE = 4096
 """Longer drawings are a mistake: the map of one would take minutes."""
 
 
@@ -43,8 +43,8 @@ class HumanDrawing:
     def __post_init__(self) -> None:
         if not self.strokes:
             raise InputError(f"{self.name} has no stroke of two points or more.")
-        if not 8 <= self.side <= LARGEST_SIDE:
-            raise InputError(f"{self.name} is {self.side} pixels wide; 8 to {LARGEST_SIDE} can be measured.")
+        if not 8 <= self.side <= _LARGEST_SIDE:
+            raise InputError(f"{self.name} is {self.side} pixels wide; 8 to {_LARGEST_SIDE} can be measured.")
 
 
 @dataclass(frozen=True)
