@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -203,6 +204,13 @@ class Studio:
         column, row = self.on_board(x, y)
         self.page.mouse.move(2, 2)  # away with the nib
         return bool(self.screen()[round(row), round(column)].max() < 128)
+
+    def wait_for_ink(self, x: float, y: float) -> None:
+        """Wait until there is ink at a point: another drawing is on the screen with the frame after its map."""
+        end = time.monotonic() + 10
+        while not self.inked(x, y):
+            assert time.monotonic() < end, f"there is no ink at ({x}, {y})"
+            self.page.wait_for_timeout(50)
 
     def status(self) -> str:
         """Return what the status says."""

@@ -224,7 +224,7 @@ def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -
         studio.page.wait_for_function("() => document.getElementById('restore-list').children.length === 2")
         with studio.repainting():
             rows.nth(1).locator(".project").click()
-        assert studio.inked(100, 60)  # the oldest
+        studio.wait_for_ink(100, 60)  # the oldest
         assert studio.page.locator("#restore").is_hidden()
     finally:
         context.close()
