@@ -206,7 +206,7 @@ class Studio:
         return bool(self.screen()[round(row), round(column)].max() < 128)
 
     def wait_for_ink(self, x: float, y: float) -> None:
-        """Wait until there is ink at a point: another drawing is on the screen with the frame after its map."""
+        """Wait for ink at a point: another drawing is on the screen with the frame after its map."""
         end = time.monotonic() + 10
         while not self.inked(x, y):
             assert time.monotonic() < end, f"there is no ink at ({x}, {y})"
