@@ -108,7 +108,8 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
         drawings = draw(count, folder)
         cold_starts = [cold(model, drawings[0], folder / "cold") for _ in range(rounds)]
         session, single = OnnxBackend(model), OnnxBackend(model, threads=1)
-        seen = [prepare(read_picture(path), session.size).seen for path in drawings]
+        pictures = map(read_picture, drawings)
+        seen = [prepare(each, session.size, line_widths=session.line_widths).seen for each in pictures]
         session.paint(seen[0])
         single.paint(seen[0])
         bare: list[tuple[float, float]] = []

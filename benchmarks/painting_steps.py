@@ -65,7 +65,7 @@ def once(drawing: Picture, backend: OnnxBackend) -> dict[str, float]:
     clock = Clock()
     start = time.process_time()
     with clock.steps():
-        prepared = preparation.prepare(drawing, backend.size)
+        prepared = preparation.prepare(drawing, backend.size, line_widths=backend.line_widths)
     painted = clock.wrap("network", backend.paint)(prepared.seen, prepared.hints)
     upsample = clock.wrap("upsample", backend.upsample)
     clock.wrap("finish", pipeline.finish)(prepared, *painted, upsample)

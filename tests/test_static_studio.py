@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -88,6 +89,13 @@ def test_it_paints_what_python_paints(studio: "Page", name: str) -> None:
     picture = read_picture(ROOT / "examples" / "sketches" / f"{name}.png").resized((SIDE, SIDE))
     grey = np.rint(picture.colour[..., 0] * 255).astype(np.uint8)
     assert_alike(studio, grey, [{"x": 250, "y": 240, "normal": [-0.6, 0.0, 0.8]}])
+
+
+@pytest.mark.parametrize("width", [1, 2])
+def test_lines_of_any_width_and_areas_are_shown_as_python_shows_them(studio: "Page", width: int) -> None:
+    ink = cv2.dilate(outline(blob()), np.ones((width, width), np.uint8))
+    ink[80:96, 160:176] = 1  # an area, too small to be taken for paint
+    assert_alike(studio, np.rint(255 * (1 - ink)).astype(np.uint8), [])
 
 
 def test_gaps_are_closed_as_python_closes_them(studio: "Page") -> None:

@@ -111,7 +111,7 @@ def paint(samples: Path, split: str, out: Path) -> None:
         hints = Hints(points, truth[rows[chosen], columns[chosen]].astype(np.float32)) if hinted else None
         picture = Picture(np.repeat(1 - sketch[..., None].astype(np.float32) / 255, 3, -1), None)
         try:
-            prepared = prepare(picture, network.size, None, hints)
+            prepared = prepare(picture, network.size, None, hints, line_widths=network.line_widths)
         except InputError as error:
             print(f"{split} {i}: {error}")
             continue

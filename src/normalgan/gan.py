@@ -17,6 +17,7 @@ from normalgan.errors import InputError
 from normalgan.hints import ErrorHintSampler, HintSampler
 from normalgan.hints.draw import draw_hints, draw_hints_by_name
 from normalgan.hints.noise import turn_hints
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.condition import make_condition, paste_hints
@@ -69,6 +70,8 @@ class NormalGAN(LightningModule):
         seed: of the hints and the noise.
         refined: whether its maps, enlarged to a drawing's size, are mended by the refiner of the package,
             which was trained for the weights that come with it.
+        line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
+            as drawn when it predicts; others are drawn anew, 1.25 wide. About those of its training.
 
     References:
         He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling".
@@ -92,6 +95,7 @@ class NormalGAN(LightningModule):
         noise_at_test: bool = False,
         seed: int = 0,
         refined: bool = False,
+        line_widths: LineWidths = USUAL_WIDTHS,
     ) -> None:
         super().__init__()
         if n_critic < 1:
@@ -127,6 +131,7 @@ class NormalGAN(LightningModule):
         self.noise_at_test = noise_at_test
         self.seed = seed
         self.refined = refined
+        self.line_widths = check_line_widths(line_widths)
         self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 

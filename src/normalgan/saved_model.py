@@ -53,4 +53,5 @@ def _backend(name: str, size: int | None) -> Backend:
         if size is None:
             raise InputError(f"{path} does not say of what size its pictures are; export it first.")
         weights = checkpoint.weights(size)
-    return TorchBackend(weights.generator(), weights.notes.size, refined=weights.notes.refined)
+    notes = weights.notes
+    return TorchBackend(weights.generator(), notes.size, refined=notes.refined, line_widths=notes.line_widths)

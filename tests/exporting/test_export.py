@@ -90,6 +90,7 @@ def test_the_file_says_what_it_is_and_nothing_of_the_machine(exported: Export) -
         "hint_sampler": '{"class_path": "UniformHints", "init_args": {}}',
         "noise_at_test": "false",
         "refined": "false",
+        "line_widths": "0.8 1.9",
         "seed": "0",
     }
     for trace in (b".py", str(Path(normalgan.__file__).parent).encode(), str(Path.home()).encode()):

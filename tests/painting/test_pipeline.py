@@ -79,6 +79,32 @@ def test_the_model_sees_lines_of_the_width_it_knows(width: float) -> None:
     assert seen.max() > 0.9
 
 
+def test_lines_that_the_model_knows_are_shown_as_they_were_drawn() -> None:
+    picture, _ = drawn(2, 5.0)
+    prepared = prepare(picture, 128, line_widths=(0.5, 5.0))
+    assert (prepared.seen == prepared.frame.cut(prepared.ink)).all()
+    assert prepared.seen.sum() > 1.5 * prepare(picture, 128).seen.sum()
+
+
+def test_beside_lines_that_the_model_knows_only_areas_are_drawn_anew() -> None:
+    picture, _ = drawn(2, 5.0)
+    colour = picture.colour.copy()
+    colour[160:220, 260:340] = 0
+    seen, without = (
+        prepare(Picture(each, None), 128, line_widths=(0.5, 5.0)) for each in (colour, picture.colour)
+    )
+    changed = np.abs(seen.seen - without.seen) > 0.1
+    rows, columns = np.nonzero(changed)
+    frame = seen.frame
+    assert frame == without.frame
+    scale = frame.side / frame.size
+    assert frame.top + scale * rows.min() > 150
+    assert frame.top + scale * rows.max() < 230
+    assert frame.left + scale * columns.min() > 250
+    assert frame.left + scale * columns.max() < 350
+    assert not seen.seen[int((190 - frame.top) / scale), int((300 - frame.left) / scale)]
+
+
 def test_hints_reach_the_pixel_they_are_for(model: Path) -> None:
     picture, _ = drawn()
     hint = normalize(np.array([[-0.8, 0.1, 0.6]]))

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 
+from normalgan.painting.onnx_backend import OnnxBackend
 from normalgan.studio.page_files import markup
 
 ROOT = Path(__file__).parents[2]
@@ -100,6 +101,8 @@ def build(folder: Path, runtime: bytes) -> None:
         shutil.copy(path, page)
     for path in (*MODELS, CLAY):
         shutil.copy(path, page)
+    notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths}  # a browser's runtime does not read them
+    (page / "model.json").write_text(json.dumps(notes) + "\n", encoding="utf-8")
     with tarfile.open(fileobj=io.BytesIO(runtime)) as packed:
         for name in RUNTIME:
             member = packed.extractfile(f"package/dist/{name}")

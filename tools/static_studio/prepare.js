@@ -17,9 +17,8 @@ import { blurred, boxOf, components, distance, enclosedBy, extreme, opposite, pa
  * @property {boolean} guessed whether a wide gap was closed
  */
 
-/** What the network was trained on: lines so wide in its pixels; those nearly so wide are left alone. */
+/** Pixels of the network that lines are wide where they are drawn anew. */
 const WIDTH = 1.25;
-const LEFT_ALONE = [0.8, 1.9];
 const FINER = 4;
 const MARGIN = 0.06;
 const PAPER = 512;
@@ -33,9 +32,10 @@ export class Unpaintable extends Error {}
  * @param {number} size side of the network's pictures
  * @param {null | "outline" | "model"} source where the mask comes from
  * @param {number | null} longest longer side of the map; null is the drawing's
+ * @param {[number, number]} widths of lines that the network is shown as they were drawn, in its pixels
  * @returns {Prepared}
  */
-export function prepare(plane, size, source, longest) {
+export function prepare(plane, size, source, longest, widths) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
   const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, Math.round(side * scale)));
   const { dark, alpha } = brightness(plane, width, height);
@@ -53,7 +53,7 @@ export function prepare(plane, size, source, longest) {
   const [left, top, right, bottom] = box;
   const side = Math.max(right - left, bottom - top) / (1 - 2 * MARGIN);
   const frame = { left: Math.round((left + right - side) / 2), top: Math.round((top + bottom - side) / 2), side: Math.round(side), size };
-  const seen = shown(ink, width, height, frame);
+  const seen = shown(ink, width, height, frame, widths);
   const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, alpha: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
@@ -179,9 +179,9 @@ export function lineWidth(inked, width, height, depth = distance(inked, width, h
 
 /**
  * Returns what the network is shown: lines as wide as those it was trained on, areas as their outline.
- * @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame
+ * @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths
  */
-function shown(ink, width, height, frame) {
+function shown(ink, width, height, frame, widths) {
   const fine = frame.size * FINER;
   const whole = where(cut(ink, width, height, { ...frame, size: fine }), (value) => value > 0.5);
   const found = boxOf(whole, fine, fine);
@@ -194,15 +194,19 @@ function shown(ink, width, height, frame) {
   const depth = distance(inked, wide, high, true);
   const lines = lineWidth(inked, wide, high, depth);
   const thick = areas(inked, wide, high, lines, depth, fine);
+  const known = lines >= widths[0] * FINER && lines <= widths[1] * FINER;
+  if (known && !thick) return cut(ink, width, height, frame);
   let [drawn, drawnWidth] = [inked, WIDTH * FINER - lines + 1];
-  if (thick || lines > LEFT_ALONE[1] * FINER) {
-    [drawn, drawnWidth] = [middle(inked, wide, high, lines, thick), WIDTH * FINER];
-  } else if (lines >= LEFT_ALONE[0] * FINER) return cut(ink, width, height, frame);
+  if (thick || lines > widths[1] * FINER) {
+    [drawn, drawnWidth] = [known && thick ? edge(inked, thick, wide, high) : middle(inked, wide, high, lines, thick), WIDTH * FINER];
+  }
   const away = distance(opposite(drawn), wide, high);
   const out = new Float32Array(fine * fine);
   for (let y = 0; y < high; y++) {
     for (let x = 0; x < wide; x++) {
-      out[(y + top) * fine + x + left] = Math.max(0, Math.min(1, drawnWidth / 2 + 0.5 - away[y * wide + x]));
+      const i = y * wide + x;
+      const kept = known && inked[i] && !thick?.[i];
+      out[(y + top) * fine + x + left] = kept ? 1 : Math.max(0, Math.min(1, drawnWidth / 2 + 0.5 - away[i]));
     }
   }
   return resized(out, fine, fine, frame.size, frame.size);
@@ -231,7 +235,16 @@ function middle(inked, width, height, lines, thick) {
   const smooth = blurred(inked, width, height, Math.max(lines / 4, 0.5));
   const thin = thinned(where(smooth, (value, i) => value > 0.5 && !thick?.[i]), width, height);
   if (!thick) return thin;
+  const rim = edge(inked, thick, width, height);
+  return where(thin, (value, i) => value > 0 || rim[i] > 0);
+}
+
+/**
+ * Returns the outline of areas but where they go over into a line.
+ * @param {Uint8Array} inked @param {Uint8Array} thick @param {number} width @param {number} height
+ */
+function edge(inked, thick, width, height) {
   const inner = extreme(thick, width, height, 1, -1);
   const onto = extreme(where(inked, (value, i) => value > 0 && !thick[i]), width, height, 1, 1);
-  return where(thin, (value, i) => value > 0 || (thick[i] > 0 && !inner[i] && !onto[i]));
+  return where(thick, (value, i) => value > 0 && !inner[i] && !onto[i]);
 }

@@ -32,19 +32,27 @@ const painted = new Map();
 let turn = Promise.resolve();
 
 async function load() {
-  const [session, second] = await Promise.all([network("ours.onnx"), network("refiner.onnx")]);
+  const [session, second, notes] = await Promise.all([network("ours.onnx"), network("refiner.onnx"), file("model.json")]);
+  /** @type {{line_widths: [number, number]}} */
+  const { line_widths: widths } = await notes.json();
   /** @type {import("./finish.js").Refiner} */
   const refiner = async (planes, width, height) => {
     const { normal } = await second.run({ planes: new ort.Tensor("float32", planes, [1, 6, height, width]) });
     return normal.data;
   };
-  return { session, refiner, size: Number(session.inputMetadata[0].shape[3]) };
+  return { session, refiner, widths, size: Number(session.inputMetadata[0].shape[3]) };
+}
+
+/** @param {string} name */
+async function file(name) {
+  const answer = await fetch(new URL(name, import.meta.url));
+  if (!answer.ok) throw new Error("the model cannot be fetched");
+  return answer;
 }
 
 /** @param {string} name */
 async function network(name) {
-  const answer = await fetch(new URL(name, import.meta.url));
-  if (!answer.ok) throw new Error("the model cannot be fetched");
+  const answer = await file(name);
   return ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
 }
 
@@ -69,10 +77,10 @@ async function recalled(kept, key, make) {
 
 /** @param {Layer} layer @param {Wish["source"]} source @param {number | null} longest @returns {Promise<Painted>} */
 async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
-  const { session, refiner, size } = await ready;
+  const { session, refiner, widths, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
   return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
-    const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest));
+    const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest, widths));
     const { width, height, frame } = lines;
     const scale = width / ink.width;
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);

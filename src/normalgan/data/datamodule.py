@@ -29,6 +29,7 @@ from normalgan.data.stream import StreamDataset
 from normalgan.data.training_data import changes, describe_training_data
 from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
+from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.painting.jobs import find_files
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
@@ -277,7 +278,9 @@ class MeshDataModule(LightningDataModule):
             if self.sketches is None:
                 raise InputError("predict needs drawings: --data.sketches names a folder, a glob or a list.")
             files = find_files(self.sketches, hints=self.hints, mask=self.mask)
-            self._drawings = SketchDataset(files, self.recipe.size, self.map_size)
+            model = self.trainer.lightning_module if self.trainer is not None else None
+            widths = getattr(model, "line_widths", USUAL_WIDTHS)  # another one's module does not say
+            self._drawings = SketchDataset(files, self.recipe.size, self.map_size, widths)
 
     def _describe_training_data(self) -> dict[str, Any]:
         """Return all that decides which training samples come when, by setting, as plain values for JSON."""

@@ -12,6 +12,7 @@ from torch.utils.data import Dataset
 
 from normalgan.batch import Sketches
 from normalgan.errors import InputError, named
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.painting.inputs import check_size, prepare_any
 from normalgan.painting.jobs import DrawingFiles
 from normalgan.painting.parallel import stream
@@ -41,16 +42,24 @@ class SketchDataset(Dataset[SketchSample]):
         files: the drawings with their hints and masks, as `normalgan.painting.jobs.find_files` finds them.
         size: side of the generator's pictures.
         longest: longer side of the maps in pixels; None is the drawing's.
+        line_widths: of the lines that the generator is shown as they were drawn, in its pixels.
 
     Raises:
         InputError: if a drawing, its hints or its mask cannot be used.
     """
 
-    def __init__(self, files: Sequence[DrawingFiles], size: int, longest: int | None = None) -> None:
+    def __init__(
+        self,
+        files: Sequence[DrawingFiles],
+        size: int,
+        longest: int | None = None,
+        line_widths: LineWidths = USUAL_WIDTHS,
+    ) -> None:
         check_size(longest)
         self.files = files
         self._size = size
         self._longest = longest
+        self._line_widths = line_widths
         self._lock = Lock()
         self._kept: OrderedDict[str, Prepared] = OrderedDict()
         self._by_name = {each.drawing.stem: each for each in files}
@@ -66,7 +75,9 @@ class SketchDataset(Dataset[SketchSample]):
                 return self._kept[name]
         files = self._by_name[name]
         try:
-            found = prepare_any(files.drawing, self._size, files.hints, files.mask, self._longest)
+            found = prepare_any(
+                files.drawing, self._size, files.hints, files.mask, self._longest, self._line_widths
+            )
         except InputError as error:
             raise named(files.drawing, error) from error
         with self._lock:

@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+from normalgan.line_widths import LineWidths
 from normalgan.normals import Floats
 from normalgan.painting.upsampling import Upsampler
 
@@ -14,6 +15,11 @@ class Backend(Protocol):
     @property
     def size(self) -> int:
         """Side in pixels of the pictures that it takes and paints."""
+        ...
+
+    @property
+    def line_widths(self) -> LineWidths:
+        """The lines that it is shown as they were drawn, in pixels of its pictures."""
         ...
 
     @property

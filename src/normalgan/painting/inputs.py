@@ -11,6 +11,7 @@ from PIL import Image, ImageOps
 from normalgan.decoding import Decoded, Pixels
 from normalgan.drawings import LARGEST, SMALLEST
 from normalgan.errors import InputError, brief
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.normals import Floats, normalize
 from normalgan.painting.hint_files import Hints, load_hints, parse_hints
 from normalgan.painting.jobs import MODEL, OUTLINE
@@ -42,6 +43,7 @@ def prepare_any(
     hints: AnyHints = None,
     mask: AnyMask = None,
     size: int | None = None,
+    line_widths: LineWidths = USUAL_WIDTHS,
 ) -> Prepared:
     """Return a drawing as far as it gets without the network.
 
@@ -55,6 +57,7 @@ def prepare_any(
             black; ``outline`` fills the drawing's own, ``model`` leaves it to the network; None takes the
             drawing's opacity if that tells, else its outline.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
+        line_widths: of the lines that the network is shown as they were drawn, in its pixels.
 
     Raises:
         InputError: if something cannot be used.
@@ -63,7 +66,8 @@ def prepare_any(
     picture = as_picture(image, size)
     source = mask if isinstance(mask, str) and mask in {OUTLINE, MODEL} else None
     where = None if source is not None else as_mask(mask, picture.shape)
-    return prepare(picture, network_size, where, as_hints(hints, picture.shape), size, source)
+    given = as_hints(hints, picture.shape)
+    return prepare(picture, network_size, where, given, size, source, line_widths=line_widths)
 
 
 def check_size(size: int | None) -> None:

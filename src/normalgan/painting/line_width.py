@@ -4,25 +4,27 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 from normalgan.normals import Floats
 from normalgan.painting.framing import Frame
 
-__all__ = ["KNOWN_WIDTH", "Mark", "areas", "line_width", "middle", "show"]
+__all__ = ["Mark", "areas", "line_width", "middle", "show"]
 
-KNOWN_WIDTH = 1.25
-"""Pixels of the model that the lines of training samples are wide."""
-_LEFT_ALONE = (0.8, 1.9)
-"""Lines from and to as many pixels of the model are not drawn anew: anew they lose some of their hand."""
 _FINER = 4
 """Lines are thinned with as many pixels a side for each of the model."""
 Mark = NDArray[np.bool_]
 
 
-def show(ink: Floats, frame: Frame) -> Floats:
+def show(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
     """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1].
 
-    Lines much narrower than `KNOWN_WIDTH` are made thicker, much wider ones are drawn anew along their
-    middle; areas, whose width is no line's, are drawn as their outline.
+    Lines narrower than the model knows are made thicker, wider ones are drawn anew along their middle: anew
+    they lose some of their hand. Areas, whose width is no line's, are drawn as their outline.
+
+    Args:
+        ink: (H, W).
+        frame: the square that the model is shown.
+        widths: of the lines that the model knows.
     """
     fine = Frame(frame.shape, frame.left, frame.top, frame.side, frame.size * _FINER)
     whole = fine.cut(ink) > 0.5
@@ -32,15 +34,20 @@ def show(ink: Floats, frame: Frame) -> Floats:
     depth = _depth(inked)
     width = _width(inked, depth)
     thick = areas(inked, width, depth, fine.size)
-    if thick.any() or width > _LEFT_ALONE[1] * _FINER:
-        lines, drawn_width = middle(inked, width, thick), KNOWN_WIDTH * _FINER
-    elif width >= _LEFT_ALONE[0] * _FINER:
-        return frame.cut(ink)
+    kept, drawn_width = None, DRAWN_WIDTH * _FINER
+    if widths[0] * _FINER <= width <= widths[1] * _FINER:
+        if not thick.any():
+            return frame.cut(ink)
+        lines, kept = _edge(inked, thick), inked & ~thick
+    elif thick.any() or width > widths[1] * _FINER:
+        lines = middle(inked, width, thick)
     else:
-        lines, drawn_width = inked, KNOWN_WIDTH * _FINER - width + 1
+        lines, drawn_width = inked, DRAWN_WIDTH * _FINER - width + 1
     away = cv2.distanceTransform((~lines).astype(np.uint8), cv2.DIST_L2, 5)
     drawn = np.zeros(whole.shape, np.float32)
     np.clip(np.float32(drawn_width / 2 + 0.5) - away, 0, 1, out=drawn[box])
+    if kept is not None:
+        drawn[box][kept] = 1
     shown = cv2.resize(drawn, (frame.size, frame.size), interpolation=cv2.INTER_AREA)
     return np.asarray(shown, np.float32)
 
@@ -111,11 +118,14 @@ def middle(inked: Mark, width: float, thick: Mark) -> Mark:
     blur = max(width / 4, 0.5)  # a line's rough edges would grow hairs
     smooth = cv2.GaussianBlur(inked.astype(np.float32), (0, 0), blur) > 0.5
     lines: Mark = skeletonize(smooth & ~thick)
+    return lines | _edge(inked, thick)
+
+
+def _edge(inked: Mark, thick: Mark) -> Mark:
+    """Return the outline of areas (H, W) but where they go over into a line: there is no edge."""
     inner = cv2.erode(thick.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    rim = thick & ~inner
-    # Where an area goes over into a line there is no edge.
     onto = cv2.dilate((inked & ~thick).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    return lines | (rim & ~(onto & rim))
+    return thick & ~inner & ~onto
 
 
 def _depth(inked: Mark) -> Floats:

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import onnxruntime
 
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, brief, named
 from normalgan.limits import read_bounded
+from normalgan.line_widths import line_widths_of
 from normalgan.normals import Floats
 from normalgan.painting.onnx_graph import check_graph
 from normalgan.painting.upsampling import upsampler
@@ -101,6 +102,11 @@ class OnnxBackend:
             )
         self.size: int = side
         """Side of the model's pictures in pixels."""
+        try:
+            self.line_widths = line_widths_of(self.notes)
+        except InputError as error:
+            raise named(path, error) from error
+        """The lines that it is shown as they were drawn, in pixels of its pictures."""
         self.upsample = upsampler(refined=self.notes.get("refined") == "true", threads=threads)
         """The step from that size to a drawing's."""
 

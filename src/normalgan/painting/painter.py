@@ -44,4 +44,8 @@ class Painter:
         Raises:
             InputError: if something cannot be used, or the network sees no object.
         """
-        return paint(self.backend, prepare_any(image, self.size, hints, mask, size), self.upsample)
+        return paint(
+            self.backend,
+            prepare_any(image, self.size, hints, mask, size, self.backend.line_widths),
+            self.upsample,
+        )

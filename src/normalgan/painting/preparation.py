@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.normals import Floats
 from normalgan.painting.cleaning import Cleaned, clean
 from normalgan.painting.framing import Bounds, Frame
@@ -38,6 +39,7 @@ class Prepared:
         painted: (h, w), 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere; or None.
         held: whether the outline is open and the mask is the one before it was.
         scenery: whether the mask comes from the outline, and what is behind the object is painted too.
+        line_widths: of the lines that the model is shown as they were drawn.
     """
 
     shape: tuple[int, int]
@@ -53,6 +55,7 @@ class Prepared:
     painted: NDArray[np.int8] | None = None
     held: bool = False
     scenery: bool = False
+    line_widths: LineWidths = USUAL_WIDTHS
 
 
 def prepare(
@@ -63,6 +66,7 @@ def prepare(
     longest: int | None = None,
     source: str | None = None,
     painted: NDArray[np.int8] | None = None,
+    line_widths: LineWidths = USUAL_WIDTHS,
 ) -> Prepared:
     """Clean and frame a picture.
 
@@ -76,6 +80,7 @@ def prepare(
             opacity if that tells, else its outline.
         painted: (H, W) of any size, 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere.
             What was added closes the gaps that it covers in an outline.
+        line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
 
     Raises:
         InputError: if there is no line in it.
@@ -97,19 +102,21 @@ def prepare(
         outline = fill_outline(walls)
         mask, closed, guessed = outline.mask, outline.closed, outline.guessed
         scenery = cleaned.scenery
-    seen = show(cleaned.ink, frame)
-    prepared = Prepared(shape, cleaned.ink, mask, alpha, frame, seen, None, closed, guessed)
-    if scenery:
-        prepared = replace(prepared, scenery=True)
-    if painted is not None:
-        prepared = replace(prepared, painted=painted)
+    seen = show(cleaned.ink, frame, line_widths)
+    prepared = Prepared(
+        *(shape, cleaned.ink, mask, alpha, frame, seen, None, closed, guessed),
+        painted=painted,
+        scenery=scenery,
+        line_widths=line_widths,
+    )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
 def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:
     """Return a prepared drawing framed about a box in pixels of its ``ink``; give hints afterwards."""
     frame = Frame.about(bounds, prepared.ink.shape, prepared.frame.size)
-    return replace(prepared, frame=frame, seen=show(prepared.ink, frame), hints=None, pins=None)
+    seen = show(prepared.ink, frame, prepared.line_widths)
+    return replace(prepared, frame=frame, seen=seen, hints=None, pins=None)
 
 
 def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> Prepared:

@@ -149,7 +149,8 @@ def _prepared(painter: Painter, member: Member, size: int | None) -> Prepared:
     source = member.mask if isinstance(member.mask, str) else None
     assert source in {None, OUTLINE, MODEL}
     mask = None if isinstance(member.mask, str) else member.mask
-    return prepare(member.picture, painter.size, mask, None, size, source)
+    widths = painter.backend.line_widths
+    return prepare(member.picture, painter.size, mask, None, size, source, line_widths=widths)
 
 
 def _check_sizes(members: Sequence[Member]) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.models.condition import make_condition
 from normalgan.normals import Floats
 from normalgan.painting.upsampling import upsampler
@@ -20,12 +21,20 @@ class TorchBackend:
         size: side of its pictures in pixels.
         device: where it paints.
         refined: whether the refiner of the package was trained for it.
+        line_widths: the lines that it is shown as they were drawn, in its pixels.
     """
 
     def __init__(
-        self, generator: nn.Module, size: int, device: str | torch.device = "cpu", *, refined: bool = False
+        self,
+        generator: nn.Module,
+        size: int,
+        device: str | torch.device = "cpu",
+        *,
+        refined: bool = False,
+        line_widths: LineWidths = USUAL_WIDTHS,
     ) -> None:
         self.size = size
+        self.line_widths = line_widths
         self.upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         self._generator = generator.eval().to(device)
         self._device = device

@@ -100,7 +100,10 @@ class Painter:
         if found is None:
             picture, mask = drawing.read_lines()
             by_hand = drawing.read_mask(picture.shape)
-            prepared = prepare(picture, self.model.size, mask, None, longest, drawing.source, by_hand)
+            prepared = prepare(
+                *(picture, self.model.size, mask, None, longest, drawing.source, by_hand),
+                line_widths=self.model.line_widths,
+            )
             if drawing.tab:
                 prepared = self._hold(drawing.tab, prepared, whole=longest is None)
                 key = *key[:2], self._version(drawing.tab)

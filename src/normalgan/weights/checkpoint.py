@@ -16,6 +16,7 @@ from torch.optim.lr_scheduler import LRScheduler
 from normalgan.errors import InputError
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.line_widths import USUAL_WIDTHS, check_line_widths
 from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.registry import Registry, find_imported
@@ -82,6 +83,7 @@ class Checkpoint:
                 seed=int(_number("seed", self.settings.get("seed", 0))),
                 licence=licence,
                 refined=bool(self.settings.get("refined", False)),
+                line_widths=check_line_widths(self.settings.get("line_widths", USUAL_WIDTHS)),
             )
             notes.settings()  # the classes are known
             return Weights(notes, tensors)

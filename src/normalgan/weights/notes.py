@@ -7,6 +7,7 @@ from typing import Any
 from normalgan import __version__
 from normalgan.errors import InputError
 from normalgan.hints import HINT_SAMPLERS
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths, line_widths_of
 from normalgan.models import GENERATORS
 from normalgan.weights.part import LARGEST, Part
 
@@ -25,6 +26,7 @@ class Notes:
         seed: of the hints and the noise.
         licence: of the weights.
         refined: whether the refiner of the package was trained for it, and mends its maps.
+        line_widths: the thinnest and the thickest line that it is shown as drawn, in its pixels.
         version: of normalgan that wrote them.
     """
 
@@ -35,6 +37,7 @@ class Notes:
     seed: int = 0
     licence: str = "not stated"
     refined: bool = False
+    line_widths: LineWidths = USUAL_WIDTHS
     version: str = __version__
 
     def metadata(self) -> dict[str, str]:
@@ -49,6 +52,7 @@ class Notes:
             "noise_at_test": str(self.noise_at_test).lower(),
             "seed": str(self.seed),
             "refined": str(self.refined).lower(),
+            "line_widths": " ".join(map(str, self.line_widths)),
         }
 
     def settings(self) -> dict[str, Any]:
@@ -63,6 +67,7 @@ class Notes:
             "noise_at_test": self.noise_at_test,
             "seed": self.seed,
             "refined": self.refined,
+            "line_widths": self.line_widths,
         }
 
     @classmethod
@@ -80,6 +85,7 @@ class Notes:
             seed=_number(metadata, "seed", 2**63 - 1),
             licence=metadata["licence"],
             refined=metadata.get("refined") == "true",  # files of older versions do not say
+            line_widths=line_widths_of(metadata),
             version=metadata["normalgan_version"],
         )
 

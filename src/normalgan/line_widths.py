@@ -1,0 +1,51 @@
+"""Line widths: which lines of a drawing a model is shown as they were drawn; others are drawn anew for it."""
+
+import math
+from collections.abc import Mapping
+
+from normalgan.errors import InputError
+
+__all__ = ["DRAWN_WIDTH", "USUAL_WIDTHS", "LineWidths", "check_line_widths", "line_widths_of"]
+
+LineWidths = tuple[float, float]
+"""The thinnest and the thickest line that a model knows from its training, in pixels of its pictures."""
+DRAWN_WIDTH = 1.25
+"""How wide lines are drawn anew: as wide as the usual training samples have them."""
+USUAL_WIDTHS: LineWidths = (0.8, 1.9)
+"""Of models that do not say what they know: lines about as wide as that keep the hand that drew them."""
+
+
+def check_line_widths(widths: object) -> LineWidths:
+    """Return the widths as they are used; settings in a file may be anything.
+
+    Raises:
+        InputError: if they are not two widths that `DRAWN_WIDTH` lies between.
+    """
+    match widths:
+        case [int() | float() as thinnest, int() | float() as thickest] if (
+            0 <= thinnest <= DRAWN_WIDTH <= thickest < math.inf
+        ):
+            return float(thinnest), float(thickest)
+    raise InputError(
+        f"line_widths is {str(widths)[:40]}; give two: the thinnest and the thickest line that the model is "
+        f"shown as drawn, in its pixels, at most and at least {DRAWN_WIDTH}."
+    )
+
+
+def line_widths_of(metadata: Mapping[str, str]) -> LineWidths:
+    """Return what the texts in a file of a model say; files of older versions do not say.
+
+    Raises:
+        InputError: if they cannot be used.
+
+    >>> line_widths_of({"line_widths": "0.5 5.0"})
+    (0.5, 5.0)
+    """
+    text = metadata.get("line_widths")
+    if text is None:
+        return USUAL_WIDTHS
+    try:
+        widths = [float(number) for number in text[:80].split()]
+    except ValueError:
+        raise InputError(f"its line_widths is {text[:40]!r}; two numbers stand there.") from None
+    return check_line_widths(widths)
