@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from needs import GODOT3
+from normalgan.__main__ import main
 
 PROJECT = """config_version=4
 
@@ -107,6 +108,22 @@ def test_an_imported_drawing_is_lit_from_where_the_light_is(project: Path) -> No
     back, belly = np.s_[50:110, 100:250], np.s_[150:190, 120:250]
     assert above[back].mean() > below[back].mean() + 20
     assert above[belly].mean() < below[belly].mean() - 20
+
+
+@pytest.mark.slow  # starts Godot
+def test_a_map_for_godot_3_is_imported_as_a_normal_map(tmp_path: Path) -> None:
+    program(GODOT3, "godot3-server")
+    folder = tmp_path / "game"
+    folder.mkdir()
+    (folder / "project.godot").write_text(PROJECT, encoding="utf-8")
+    assert main(["generate", str(FOX), "-o", str(folder), "--engine", "godot3"]) == 0
+    asked = (folder / "fox_n.png.import").read_text(encoding="utf-8")
+    said = imported(folder)
+    assert list((folder / ".import").glob("fox_n.png-*.stex")), said
+    written = (folder / "fox_n.png.import").read_text(encoding="utf-8")
+    settings = [line for line in asked.splitlines() if line.startswith(("compress", "flags", "detect"))]
+    assert len(settings) == 5
+    assert not set(settings) - set(written.splitlines())
 
 
 @pytest.mark.slow  # starts Godot

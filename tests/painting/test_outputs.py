@@ -118,7 +118,7 @@ def test_heights_of_a_batch_have_one_scale(here: Path) -> None:
             assert tops[scale][name] == pytest.approx(65535 * spans[name] / white, rel=1e-3), (scale, name)
 
 
-@pytest.mark.parametrize("engine", ["unity", "unreal", "godot", "blender"])
+@pytest.mark.parametrize("engine", ["unity", "unreal", "godot", "godot3", "blender"])
 def test_an_engine_sets_its_conventions_and_is_told_how_to_import(here: Path, engine: str) -> None:
     assert generate("fox.png", "-o", "plain") == 0
     assert generate("fox.png", "-o", "out", "--engine", engine) == 0
@@ -127,6 +127,7 @@ def test_an_engine_sets_its_conventions_and_is_told_how_to_import(here: Path, en
         "unity": ("fox_NormalMap.png", ".meta", 1, np.uint8),
         "unreal": ("fox_N.png", ".import.py", -1, np.uint8),
         "godot": ("fox_n.png", ".import", 1, np.uint8),
+        "godot3": ("fox_n.png", ".import", -1, np.uint8),
         "blender": ("fox_normal.png", ".import.py", 1, np.uint16),
     }[engine]
     assert names == {map_name, map_name + sidecar}
@@ -137,7 +138,7 @@ def test_an_engine_sets_its_conventions_and_is_told_how_to_import(here: Path, en
     match engine:
         case "unity":
             assert yaml.safe_load(text)["TextureImporter"]["textureType"] == 1
-        case "godot":
+        case "godot" | "godot3":
             assert "compress/normal_map=1" in text
         case _:
             ast.parse(text)

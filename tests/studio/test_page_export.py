@@ -50,7 +50,7 @@ def test_all_files_come_in_one_zip(ball: Studio, tmp_path: Path) -> None:
     name = export(ball, tmp_path / "all.zip", name="fox", what="all", format="godot", size="512")
     assert name == "fox_godot.zip"
     with zipfile.ZipFile(tmp_path / "all.zip") as archive:
-        assert len(archive.namelist()) == 8  # with what Godot imports the map by
+        assert len(archive.namelist()) == 10  # with what Godot imports the map by
         for each in archive.namelist():
             if each.endswith(".png"):
                 assert Image.open(io.BytesIO(archive.read(each))).size == (512, 512), each

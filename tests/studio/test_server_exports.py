@@ -31,20 +31,26 @@ def pixels(content: bytes) -> NDArray[Any]:
     return np.asarray(Image.open(io.BytesIO(content)))
 
 
+BESIDE = "fox_ao.png fox_curvature.png fox_specular.png fox_preview.png"
+
+
 @pytest.mark.parametrize(
     ("preset", "names"),
     [
-        (
-            "plain",
-            "fox_normal.png fox_line.png fox_mask.png fox_height.png fox_ao.png fox_preview.png",
-        ),
+        ("plain", "fox_normal.png fox_line.png fox_mask.png fox_height.png " + BESIDE),
         (
             "unity",
-            "fox_NormalMap.png fox_LineArt.png fox_Mask.png fox_Height.png fox_Occlusion.png fox_Preview.png",
+            "fox_NormalMap.png fox_LineArt.png fox_Mask.png fox_Height.png "
+            "fox_Occlusion.png fox_Curvature.png fox_Specular.png fox_Preview.png",
         ),
-        ("unreal", "T_fox_N.png T_fox_L.png T_fox_M.png T_fox_H.png T_fox_AO.png T_fox_Preview.png"),
-        ("godot", "fox_n.png fox_line.png fox_mask.png fox_height.png fox_ao.png fox_preview.png"),
-        ("blender", "fox_normal.png fox_line.png fox_mask.png fox_height.tiff fox_ao.png fox_preview.png"),
+        (
+            "unreal",
+            "T_fox_N.png T_fox_L.png T_fox_M.png T_fox_H.png "
+            "T_fox_AO.png T_fox_C.png T_fox_S.png T_fox_Preview.png",
+        ),
+        ("godot", "fox_n.png fox_line.png fox_mask.png fox_height.png " + BESIDE),
+        ("godot3", "fox_n.png fox_line.png fox_mask.png fox_height.png " + BESIDE),
+        ("blender", "fox_normal.png fox_line.png fox_mask.png fox_height.tiff " + BESIDE),
     ],
 )
 def test_all_files_come_as_the_program_wants_them(
@@ -58,21 +64,37 @@ def test_all_files_come_as_the_program_wants_them(
     assert name == f"fox_{preset}.zip"
     files = unzipped(content)
     own = names.split(maxsplit=1)[0]  # beside it, what the program imports it by, as of generate --engine
-    beside = {"plain": "", "unity": ".meta", "godot": ".import"}.get(preset, ".import.py")
+    beside = {"plain": "", "unity": ".meta", "godot": ".import", "godot3": ".import"}.get(
+        preset, ".import.py"
+    )
     assert set(files) == {*names.split(), "README.txt", *([own + beside] if beside else [])}
-    normal, line, mask, height, _, preview = (files[each] for each in names.split())
+    normal, line, mask, height, *shading, preview = (files[each] for each in names.split())
     assert line == art
     found = pixels(normal)
     assert found.shape == (HEIGHT, WIDTH, 4)
     assert normal[24] == (16 if preset == "blender" else 8)  # the bits in a PNG's head
-    if preset == "unreal":
+    if preset in {"unreal", "godot3"}:
         green = np.where(up[..., 3] > 0, 255 - up[..., 1].astype(int), up[..., 1])
         assert np.abs(found[..., 1].astype(int) - green)[up[..., 3] > 0].max() <= 1
     elif preset != "blender":
         assert np.array_equal(found, up)
     assert np.array_equal(pixels(mask), up[..., 3])
-    assert pixels(height).shape == (HEIGHT, WIDTH)
+    assert {pixels(each).shape for each in (height, *shading)} == {(HEIGHT, WIDTH)}
+    assert len({each.tobytes() for each in map(pixels, shading)}) == len(shading) == 3
     assert pixels(preview).shape == (HEIGHT, WIDTH, 3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"), [("occlusion", "ao"), ("curvature", "curvature"), ("specular", "specular")]
+)
+def test_one_of_the_shading_maps_is_that_of_all_files(
+    model: Path, tmp_path: Path, kind: str, name: str
+) -> None:
+    with serving(model, tmp_path) as client:
+        alone, content = exported(client, what=kind)
+        _, whole = exported(client, number=2, what="all", format="plain")
+    assert alone == f"fox_{name}.png"
+    assert unzipped(whole)[alone] == content
 
 
 def test_the_edge_of_the_alpha_is_smooth(model: Path, tmp_path: Path) -> None:

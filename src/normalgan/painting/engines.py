@@ -10,7 +10,7 @@ from normalgan.normals import Bits, Green
 
 __all__ = ["CONVENTIONS", "Convention", "Engine", "sidecar"]
 
-Engine = Literal["unity", "unreal", "godot", "blender"]
+Engine = Literal["unity", "unreal", "godot", "godot3", "blender"]
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,7 @@ CONVENTIONS: dict[Engine, Convention] = {
     # Unreal Engine, recommended asset naming: T_Name_N; green is flipped for OpenGL's.
     "unreal": Convention("down", 8, "_N", ".import.py"),
     "godot": Convention("up", 8, "_n", ".import"),
+    "godot3": Convention("down", 8, "_n", ".import"),  # its 2D lights take green for down
     "blender": Convention("up", 16, "_normal", ".import.py"),
 }
 
@@ -44,12 +45,18 @@ def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
     """Return the file, and its content, by which an engine imports a map as numbers and no colours.
 
     Args:
-        engine: Unity and Godot read theirs by themselves. Unreal and Blender know no such file; theirs is a
-            script for their Python, which imports the map that lies beside it.
+        engine: Unity and Godot read theirs by themselves; godot is Godot 4. Unreal and Blender know no such
+            file; theirs is a script for their Python, which imports the map that lies beside it.
         target: the map.
     """
-    text = {"unity": _unity, "unreal": _unreal, "godot": _godot, "blender": _blender}[engine](target)
-    return target.with_name(target.name + CONVENTIONS[engine].sidecar), text.encode()
+    texts = {
+        "unity": _unity,
+        "unreal": _unreal,
+        "godot": _godot,
+        "godot3": _godot3,
+        "blender": _blender,
+    }
+    return target.with_name(target.name + CONVENTIONS[engine].sidecar), texts[engine](target).encode()
 
 
 def _unity(target: Path) -> str:
@@ -69,6 +76,14 @@ def _godot(target: Path) -> str:
         f"source_file={json.dumps('res://' + target.name)}\n\n[params]\n\n"
         "compress/mode=0\ncompress/normal_map=1\nroughness/mode=0\n"
         "process/normal_map_invert_y=false\ndetect_3d/compress_to=0\n"
+    )
+
+
+def _godot3(target: Path) -> str:
+    return (
+        '[remap]\n\nimporter="texture"\ntype="StreamTexture"\n\n[deps]\n\n'
+        f"source_file={json.dumps('res://' + target.name)}\n\n[params]\n\n"
+        "compress/mode=0\ncompress/normal_map=1\nflags/filter=true\nflags/srgb=0\ndetect_3d=false\n"
     )
 
 

@@ -1,6 +1,6 @@
 """Outputs: what is written for a drawing: its normal map; on request pictures, a height map, a relief."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -14,11 +14,24 @@ from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import Job
 from normalgan.painting.normal_map import Format, NormalMap
 
-__all__ = ["FEWEST", "Heights", "Outputs", "encode_height", "engine_defaults", "level_heights"]
+__all__ = [
+    "FEWEST",
+    "SHADING",
+    "Heights",
+    "Outputs",
+    "Shading",
+    "encode_height",
+    "engine_defaults",
+    "level_heights",
+    "shading_of",
+]
 
 Heights = list[tuple[Path, float]]
 """Height maps as PNG, and how far each reaches from black to white, in pixels of its map."""
 
+Shading = Literal["ao", "curvature", "specular"]
+SHADING: tuple[Shading, ...] = ("ao", "curvature", "specular")
+"""What the files of `shading_of` are called."""
 FEWEST = 12
 """Fewest triangles of a relief that is closed."""
 
@@ -90,7 +103,7 @@ class Outputs:
         for name in ("preview", "height", "relief"):
             if kind := getattr(self, name):
                 yield f"_{name}.{kind}"
-        yield from (f"_{name}.png" for name in ("ao", "curvature", "specular") if getattr(self, name))
+        yield from (f"_{name}.png" for name in SHADING if getattr(self, name))
 
     def write(self, job: Job, preds: NormalMap) -> Heights:
         """Write what belongs to a drawing, each file whole or not at all; return the height maps.
@@ -146,21 +159,35 @@ class Outputs:
         return self.height is not None or self.relief is not None or self.ao or self.specular
 
     def _write_shading(self, job: Job, preds: NormalMap, height: Floats | None) -> None:
-        if not (self.ao or self.curvature or self.specular):
-            return
-        from normalgan.painting.occlusion import occlusion
-        from normalgan.painting.shading_maps import curvature, gloss
+        wanted = [name for name in SHADING if getattr(self, name)]
+        for name, values in shading_of(preds, wanted, height).items():
+            write_bytes(job.beside(f"_{name}.png"), encode_grey(values))
 
-        maps = {}
-        if height is not None and (self.ao or self.specular):
-            maps["ao"] = occlusion(height, preds.extended, preds.mask)
-        if self.curvature or self.specular:
-            maps["curvature"] = curvature(preds.extended, preds.mask)
-        if self.specular:
-            maps["specular"] = gloss(maps["ao"], maps["curvature"], preds.mask)
-        for name, values in maps.items():
-            if getattr(self, name):
-                write_bytes(job.beside(f"_{name}.png"), encode_grey(values))
+
+def shading_of(
+    preds: NormalMap, wanted: Collection[Shading], height: Floats | None = None
+) -> dict[Shading, Floats]:
+    """Return maps of how much light a surface is given and gives back, (H, W) in [0, 1].
+
+    Args:
+        preds: the map they are of.
+        wanted: which of them.
+        height: (H, W) in pixels, as `NormalMap.height` gives it; None has it integrated where it is needed.
+    """
+    if not wanted:
+        return {}
+    from normalgan.painting.occlusion import occlusion
+    from normalgan.painting.shading_maps import curvature, gloss
+
+    maps: dict[Shading, Floats] = {}
+    if "ao" in wanted or "specular" in wanted:
+        height = preds.height() if height is None else height
+        maps["ao"] = occlusion(height.astype(np.float32, copy=False), preds.extended, preds.mask)
+    if "curvature" in wanted or "specular" in wanted:
+        maps["curvature"] = curvature(preds.extended, preds.mask)
+    if "specular" in wanted:
+        maps["specular"] = gloss(maps["ao"], maps["curvature"], preds.mask)
+    return {name: maps[name] for name in SHADING if name in wanted}
 
 
 def encode_height(

@@ -8,14 +8,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final, Literal
 
-import numpy as np
 from PIL import Image
 
-from normalgan.normals import Floats, encode_grey
+from normalgan.normals import encode_grey
 from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import DrawingFiles, Job
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outputs import Outputs, encode_height
+from normalgan.painting.outputs import SHADING, Outputs, Shading, encode_height, shading_of
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
@@ -29,7 +28,9 @@ FORMATS = {
     "relief": ("glb", "obj"),
     "mask": ("png",),
     "occlusion": ("png",),
-    "all": ("plain", "unity", "unreal", "godot", "blender"),
+    "curvature": ("png",),
+    "specular": ("png",),
+    "all": ("plain", "unity", "unreal", "godot", "godot3", "blender"),
 }
 """What can be exported, and as what; the first is the default."""
 
@@ -40,14 +41,14 @@ class Preset:
 
     Args:
         names: of the files but the map, with ``{}`` for the drawing's: line art, mask, height, occlusion,
-            preview.
+            curvature, specular, preview.
         notes: what is to be set there, a sentence.
         engine: which has conventions for the map, and a file by which it imports it; None has none.
         prefix: of all names.
         height: kind of the height map.
     """
 
-    names: tuple[str, str, str, str, str]
+    names: tuple[str, str, str, str, str, str, str]
     notes: str
     engine: Engine | None = None
     prefix: str = ""
@@ -63,26 +64,37 @@ class Preset:
         return replace(plain, y=wanted.y, bits=wanted.bits, suffix=wanted.suffix)
 
 
-_LOWER: Final = ("{}_line", "{}_mask", "{}_height", "{}_ao", "{}_preview")
+_LOWER: Final = (
+    *("{}_line", "{}_mask", "{}_height"),
+    *("{}_ao", "{}_curvature", "{}_specular", "{}_preview"),
+)
 PRESETS: Final = {
     "unity": Preset(
-        ("{}_LineArt", "{}_Mask", "{}_Height", "{}_Occlusion", "{}_Preview"),
+        (
+            *("{}_LineArt", "{}_Mask", "{}_Height"),
+            *("{}_Occlusion", "{}_Curvature", "{}_Specular", "{}_Preview"),
+        ),
         "Unity: the file .meta makes _NormalMap a normal map, which sprites take for a secondary texture. "
-        "Switch sRGB off for _Mask, _Height and _Occlusion.",
+        "Switch sRGB off for _Mask, _Height, _Occlusion, _Curvature and _Specular.",
         "unity",
     ),
     "unreal": Preset(
-        ("{}_L", "{}_M", "{}_H", "{}_AO", "{}_Preview"),
+        ("{}_L", "{}_M", "{}_H", "{}_AO", "{}_C", "{}_S", "{}_Preview"),
         "Unreal: green points down (DirectX) as the engine expects. Set the compression of _N to Normalmap, "
-        "and of _M, _H and _AO to Masks (no sRGB); the script does so for _N.",
+        "and of _M, _H, _AO, _C and _S to Masks (no sRGB); the script does so for _N.",
         "unreal",
         prefix="T_",
     ),
     "godot": Preset(
         _LOWER,
         "Godot: green points up (OpenGL) as the engine expects. Use _n as the normal texture of a "
-        "CanvasTexture, or as Normal Map of a StandardMaterial3D.",
+        "CanvasTexture and _specular as its specular texture, or _n as Normal Map of a StandardMaterial3D.",
         "godot",
+    ),
+    "godot3": Preset(
+        _LOWER,
+        "Godot 3: green points down, as its 2D lights read it. Use _n as the Normal Map of a Sprite.",
+        "godot3",
     ),
     "blender": Preset(
         _LOWER,
@@ -92,7 +104,8 @@ PRESETS: Final = {
         height="tiff",
     ),
 }
-_PARTS: Final = ("line", "mask", "height", "occlusion", "preview")
+_PARTS: Final = ("line", "mask", "height", "ao", "curvature", "specular", "preview")
+_SHADING: Final[dict[str, Shading]] = {"occlusion": "ao", "curvature": "curvature", "specular": "specular"}
 _PLAIN: Final = Preset(_LOWER, "Green points up (OpenGL); flip it for DirectX.")
 
 
@@ -121,8 +134,9 @@ class Wish:
         match self.kind:
             case "mask":
                 return f"{self.name}_mask.png", encode_grey(preds.alpha)
-            case "occlusion":
-                return f"{self.name}_ao.png", encode_grey(_occlusion(preds, preds.height()))
+            case "occlusion" | "curvature" | "specular":
+                name = _SHADING[self.kind]
+                return f"{self.name}_{name}.png", encode_grey(shading_of(preds, [name])[name])
             case "all":
                 return f"{self.name}_{self.preset}.zip", self._zip(preds)
         with TemporaryDirectory() as folder:
@@ -153,17 +167,12 @@ class Wish:
             yield beside.name, content
         yield f"{names['mask']}.png", encode_grey(preds.alpha)
         yield f"{names['height']}.{preset.height}", encode_height(height, preds, preset.height)
-        yield f"{names['occlusion']}.png", encode_grey(_occlusion(preds, height))
+        for name, values in shading_of(preds, SHADING, height).items():
+            yield f"{names[name]}.png", encode_grey(values)
         yield f"{names['preview']}.png", _preview(preds)
         if self.line_art is not None:
             yield f"{names['line']}.png", self.line_art
         yield "README.txt", f"{preset.notes}\n".encode()
-
-
-def _occlusion(preds: NormalMap, height: Floats) -> Floats:
-    from normalgan.painting.occlusion import occlusion
-
-    return occlusion(height.astype(np.float32), preds.extended, preds.mask)
 
 
 def _preview(preds: NormalMap) -> bytes:
@@ -195,7 +204,7 @@ def take_wish(fields: Fields) -> Wish:
             art = take_bytes(fields, "line_art")
             read_png("line art", art)  # what is no picture is none of the files
         return Wish(name, kind, Outputs(), longest, chosen, art)
-    if kind in {"mask", "occlusion"}:
+    if kind == "mask" or kind in _SHADING:
         return Wish(name, kind, Outputs(), longest)
     if kind != "map":
         return Wish(name, kind, Outputs(**{kind: chosen}), longest)

@@ -10,10 +10,12 @@ import { say, text, wordsOf } from "./text.js";
 /** @type {Record<string, string[]>} */
 const FORMATS = {
   map: ["png8", "png16", "exr", "tiff"],
-  all: ["plain", "unity", "unreal", "godot", "blender"],
+  all: ["plain", "unity", "unreal", "godot", "godot3", "blender"],
   preview: ["png", "gif"],
   height: ["png", "tiff"],
   occlusion: ["png"],
+  curvature: ["png"],
+  specular: ["png"],
   mask: ["png"],
   lines: ["png"],
   relief: ["glb", "obj"],
