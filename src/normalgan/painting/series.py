@@ -24,8 +24,10 @@ _REACH = 4
 """Frames before and after that a frame is averaged with, as far as they show the same."""
 _AROUND = 1 / 32
 """Standard deviation of the window, as a share of the network's side, in which frames are compared."""
-_ALIKE = 0.07
+_ALIKE = 0.075
 """Mean difference of the ink in a window from which two frames no longer show the same."""
+_PASSES = 3
+"""How often frames are averaged: what moves on from each to the next is alike in neighbours alone."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,8 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
     """Return what was painted for the frames of an animation, each averaged with its neighbours.
 
     A neighbour counts at a pixel as far as its lines about it are those of the frame itself: the difference
-    of both drawings, blurred over a window, tells. Where something moves, a frame keeps its own.
+    of both drawings, blurred over a window, tells. Where something moves, a frame keeps its own; where it
+    moves slowly, frames farther apart count by way of those between them.
 
     Args:
         seen: (S, S) each, what the network was shown, all framed alike.
@@ -109,21 +112,22 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
         >>> [float(each.mean()) for each in steadied([still, still], tilted)]
         [0.5, 0.5]
     """
-    count = len(seen)
-    width = max(_AROUND * seen[0].shape[0], 0.5) if count else 1.0
-    totals = [each.astype(np.float32).copy() for each in preds]
-    weights = [np.ones(each.shape[:2], np.float32) for each in preds]
-    for i in range(count):
-        for j in range(i + 1, min(i + _REACH + 1, count)):
-            differ = cv2.GaussianBlur(np.abs(seen[i] - seen[j]), (0, 0), width)
+    width = max(_AROUND * seen[0].shape[0], 0.5) if seen else 1.0
+    alike: dict[tuple[int, int], Floats] = {}
+    for i, own in enumerate(seen):
+        for j in range(i + 1, min(i + _REACH + 1, len(seen))):
+            differ = cv2.GaussianBlur(np.abs(own - seen[j]), (0, 0), width)
             weight = np.exp(-np.square(np.asarray(differ, np.float32) / np.float32(_ALIKE)))
-            for own, other in ((i, j), (j, i)):
-                totals[own] += weight[..., None] * preds[other]
-                weights[own] += weight
-    return [
-        np.asarray(total / weight[..., None], np.float32)
-        for total, weight in zip(totals, weights, strict=True)
-    ]
+            alike[i, j] = alike[j, i] = weight[..., None]
+    means = list(preds)
+    for _ in range(_PASSES):
+        totals = [each.astype(np.float32) for each in means]
+        weights = [np.ones((*each.shape[:2], 1), np.float32) for each in means]
+        for (i, j), weight in alike.items():
+            totals[i] += weight * means[j]
+            weights[i] += weight
+        means = [np.asarray(total / weight) for total, weight in zip(totals, weights, strict=True)]
+    return means
 
 
 def left_flat(error: InputError) -> str:
