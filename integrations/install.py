@@ -2,8 +2,10 @@
 """Put an add-on where its program looks for it, and note beside it where normalgan is.
 
     python integrations/install.py inkscape
-    python integrations/install.py godot --to my_game/
+    python integrations/install.py godot4 --to my_game/
     python integrations/install.py krita --normalgan ~/normalgan/.venv/bin/normalgan
+
+The programs are inkscape, gimp, krita, blender, aseprite, godot4 (or godot3 for Godot 3) and comfyui.
 
 It needs the standard library alone. What an earlier install put there is replaced.
 """

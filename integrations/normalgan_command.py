@@ -14,6 +14,12 @@ RECORD = Path(__file__).with_name("normalgan_path.txt")
 FOREIGN = ("PYTHONHOME", "PYTHONPATH", "LD_LIBRARY_PATH")
 """What programs set for a Python of their own, and what breaks another one."""
 
+REMEDY = (
+    "install it and run integrations/install.py again, or set the environment variable NORMALGAN to the path "
+    "of its command."
+)
+"""What to do where no command is found."""
+
 
 class CommandError(Exception):
     """One sentence for the user: no command was found, or what the command said as it failed."""
@@ -35,17 +41,10 @@ def find_command(chosen: str = "") -> str:
         if found:
             return found
         if given:
-            raise CommandError(
-                f"normalgan was not found: {given} is no command; install it and run "
-                "integrations/install.py again, or set the environment variable NORMALGAN to the path of "
-                "its command."
-            )
+            raise CommandError(f"normalgan was not found: {given} is no command; {REMEDY}")
     found = shutil.which("normalgan")
     if found is None:
-        raise CommandError(
-            "normalgan was not found; install it and run integrations/install.py again, or set the "
-            "environment variable NORMALGAN to the path of its command."
-        )
+        raise CommandError(f"normalgan was not found; {REMEDY}")
     return found
 
 

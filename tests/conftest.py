@@ -1,6 +1,7 @@
 """What tests of several folders share; being here, it also lets them import the modules beside it."""
 
 import os
+import shutil
 import signal
 from pathlib import Path
 
@@ -11,7 +12,14 @@ from made_once import made_once
 from needs import SHARED_SKETCHES, not_tested
 
 # Fixtures that several files share; a conftest in their folder would be a second module of this name.
-pytest_plugins = ["chromium", "fixtures_of_commands", "plugin_packages", "pytester", "studio_page"]
+pytest_plugins = [
+    "chromium",
+    "fixtures_of_commands",
+    "plugin_packages",
+    "pytester",
+    "studio_page",
+    "studio_process",
+]
 
 # The same examples each time, lest a change be refused for one that it has nothing to do with;
 # --hypothesis-profile=default tries others.
@@ -40,12 +48,24 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
 
 
-@pytest.fixture
-def model(tmp_path: Path) -> Path:
+@pytest.fixture(scope="session")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A model that paints a ramp and, at hints, what they say."""
-    from onnx_models import write_model
 
-    return write_model(tmp_path / "ramp.onnx")
+    def write(folder: Path) -> None:
+        from onnx_models import write_model
+
+        write_model(folder / "ramp.onnx")
+
+    return made_once(tmp_path_factory, "ramp", write) / "ramp.onnx"
+
+
+@pytest.fixture
+def here(model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty working directory but for that model, model.onnx."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copyfile(model, "model.onnx")
+    return tmp_path
 
 
 @pytest.fixture

@@ -21,6 +21,7 @@ __all__ = [
     "Floats",
     "find_companion",
     "find_drawings",
+    "read_content",
     "read_drawing",
     "read_hints",
     "read_normals",
@@ -112,6 +113,27 @@ def without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list
     ]
 
 
+def read_content(path: Path, content: bytes | None = None) -> bytes:
+    """Return what is in the file of a drawing, not decoded yet.
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+
+    Raises:
+        InputError: if it is missing, cannot be read, or is larger than any drawing.
+    """
+    try:
+        data = read_bounded(path, MOST_BYTES) if content is None else content
+    except FileNotFoundError:
+        raise InputError(f"there is no file {path}.") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read as an image: {error.strerror}.") from None
+    if len(data) > MOST_BYTES:
+        raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
+    return data
+
+
 def read_pixels(
     path: Path,
     content: bytes | None = None,
@@ -135,14 +157,7 @@ def read_pixels(
     Raises:
         InputError: if it is missing, no image, or of no possible size, or takes too much to be decoded.
     """
-    try:
-        data = read_bounded(path, MOST_BYTES) if content is None else content
-    except FileNotFoundError:
-        raise InputError(f"there is no file {path}.") from None
-    except OSError as error:
-        raise InputError(f"{path} cannot be read as an image: {error.strerror}.") from None
-    if len(data) > MOST_BYTES:
-        raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
+    data = read_content(path, content)
     return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey, exact)
 
 

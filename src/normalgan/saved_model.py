@@ -45,13 +45,6 @@ def _backend(name: str, size: int | None) -> Backend:
     from normalgan.weights.checkpoint import read_checkpoint
     from normalgan.weights.file import SUFFIX, read_weights
 
-    if path.suffix.lower() == SUFFIX:
-        weights = read_weights(path)
-    else:
-        checkpoint = read_checkpoint(path)
-        size = size or checkpoint.trained_size()
-        if size is None:
-            raise InputError(f"{path} does not say of what size its pictures are; export it first.")
-        weights = checkpoint.weights(size)
+    weights = read_weights(path) if path.suffix.lower() == SUFFIX else read_checkpoint(path).weights(size)
     notes = weights.notes
     return TorchBackend(weights.generator(), notes.size, refined=notes.refined, line_widths=notes.line_widths)

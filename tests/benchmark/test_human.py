@@ -127,6 +127,19 @@ def test_a_camera_shows_the_mesh_where_its_projection_does(tmp_path: Path, matri
     assert np.linalg.det(camera.rotation) == pytest.approx(1)
 
 
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
+def test_the_unit_of_a_mesh_does_not_matter(tmp_path: Path, scale: float) -> None:
+    ball = trimesh.creation.icosphere(2, RADIUS)
+    lines = ["OFF", f"{len(ball.vertices)} {len(ball.faces)} 0"]
+    lines += [" ".join(map(repr, row)) for row in ((ball.vertices + CENTRE) * scale).tolist()]
+    lines += ["3 " + " ".join(map(str, row)) for row in ball.faces.tolist()]
+    (tmp_path / "ball.off").write_text("\n".join(lines))
+    placed = read_placed_mesh(tmp_path / "ball.off")
+    np.testing.assert_allclose(np.linalg.norm(placed.mesh.vertices, axis=1), 1, atol=1e-6)
+    np.testing.assert_allclose(placed.to_file[:3, 3] / scale, CENTRE)
+    np.testing.assert_allclose(placed.to_file[:3, :3] / scale, RADIUS * np.eye(3), atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("matrix", "message"),
     [

@@ -12,7 +12,6 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.normals import read_png
-from onnx_models import write_model
 from pens import blob, outline, overlap
 
 FILLED = blob()
@@ -23,12 +22,10 @@ SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="20mm" view
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working directory with a model, model.onnx, and a drawing, fox.png."""
-    monkeypatch.chdir(tmp_path)
-    write_model(tmp_path / "model.onnx")
+def here(here: Path) -> Path:
+    """A drawing, fox.png, beside the model."""
     Image.fromarray(GREY).save("fox.png")
-    return tmp_path
+    return here
 
 
 def generate(*arguments: str) -> int:

@@ -11,17 +11,9 @@ import pytest
 from PIL import Image
 
 from normalgan.__main__ import main
-from onnx_models import write_model
 from pens import blob, outline
 
 GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_model(tmp_path / "model.onnx")
-    return tmp_path
 
 
 def draw(*names: str) -> None:

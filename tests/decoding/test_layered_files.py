@@ -14,7 +14,6 @@ from PIL import Image, ImageSequence
 from normalgan.__main__ import main
 from normalgan.decoding import decode
 from normalgan.errors import InputError
-from onnx_models import write_model
 from pens import blob, outline
 
 Pixels = NDArray[np.uint8]
@@ -107,9 +106,8 @@ def test_what_a_layered_file_shows_is_what_is_read(name: str) -> None:
     assert np.abs(found.pixels[..., :3].astype(int) - FLAT[..., :3]).max() <= 1
 
 
-def test_layered_files_are_painted_in_folders_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_model(tmp_path / "model.onnx")
+@pytest.mark.usefixtures("here")
+def test_layered_files_are_painted_in_folders_too() -> None:
     Path("in").mkdir()
     for number, (name, content) in enumerate(FILES.items()):
         Path(f"in/{number}{name}").write_bytes(content)

@@ -1,4 +1,5 @@
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from torch import Tensor
 
 import normalgan
 from normalgan.__main__ import main
+from normalgan.errors import InputError
 from normalgan.exporting import comparison
 from normalgan.exporting.comparison import examples
 from normalgan.exporting.formats import FORMATS
@@ -173,7 +175,11 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
     save(checkpoint, "ResidualUNetGenerator")
     arguments = ["export", str(checkpoint), "-o", str(tmp_path / "m.pt"), "--format", "torchscript"]
     assert main(arguments) == 2
-    assert "does not say the size of its pictures" in capsys.readouterr().err
+    said = "does not say the size of its pictures; export it with --size, which is the --data.size of its"
+    assert said in capsys.readouterr().err
+    with pytest.raises(InputError, match=re.escape(said)):
+        normalgan.load(checkpoint)
+    assert normalgan.load(checkpoint, size=16).backend.size == 16
     (tmp_path / "run" / "config.yaml").write_text("data: {size: 24}\n")
     assert main(arguments) == 0
     assert "24 pixels" in capsys.readouterr().out

@@ -13,19 +13,11 @@ from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
 from normalgan.painting.animation import moving_kind
 from normalgan.painting.series import steadied
-from onnx_models import write_model
 from pens import blob, outline
 
 Pixels = NDArray[np.uint8]
 FRAMES = [blob((80, 120), (40 + 8 * i, 44), 20) for i in range(4)]
 DURATIONS = [80, 120, 40, 200]
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_model(tmp_path / "model.onnx")
-    return tmp_path
 
 
 def generate(*arguments: str) -> int:

@@ -16,20 +16,18 @@ from normalgan.painting.height import integrate
 from normalgan.painting.occlusion import occlusion
 from normalgan.painting.relief import relief_mesh, simpler
 from normalgan.painting.shading_maps import curvature
-from onnx_models import write_model
 from pens import blob, outline
 
 SIDE = 128
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_model(tmp_path / "model.onnx")
+def here(here: Path) -> Path:
+    """Two drawings beside the model: a large one and a small one."""
     for name, radius in (("fox", 60), ("cub", 20)):
         drawing = 255 * (1 - outline(blob(radius=radius)))
         Image.fromarray(np.rint(drawing).astype(np.uint8)).save(f"{name}.png")
-    return tmp_path
+    return here
 
 
 def generate(*arguments: str) -> int:

@@ -13,7 +13,6 @@ from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer
 from normalgan.errors import InputError
 from normalgan.painting.layers import encode_layers, layered_kind, picture_of, read_layers
-from onnx_models import write_model
 from pens import blob, outline
 
 Pixels = NDArray[np.uint8]
@@ -44,13 +43,6 @@ STACK = [
     layer("hand", drawn((90, 30), 14), 2, ("limbs", "arm"), opacity=102),
     layer("hat", drawn((50, 16), 12), 3),
 ]
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_model(tmp_path / "model.onnx")
-    return tmp_path
 
 
 def generate(*arguments: str) -> int:

@@ -13,18 +13,10 @@ from PIL import Image
 from normalgan.__main__ import main
 from normalgan.normals import read_png
 from normalgan.painting.silhouette import is_silhouette
-from onnx_models import write_model
 from pens import blob, outline, overlap
 
 Pixels = NDArray[np.uint8]
 SPRITES = [blob((96, 96), (50 + 3 * i, 52), 24 + 2 * i) for i in range(6)]
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write_model(tmp_path / "model.onnx")
-    return tmp_path
 
 
 def pen(filled: NDArray[np.float32]) -> Pixels:

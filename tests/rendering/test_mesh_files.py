@@ -10,7 +10,7 @@ from mesh_shapes import BALL, angles, solid, trimesh, write
 from normalgan.errors import InputError
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import MeshSource
-from normalgan.rendering.mesh_files import MeshFile, find_meshes
+from normalgan.rendering.mesh_files import MeshFile, find_meshes, place
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -40,6 +40,16 @@ def test_size_and_place_in_the_file_do_not_matter(tmp_path: Path, scale: float) 
     assert len(mesh.vertices) == len(BALL.vertices)
     np.testing.assert_allclose(np.linalg.norm(mesh.vertices, axis=1), 1, atol=1e-4)
     assert angles(mesh.normals, mesh.vertices).max() < 1
+
+
+def test_a_mesh_is_led_back_to_where_it_lies_in_its_file() -> None:
+    turned = MeshFile("ball.off", rotation=((1, 0, 0), (0, 0, 1), (0, -1, 0)))
+    vertices = np.asarray(BALL.vertices) * [3, 2, 1] + [5, 6, 7]
+    mesh, to_file = place("ball", turned, vertices, np.asarray(BALL.faces))
+    found = np.c_[mesh.vertices, np.ones(len(mesh.vertices))] @ to_file.T
+    np.testing.assert_allclose(found[:, 3], 1)
+    nearest = np.linalg.norm(found[:, None, :3] - vertices[None], axis=-1).min(axis=1)
+    np.testing.assert_allclose(nearest, 0, atol=1e-5)
 
 
 def test_parts_of_a_scene_stand_where_their_transforms_put_them(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from studio_client import b64, png
 
 SLOW = 480
@@ -67,6 +68,13 @@ def running(model: Path, folder: Path, *more: str) -> Iterator[Studio]:
     finally:
         process.kill()
         process.communicate()
+
+
+@pytest.fixture(scope="module")
+def served(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    """A studio that paints a ramp, one for all tests of a module."""
+    with running(model, tmp_path_factory.mktemp("projects")) as studio:
+        yield studio
 
 
 def _port(process: "subprocess.Popen[str]", patience: float = 60) -> int:

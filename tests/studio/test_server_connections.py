@@ -1,17 +1,14 @@
 import json
 import socket
 import time
-from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 
 import psutil
 import pytest
 from studio_client import asking
-from studio_process import Studio, running, send, slow
+from studio_process import Studio, send, slow
 
 from normalgan.studio.connection import MOST_AT_ONCE
-from onnx_models import write_model
 
 PATHS = (
     *("/page/../app.py", "/page/%2e%2e/app.py", "/page/..%2fapp.py", "/page//etc/passwd"),
@@ -20,53 +17,42 @@ PATHS = (
 )
 
 
-@pytest.fixture(scope="module")
-def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_model(tmp_path_factory.mktemp("model") / "ramp.onnx")
-
-
-@pytest.fixture(scope="module")
-def studio(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    with running(model, tmp_path_factory.mktemp("projects")) as studio:
-        yield studio
-
-
 def head(studio: Studio, length: str) -> bytes:
     """Return the head of a request that paints."""
     lines = ("POST /api/paint HTTP/1.1", f"Host: 127.0.0.1:{studio.port}", "Content-Type: application/json")
     return "\r\n".join((*lines, length, "", "")).encode()
 
 
-def test_of_a_tabs_requests_only_the_newest_is_answered(studio: Studio) -> None:
-    sent = [send(studio, "/api/height", asking(1, tab="a", **slow()))]
-    sent += [send(studio, "/api/height", asking(number, tab="a")) for number in range(2, 8)]
-    sent.append(send(studio, "/api/height", asking(1, tab="b")))
+def test_of_a_tabs_requests_only_the_newest_is_answered(served: Studio) -> None:
+    sent = [send(served, "/api/height", asking(1, tab="a", **slow()))]
+    sent += [send(served, "/api/height", asking(number, tab="a")) for number in range(2, 8)]
+    sent.append(send(served, "/api/height", asking(1, tab="b")))
     statuses = [connection.getresponse().status for connection in sent]
     for connection in sent:
         connection.close()
     # Even the one that had begun: its answer would be older than what the tab knows by now.
     assert statuses == [204] * 6 + [200, 200]
-    assert studio.ask("POST", "/api/height", asking(3, tab="a"))[0] == 204
-    assert studio.ask("POST", "/api/paint", asking(3, tab="a"))[0] == 200  # counted by themselves
+    assert served.ask("POST", "/api/height", asking(3, tab="a"))[0] == 204
+    assert served.ask("POST", "/api/paint", asking(3, tab="a"))[0] == 200  # counted by themselves
 
 
-def test_a_request_whose_tab_has_gone_is_not_worked_for(studio: Studio) -> None:
+def test_a_request_whose_tab_has_gone_is_not_worked_for(served: Studio) -> None:
     large = slow()
     hints = [[{"x": i, "y": 5, "normal": [0, 0, 1]}] for i in range(100, 140)]  # no two alike to remember
     for i, hint in enumerate(hints[:15]):
-        send(studio, "/api/height", asking(1, tab=f"gone-{i}", hints=hint, **large)).close()
-    status, _, headers = studio.ask("POST", "/api/height", asking(1, tab="here"))
+        send(served, "/api/height", asking(1, tab=f"gone-{i}", hints=hint, **large)).close()
+    status, _, headers = served.ask("POST", "/api/height", asking(1, tab="here"))
     assert status == 200
     # Fifteen would take many seconds; at most the one that had begun was finished.
     one = float(
-        studio.ask("POST", "/api/height", asking(1, tab="one", hints=hints[20], **large))[2]["x-seconds"]
+        served.ask("POST", "/api/height", asking(1, tab="one", hints=hints[20], **large))[2]["x-seconds"]
     )
     assert float(headers["x-seconds"]) < 3 * one + 1
 
 
-def test_too_many_tabs_at_once_are_told_to_wait(studio: Studio) -> None:
-    sent = [send(studio, "/api/height", asking(1, tab="many", **slow()))]
-    sent += [send(studio, "/api/height", asking(1, tab=f"many-{i}")) for i in range(23)]
+def test_too_many_tabs_at_once_are_told_to_wait(served: Studio) -> None:
+    sent = [send(served, "/api/height", asking(1, tab="many", **slow()))]
+    sent += [send(served, "/api/height", asking(1, tab=f"many-{i}")) for i in range(23)]
     answers = [connection.getresponse() for connection in sent]
     refused = [json.loads(answer.read()) for answer in answers if answer.status == 429]
     for connection in sent:
@@ -76,45 +62,45 @@ def test_too_many_tabs_at_once_are_told_to_wait(studio: Studio) -> None:
     assert refused[0] == {"error": "too many drawings wait to be painted; try again in a moment."}
 
 
-def test_a_body_without_end_is_refused_and_not_kept(studio: Studio) -> None:
-    server = psutil.Process(studio.process.pid)
+def test_a_body_without_end_is_refused_and_not_kept(served: Studio) -> None:
+    server = psutil.Process(served.process.pid)
     before = server.memory_info().rss
-    with socket.create_connection(("127.0.0.1", studio.port), timeout=30) as client:
-        client.sendall(head(studio, "Transfer-Encoding: chunked"))
+    with socket.create_connection(("127.0.0.1", served.port), timeout=30) as client:
+        client.sendall(head(served, "Transfer-Encoding: chunked"))
         for _ in range(22):
             client.sendall(b"100000\r\n" + bytes(2**20) + b"\r\n")
         assert client.recv(100).startswith(b"HTTP/1.1 413")  # while there is more to come
         for _ in range(128):
             client.sendall(b"100000\r\n" + bytes(2**20) + b"\r\n")
     assert server.memory_info().rss - before < 80 * 2**20
-    assert studio.ask("GET", "/api/about")[0] == 200
+    assert served.ask("GET", "/api/about")[0] == 200
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_no_file_outside_is_served_however_its_path_is_written(studio: Studio, path: str) -> None:
-    status, content, _ = studio.ask("GET", path)  # as it is: http.client cleans no path
+def test_no_file_outside_is_served_however_its_path_is_written(served: Studio, path: str) -> None:
+    status, content, _ = served.ask("GET", path)  # as it is: http.client cleans no path
     assert status in {400, 404}
     assert list(content) == ["error"]
 
 
-def test_a_request_that_breaks_off_harms_nobody(studio: Studio) -> None:
+def test_a_request_that_breaks_off_harms_nobody(served: Studio) -> None:
     for _ in range(5):
-        with socket.create_connection(("127.0.0.1", studio.port), timeout=30) as client:
-            client.sendall(head(studio, "Content-Length: 5000") + b"{")
-    with socket.create_connection(("127.0.0.1", studio.port), timeout=30) as client:
+        with socket.create_connection(("127.0.0.1", served.port), timeout=30) as client:
+            client.sendall(head(served, "Content-Length: 5000") + b"{")
+    with socket.create_connection(("127.0.0.1", served.port), timeout=30) as client:
         client.sendall(b"no HTTP at all\r\n\r\n")
         assert client.recv(100).startswith(b"HTTP/1.1 400")
-    assert studio.ask("POST", "/api/paint", asking(1, tab="after"))[0] == 200
+    assert served.ask("POST", "/api/paint", asking(1, tab="after"))[0] == 200
 
 
-def test_heads_that_trickle_shut_nobody_out(studio: Studio) -> None:
+def test_heads_that_trickle_shut_nobody_out(served: Studio) -> None:
     with ExitStack() as clients:
         trickling = []
         for _ in range(200):
-            client = clients.enter_context(socket.create_connection(("127.0.0.1", studio.port), timeout=30))
+            client = clients.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=30))
             client.sendall(b"GET / HTTP/1.1\r\nHost: ")
             trickling.append(client)
-        assert studio.ask("POST", "/api/paint", asking(1, tab="beside"))[0] == 200
+        assert served.ask("POST", "/api/paint", asking(1, tab="beside"))[0] == 200
         for client in trickling[: 200 - MOST_AT_ONCE]:  # those that were there first have made room
             try:
                 answer = client.recv(100)
@@ -123,14 +109,14 @@ def test_heads_that_trickle_shut_nobody_out(studio: Studio) -> None:
             assert answer[:12] in {b"HTTP/1.1 408", b""}
 
 
-def test_bodies_that_trickle_shut_nobody_out(studio: Studio) -> None:
+def test_bodies_that_trickle_shut_nobody_out(served: Studio) -> None:
     trickling = []
     for _ in range(80):
-        client = socket.create_connection(("127.0.0.1", studio.port), timeout=30)
-        client.sendall(head(studio, "Content-Length: 5000") + b"{")
+        client = socket.create_connection(("127.0.0.1", served.port), timeout=30)
+        client.sendall(head(served, "Content-Length: 5000") + b"{")
         trickling.append(client)
     time.sleep(1)  # all are being read
-    assert studio.ask("POST", "/api/paint", asking(1, tab="among"))[0] == 200
+    assert served.ask("POST", "/api/paint", asking(1, tab="among"))[0] == 200
     for client in trickling[:64]:  # those that were there first have made room
         client.sendall(b" ")
         assert client.recv(100).startswith(b"HTTP/1.1 408")

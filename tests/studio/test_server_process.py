@@ -7,7 +7,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,18 +15,6 @@ from studio_process import Studio, running, send, slow, until
 
 from normalgan.__main__ import main
 from normalgan.studio.document_store import DocumentStore
-from onnx_models import write_model
-
-
-@pytest.fixture(scope="module")
-def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_model(tmp_path_factory.mktemp("model") / "ramp.onnx")
-
-
-@pytest.fixture(scope="module")
-def studio(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    with running(model, tmp_path_factory.mktemp("projects")) as studio:
-        yield studio
 
 
 def test_a_server_killed_while_it_saves_leaves_a_whole_project(model: Path, tmp_path: Path) -> None:
@@ -75,11 +62,11 @@ def test_a_signal_ends_it_once_all_is_answered(model: Path, tmp_path: Path, numb
         assert err == ("normalgan: stopped.\n" if code else "")
 
 
-def test_a_taken_port_is_told(studio: Studio, model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_taken_port_is_told(served: Studio, model: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for port, sentence in (
         (
-            studio.port,
-            f"normalgan: port {studio.port} is taken, perhaps by another studio; give another --port",
+            served.port,
+            f"normalgan: port {served.port} is taken, perhaps by another studio; give another --port",
         ),
         (70000, "normalgan: port is 70000; ports go from 1 to 65535, and 0 takes a free one."),
     ):

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import Any, Self, cast
 
 import torch
 from torch import Tensor
@@ -43,6 +43,18 @@ class Measured:
     views: dict[str, dict[str, list[Any]]]
     distance: dict[str, dict[str, list[Figure]]]
     calibration: dict[str, list[dict[str, float]] | None]
+
+    @classmethod
+    def of(cls, gathered: Mapping[str, Accumulator]) -> Self:
+        """Return the figures of what was gathered of the same samples, by what was given."""
+        return cls(
+            figures={given: one.figures() for given, one in gathered.items()},
+            names=next(iter(gathered.values())).names,
+            meshes={given: one.by_mesh() for given, one in gathered.items()},
+            views={given: one.by_view() for given, one in gathered.items()},
+            distance={given: one.by_distance() for given, one in gathered.items()},
+            calibration={given: one.calibration() for given, one in gathered.items()},
+        )
 
 
 @dataclass(frozen=True)
@@ -101,16 +113,9 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
                 if given == OWN:
                     hints_given += int(where.sum())
             samples += len(names)
-    figures = {given: one.figures() for given, one in gathered.items()}
-    figures[OWN]["hints"] = hints_given / max(samples, 1)
-    return Measured(
-        figures,
-        names=gathered[OWN].names,
-        meshes={given: one.by_mesh() for given, one in gathered.items()},
-        views={given: one.by_view() for given, one in gathered.items()},
-        distance={given: one.by_distance() for given, one in gathered.items()},
-        calibration={given: one.calibration() for given, one in gathered.items()},
-    )
+    measured = Measured.of(gathered)
+    measured.figures[OWN]["hints"] = hints_given / max(samples, 1)
+    return measured
 
 
 def _hints(own: HintSampler, batch: Batch, error: Tensor, tests: HintTests) -> Iterator[tuple[str, Tensor]]:

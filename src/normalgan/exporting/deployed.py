@@ -5,8 +5,8 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
-from normalgan.errors import InputError
 from normalgan.models import Generator
+from normalgan.models.base import check_channels
 from normalgan.models.condition import make_condition
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.notes import Notes
@@ -30,12 +30,9 @@ class Deployed(nn.Module):
         self.generator = generator
         self.size = size
         self.eval().requires_grad_(False)
-        channels = self._painted(*self.example(1)).shape[1]
-        if channels not in {3, 4}:
-            raise InputError(
-                f"{self.name} paints {channels} channels; a model has 3, or 4 with the confidence."
-            )
-        self.outputs = ["normal", "confidence"][: channels - 2]
+        painted = self._painted(*self.example(1))
+        check_channels(generator, painted)
+        self.outputs = ["normal", "confidence"][: painted.shape[1] - 2]
 
     @property
     def name(self) -> str:
@@ -67,11 +64,5 @@ def load(path: Path, size: int | None = None, licence: str = "not stated") -> tu
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.
     """
-    checkpoint = read_checkpoint(path)
-    size = size or checkpoint.trained_size()
-    if size is None:
-        raise InputError(
-            f"{path} does not say the size of its pictures; give the --data.size of its training as --size."
-        )
-    weights = checkpoint.weights(size, licence)
-    return Deployed(weights.generator(), size), weights.notes
+    weights = read_checkpoint(path).weights(size, licence)
+    return Deployed(weights.generator(), weights.notes.size), weights.notes

@@ -6,10 +6,19 @@ from typing import Any, Self
 
 from torch import Tensor, nn
 
+from normalgan.errors import InputError
 from normalgan.predictions import Predictions
 from normalgan.registry import Registry
 
-__all__ = ["DISCRIMINATORS", "GENERATORS", "INPUT_CHANNELS", "Discriminator", "Generator", "Network"]
+__all__ = [
+    "DISCRIMINATORS",
+    "GENERATORS",
+    "INPUT_CHANNELS",
+    "Discriminator",
+    "Generator",
+    "Network",
+    "check_channels",
+]
 
 INPUT_CHANNELS = 4
 """Sketch as RGB with the hint normals painted in, and the mask of the hints: the paper's "four-dimensional"
@@ -60,6 +69,19 @@ class Generator(Network):
         """
         output = self(condition).float()  # under autocast it may be bfloat16
         return Predictions(output[:, :3], confidence=output[:, 3:] if output.shape[1] > 3 else None)
+
+
+def check_channels(generator: nn.Module, painted: Tensor) -> None:
+    """Make sure that what a generator painted, (N, C, H, W), is normals, perhaps with their confidence.
+
+    Raises:
+        InputError: if it has other than 3 or 4 channels.
+    """
+    channels = painted.shape[1]
+    if channels not in {3, 4}:
+        raise InputError(
+            f"{type(generator).__name__} paints {channels} channels; a model has 3, or 4 with the confidence."
+        )
 
 
 class Discriminator(Network):

@@ -53,12 +53,12 @@ def clean(picture: Picture) -> Cleaned:
     ink = without_specks(ink)
     if silhouette is not None:
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
-    if float(ink.max()) < 0.3 and scenery:
+    if float(ink.max()) < 0.3:
         raise InputError(
             "its ground is painted, and no line is told from it; draw on plain paper, or cut the object out."
+            if scenery
+            else "no line is seen in it; a sketch needs lines that differ from their paper."
         )
-    if float(ink.max()) < 0.3:
-        raise InputError("no line is seen in it; a sketch needs lines that differ from their paper.")
     return Cleaned(ink.astype(np.float32), silhouette, scenery and picture.alpha is None)
 
 

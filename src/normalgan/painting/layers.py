@@ -20,9 +20,7 @@ from PIL import Image
 
 from normalgan.decoding import Decoded, DecodedLayer, DecodedLayers, decode_layers
 from normalgan.decoding.layered_files import kind_of
-from normalgan.drawings import LARGEST, MOST_BYTES, SMALLEST
-from normalgan.errors import InputError
-from normalgan.limits import read_bounded
+from normalgan.drawings import LARGEST, SMALLEST, read_content
 from normalgan.painting.picture import MOST_WORKED, Picture, fitted, to_picture
 
 __all__ = ["LayeredKind", "cut", "encode_layers", "is_plain", "layered_kind", "picture_of", "read_layers"]
@@ -60,15 +58,9 @@ def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:
         content: what is in it, if it was read already.
 
     Raises:
-        InputError: if it is missing, has no visible layer, or one that cannot be read.
+        InputError: if it is missing or too large, has no visible layer, or one that cannot be read.
     """
-    try:
-        data = read_bounded(path, MOST_BYTES) if content is None else content
-    except FileNotFoundError:
-        raise InputError(f"there is no file {path}.") from None
-    except OSError as error:
-        raise InputError(f"{path} cannot be read as an image: {error.strerror}.") from None
-    return decode_layers(str(path), data, (SMALLEST, LARGEST))
+    return decode_layers(str(path), read_content(path, content), (SMALLEST, LARGEST))
 
 
 def picture_of(layer: DecodedLayer, shape: tuple[int, int]) -> Picture:

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.decoding import decode_frames
-from normalgan.drawings import LARGEST, MOST_BYTES, SMALLEST, read_pixels
+from normalgan.drawings import LARGEST, SMALLEST, read_content, read_pixels
 from normalgan.errors import InputError
 from normalgan.files import write_bytes
-from normalgan.limits import read_bounded
 from normalgan.painting.animation import encode_animation, kind_of, moving_kind
 from normalgan.painting.inputs import as_hints
 from normalgan.painting.jobs import DrawingFiles, Job
@@ -142,8 +141,7 @@ class JobPainter:
 
     def _animation(self, job: Job) -> Done:
         path, content = job.files.drawing, job.files.content
-        data = read_bounded(path, MOST_BYTES) if content is None else content
-        found = decode_frames(str(path), data, (SMALLEST, LARGEST))
+        found = decode_frames(str(path), read_content(path, content), (SMALLEST, LARGEST))
         members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
         shared = self.frame != "own"
         pixels: list[NDArray[np.uint8]] = []

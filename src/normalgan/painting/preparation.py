@@ -88,7 +88,7 @@ def prepare(
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
     cleaned: Cleaned = clean(picture.resized(worked))
-    alpha, closed, guessed, scenery = None, 1.0, False, False
+    alpha, closed, guessed, from_outline = None, 1.0, False, False
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
@@ -101,12 +101,19 @@ def prepare(
     elif source != MODEL:
         outline = fill_outline(walls)
         mask, closed, guessed = outline.mask, outline.closed, outline.guessed
-        scenery = cleaned.scenery
-    seen = show(cleaned.ink, frame, line_widths)
+        from_outline = True
     prepared = Prepared(
-        *(shape, cleaned.ink, mask, alpha, frame, seen, None, closed, guessed),
+        shape=shape,
+        ink=cleaned.ink,
+        mask=mask,
+        alpha=alpha,
+        frame=frame,
+        seen=show(cleaned.ink, frame, line_widths),
+        hints=None,
+        closed=closed,
+        guessed=guessed,
         painted=painted,
-        scenery=scenery,
+        scenery=from_outline and cleaned.scenery,
         line_widths=line_widths,
     )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)

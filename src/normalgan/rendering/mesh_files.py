@@ -20,7 +20,7 @@ from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 
-__all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish"]
+__all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish", "place"]
 
 LOADER_VERSIONS = {".obj": 2}
 """Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` comes to return another mesh."""
@@ -98,6 +98,17 @@ def finish(
     Raises:
         InputError: if no face has an area.
     """
+    return place(name, file, vertices, faces, about)[0]
+
+
+def place(
+    name: str,
+    file: MeshFile,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    about: NDArray[np.float64] | None = None,
+) -> tuple[Mesh, NDArray[np.float64]]:
+    """Return a mesh as `finish` does, and the (4, 4) matrix from there back to the file's world axes."""
     # By a power of two, so that no digit changes: squares of huge or tiny lengths leave floating point.
     _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
     about = None if about is None else np.ldexp(about, -exponent)
@@ -109,10 +120,15 @@ def finish(
         about = None if about is None else about @ np.array(file.rotation).T
     about = vertices if about is None else about
     centre = (about.min(axis=0) + about.max(axis=0)) / 2
-    vertices = (vertices - centre) / np.linalg.norm(about - centre, axis=1).max()
+    radius = np.linalg.norm(about - centre, axis=1).max()
+    vertices = (vertices - centre) / radius
     faces = wind(vertices, faces, file.inside_out)
     vertices, faces, normals = shade(vertices, faces, file.crease_angle)
-    return Mesh(name, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
+    back = np.eye(3) if file.rotation is None else np.array(file.rotation).T
+    to_file = np.eye(4)
+    to_file[:3] = np.ldexp(back @ np.c_[radius * np.eye(3), centre], exponent)
+    mesh = Mesh(name, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
+    return mesh, to_file
 
 
 def find_meshes(

@@ -61,16 +61,24 @@ class Checkpoint:
     tensors: Mapping[str, Tensor]
     callbacks: Mapping[Any, Any]
 
-    def weights(self, size: int, licence: str = "not stated") -> Weights:
+    def weights(self, size: int | None = None, licence: str = "not stated") -> Weights:
         """Return the generator and the notes on it, as a file of weights has them.
 
         Args:
-            size: side of the pictures in pixels.
+            size: side of the pictures in pixels; None for that which it was trained at, if it or its run
+                says so.
             licence: of the weights.
 
         Raises:
-            InputError: if the generator cannot be built here, or the tensors are not its own.
+            InputError: if no size is known, the generator cannot be built here, or the tensors are not its
+                own.
         """
+        size = size or self._trained_size()
+        if size is None:
+            raise InputError(
+                f"{self.path} does not say the size of its pictures; export it with --size, which is the "
+                "--data.size of its training."
+            )
         with _named(self.path):
             generator = _part("generator", self.settings["generator"])
             tensors = self.generator_tensors()
@@ -92,7 +100,7 @@ class Checkpoint:
         """Return the generator's weights and statistics by name."""
         return self._tensors_of("generator")
 
-    def trained_size(self) -> int | None:
+    def _trained_size(self) -> int | None:
         """Return the size that the generator was built for or, where any would do, that of the run's data.
 
         That is in ``config.yaml`` of the run, in the folder above.

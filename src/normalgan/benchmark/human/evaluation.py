@@ -119,7 +119,7 @@ def measure_drawings(
             found.shown.append((rows[0], rows[-1]))
         if (number + 1) % 25 == 0:
             say(f"{number + 1} of {len(ordered)} drawings")
-    found.groups = {group: _measured(by_count) for group, by_count in sorted(gathered.items())}
+    found.groups = {group: asdict(Measured.of(by_count)) for group, by_count in sorted(gathered.items())}
     return found
 
 
@@ -152,20 +152,6 @@ def _of_one(painted: Tensor, batch: Batch, where: Tensor) -> Figure:
 
 def _mean(values: Tensor) -> float | None:
     return float(values.double().mean()) if values.numel() else None
-
-
-def _measured(by_count: dict[str, Accumulator]) -> dict[str, Any]:
-    one = next(iter(by_count.values()))
-    return asdict(
-        Measured(
-            {given: each.figures() for given, each in by_count.items()},
-            names=one.names,
-            meshes={given: each.by_mesh() for given, each in by_count.items()},
-            views={given: each.by_view() for given, each in by_count.items()},
-            distance={given: each.by_distance() for given, each in by_count.items()},
-            calibration={given: each.calibration() for given, each in by_count.items()},
-        )
-    )
 
 
 def _row(drawing: HumanDrawing, batch: Batch, hints: Tensor, painted: Tensor) -> Row:

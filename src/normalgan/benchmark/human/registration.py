@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.rendering.loading import read_triangles
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.repair import shade, weld, wind
+from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.rendering.views import Camera
 
 __all__ = ["CREASE_ANGLE", "Doubles", "PlacedMesh", "camera_of", "fit_projection", "read_placed_mesh"]
@@ -44,17 +44,8 @@ def read_placed_mesh(path: Path) -> PlacedMesh:
     Raises:
         InputError: if it cannot be read or holds no surface.
     """
-    vertices, faces = weld(*read_triangles(path))
-    if not len(faces):
-        raise InputError(f"{path} has only faces without area; a mesh needs triangles that have one.")
-    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    radius = float(np.linalg.norm(vertices - centre, axis=1).max())
-    vertices = (vertices - centre) / radius
-    vertices, faces, normals = shade(vertices, wind(vertices, faces, None), CREASE_ANGLE)
-    to_file = np.diag([radius, radius, radius, 1.0])
-    to_file[:3, 3] = centre
-    mesh = Mesh(path.stem, vertices.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
-    return PlacedMesh(mesh, to_file)
+    file = MeshFile(str(path), crease_angle=CREASE_ANGLE)
+    return PlacedMesh(*place(file.name, file, *read_triangles(path)))
 
 
 def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
