@@ -30,7 +30,7 @@ def describe(*packages: str) -> dict[str, object]:
         "python": platform.python_version(),
         "versions": {name: version(name) for name in packages},
         "commit": _git("rev-parse", "--short", "HEAD"),
-        "changed": bool(_git("status", "--porcelain", "--untracked-files=no", "--", "src")),
+        "changed": bool(_git("status", "--porcelain", "--untracked-files=no", "--", ":/src")),
         "date": datetime.now(UTC).date().isoformat(),
     }
 
