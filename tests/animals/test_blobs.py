@@ -45,7 +45,7 @@ def test_a_turned_vessel_is_open_and_as_thick_as_its_wall() -> None:
 
 
 def test_hollow_and_nested_bodies_get_the_faces_asked_for() -> None:
-    nested = [Part((), 0.0, solids=tuple(ball([0.1 * i, 0, 0], 1.0) for i in range(6)))]
+    nested = [Part(tuple(ball([0.1 * i, 0, 0], 1.0) for i in range(6)), 0.0)]
     for parts in (turned([0.0, 0.05, 0.5, 1.0], [0.3, 0.3, 0.3, 0.3], 0.06), nested):
         assert 14_000 <= len(to_mesh("body", parts, 20_000).faces) <= 26_000
 

@@ -7,10 +7,9 @@ import numpy as np
 
 from normalgan.animals.field import Part
 from normalgan.animals.forms import fuse, tube
-from normalgan.animals.frames import Frame, spanned
+from normalgan.animals.frames import Floats, Frame, spanned, way_along
 from normalgan.animals.plan import Between, Rng
-from normalgan.animals.solids import Plate, rounded
-from normalgan.animals.sweep import Floats, Sweep, smoothed, way_along
+from normalgan.animals.shapes import Plate, Sweep, rounded
 
 __all__ = ["LEAF", "Armour", "back"]
 
@@ -48,7 +47,7 @@ class Armour:
 
 def back(neck: Sweep, torso: Sweep, tail: Sweep) -> Floats:
     """Return the line of the back from behind the head to the tip of the tail, (n, 3)."""
-    fine = [smoothed(each, 8) for each in (neck, torso, tail)]
+    fine = [each.smoothed(8) for each in (neck, torso, tail)]
     tops = [each.points + np.outer(each.radii, [0.0, 1.0, 0.0]) for each in fine]
     ahead = tops[0][tops[0][:, 0] > tops[1][-1, 0]][::-1]
     behind = tops[2][tops[2][:, 0] < tops[1][0, 0]]
@@ -78,7 +77,7 @@ def _plate(line: Floats, share: float, tall: float, side: float) -> Plate:
 
 
 def _spikes(tail: Sweep, pairs: int, size: float) -> list[Sweep]:
-    fine = smoothed(tail, 8)
+    fine = tail.smoothed(8)
     spikes: list[Sweep] = []
     for i in range(pairs):
         at = len(fine.points) - 3 - 4 * i

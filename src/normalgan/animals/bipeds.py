@@ -10,10 +10,10 @@ from normalgan.animals.bipeds_bones import STANCES, Limb, Measures, Skeleton, sk
 from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, block, both, carried, fuse, moved, on_side, tube
-from normalgan.animals.frames import Frame
+from normalgan.animals.forms import ball, block, both, carried, fuse, on_side, tube
+from normalgan.animals.frames import Floats, Frame
 from normalgan.animals.plan import Between, PosedPlan, Rng
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.shapes import Shape, Sweep
 
 __all__ = ["FLAT_HAND", "Biped", "Flesh", "Robot", "trunk"]
 
@@ -61,13 +61,13 @@ class Flesh:
         if dressed and bones.legs[0].points[1, 0] - bones.legs[0].points[0, 0] < 0.3 * measures.leg:
             parts.append(fuse(_skirt(measures, bones), blend=0.006))
         arms = [on_side(_arm(measures, limb), right) for right, limb in _sides(bones.arms)]
-        parts.append(fuse(*(moved(arm, bones.chest) for arm in arms), blend=0.022, ripple=coat))
+        parts.append(fuse(*(arm.placed(bones.chest) for arm in arms), blend=0.022, ripple=coat))
         hands = [
             on_side(one, right)
             for right, limb in _sides(bones.arms)
             for one in _hand(self.hand, measures, limb)
         ]
-        parts.append(fuse(*(moved(shape, bones.chest) for shape in hands), blend=0.010))
+        parts.append(fuse(*(shape.placed(bones.chest) for shape in hands), blend=0.010))
         throat = bones.skull.place(np.array([0.08, 0.3, 0.0]) * measures.head)
         neck = tube([bones.chest.origin, bones.skull.origin, throat], self.neck)
         parts.append(fuse(neck, blend=0.045, ripple=coat))
@@ -95,7 +95,7 @@ class Robot:
             fuse(block(middle, [depth, 1.25 * half, width], edge, chest.rotation)),
             fuse(block(bones.spine[1], [measures.pelvis.half_depth, 0.04, measures.pelvis.half_width], edge)),
             fuse(tube([bones.spine[1], bones.spine[2], middle], 0.7 * measures.waist.half_depth)),
-            fuse(*(moved(one, chest) for one in _panel(depth, half, width, rng))),
+            fuse(*(one.placed(chest) for one in _panel(depth, half, width, rng))),
             fuse(tube([chest.origin, bones.skull.place(np.array([0.0, 0.1, 0.0]) * measures.head)], 0.035)),
         ]
         limbs: list[Shape] = []
@@ -105,7 +105,7 @@ class Robot:
         for right, limb in _sides(bones.arms):
             arm = [*_pipes(limb, measures.upper_arm, measures.forearm, edge, boxy), *_claw(limb, measures)]
             arm.append(tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm))
-            limbs += [moved(on_side(shape, right), chest) for shape in arm]
+            limbs += [on_side(shape, right).placed(chest) for shape in arm]
         parts.append(fuse(*limbs))
         return parts + carried(robot_head(rng), bones.skull, measures.head)
 
@@ -180,7 +180,7 @@ def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
         thick, wide = [0.17, 0.19, 0.145, 0.11], [0.17, 0.18, 0.20, 0.16]
     sole = tube(np.array(rows) * size, np.array(thick) * size, np.array(wide) * size)
     shank = tube([[0.0, low, 0.0], [0.0, -0.3 * low, 0.0]], 0.62 * measures.calf)
-    return [moved(sole, limb.end), moved(shank, limb.end)]
+    return [sole.placed(limb.end), shank.placed(limb.end)]
 
 
 def _arm(measures: Measures, limb: Limb) -> Shape:
@@ -196,7 +196,7 @@ def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
     """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
     size, flat = measures.hand, FLAT_HAND
     if kind == "paw":
-        return [moved(ball([0.05 * size, -0.32 * size, 0.0], np.array([0.4, 0.5, 0.34]) * size), limb.end)]
+        return [ball([0.05 * size, -0.32 * size, 0.0], np.array([0.4, 0.5, 0.34]) * size).placed(limb.end)]
     palm = ball([0.02, -0.38, 0.0], [0.26, 0.44, flat])
     thumb = tube([[0.16, -0.22, 0.0], [0.33, -0.42, -0.05], [0.36, -0.58, -0.08]], [0.1, 0.095, 0.075])
     shapes: list[Shape] = [palm, thumb]
@@ -209,7 +209,7 @@ def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
             knuckle, tip = [at * 0.85, -0.6, 0.0], [at * 1.35, -far, -0.12]
             middle = [at * 1.1, -0.5 * (0.6 + far), -0.02]
             shapes.append(tube([knuckle, middle, tip], [0.085, 0.08, 0.065]))
-    return [moved(shape, limb.end, size) for shape in shapes]
+    return [shape.placed(limb.end, size) for shape in shapes]
 
 
 def _skirt(measures: Measures, bones: Skeleton) -> Shape:
@@ -229,7 +229,7 @@ def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
     rows = np.array([[0, 0, 0], [-0.25, -0.08, 0.1], [-0.55, 0.0, 0.4], [-0.72, 0.5, 0.7], [-0.6, 0.95, 1.0]])
     rows = rows * [1.0, lift, aside] * length
     start = Frame(bones.spine[1] + np.array([-0.04, 0.0, 0.0]), np.eye(3))
-    return moved(tube(rows, [0.026, 0.022, 0.019, 0.017, 0.016]), start)
+    return tube(rows, [0.026, 0.022, 0.019, 0.017, 0.016]).placed(start)
 
 
 def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
@@ -261,7 +261,7 @@ def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> l
 def _boot(limb: Limb, measures: Measures, edge: float) -> list[Shape]:
     size = measures.foot
     boot = block([0.22 * size, -0.12 * size, 0], [0.55 * size, 0.2 * size, 0.28 * size], edge)
-    return [moved(boot, limb.end)]
+    return [boot.placed(limb.end)]
 
 
 def _claw(limb: Limb, measures: Measures) -> list[Shape]:
@@ -270,7 +270,7 @@ def _claw(limb: Limb, measures: Measures) -> list[Shape]:
     jaw = [[0.0, -0.2, 0], [0.38, -0.4, 0], [0.4, -0.75, 0], [0.16, -1.0, 0]]
     cuff = tube([[0, 0.1, 0], [0, -0.25, 0]], 0.26)
     jaws = [tube(jaw, 0.13), tube(np.array(jaw) * [-1, 1, 1], 0.13), cuff]
-    return [moved(shape, limb.end, size) for shape in jaws]
+    return [shape.placed(limb.end, size) for shape in jaws]
 
 
 def _upright(axis: Floats) -> Floats:

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from normalgan.animals.frames import Frame, bend, pitch, roll, yaw
+from normalgan.animals.frames import Floats, Frame, bend, pitch, roll, yaw
 from normalgan.animals.plan import Rng, factors
-from normalgan.animals.sweep import Floats
 
 __all__ = ["STANCES", "Arm", "Girth", "Leg", "Limb", "Measures", "Skeleton", "Stance", "skeleton", "vary"]
 

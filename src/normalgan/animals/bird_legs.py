@@ -6,10 +6,9 @@ import numpy as np
 
 from normalgan.animals.field import Part
 from normalgan.animals.forms import fuse, tube
-from normalgan.animals.frames import Frame, hinge, yaw
+from normalgan.animals.frames import Floats, Frame, hinge, yaw
 from normalgan.animals.plan import Point, Rng
-from normalgan.animals.solids import Plate, rounded
-from normalgan.animals.sweep import Floats, Sweep, smoothed
+from normalgan.animals.shapes import Plate, Sweep, rounded
 
 __all__ = ["TOES", "Legs"]
 
@@ -80,7 +79,7 @@ class Legs:
             knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
             thigh_tube = tube([hip, knee, heel], [self.meat, 0.62 * self.meat, 1.15 * self.thick],
                               [0.8 * self.meat, 0.55 * self.meat, 1.15 * self.thick])  # fmt: skip
-            meat.append(smoothed(thigh_tube, 3))  # or its kinks would show as rings
+            meat.append(thigh_tube.smoothed(3))  # or its kinks would show as rings
             bone = tube([heel, foot], [1.05 * self.thick, 0.95 * self.thick])
             feet.append(fuse(bone, *_toes(self, foot, heading, flat, rng), blend=0.01))
             if self.web:

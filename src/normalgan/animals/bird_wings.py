@@ -6,11 +6,11 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.field import Part
-from normalgan.animals.forms import carried, fuse, pair, tube
-from normalgan.animals.frames import Frame, about, pitch, roll, yaw
+from normalgan.animals.forms import fuse, pair, tube
+from normalgan.animals.frames import Floats, Frame, about, pitch, roll, yaw
 from normalgan.animals.plan import Between, Rng
+from normalgan.animals.shapes import Sweep
 from normalgan.animals.stations import Profile
-from normalgan.animals.sweep import Floats, Sweep
 
 __all__ = ["STEP", "THIN", "Tail", "Wing", "folded", "opened", "tail_fan"]
 
@@ -120,11 +120,11 @@ def opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng
     hand = about(wrist, roll(flap))
     whole = about(shoulder, pitch(-0.55 * tilt if pose != "soar" else 0.0) @ roll(lift) @ yaw(-sweep))
     arm = _arm(wing, span)
-    outer = carried([fuse(*feathers[: wing.primaries])], hand)[0].sweeps
+    outer = [feather.placed(hand) for feather in feathers[: wing.primaries]]
     flight = fuse(*outer, *feathers[wing.primaries :])
     placed = []
     for part, blend in ((flight, 0.0), (arm, 0.02)):
-        right = carried(carried([part], Frame(shoulder, np.eye(3))), whole)[0].sweeps
+        right = [shape.placed(Frame(shoulder, np.eye(3))).placed(whole) for shape in part.shapes]
         placed.append(pair(*right, blend=blend))
     return placed
 

@@ -9,12 +9,11 @@ import numpy as np
 from normalgan.animals.bird_legs import Legs
 from normalgan.animals.bird_wings import Tail, Wing, folded, opened, tail_fan
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, both, carried, fuse, moved, pair, tube
+from normalgan.animals.forms import ball, both, carried, fuse, pair, tube
 from normalgan.animals.frames import Frame, bend, pitch, yaw
 from normalgan.animals.plan import Eyeball, PosedPlan, Range, Rng, proportions
-from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
-from normalgan.animals.sweep import Sweep
 
 __all__ = [
     "CHICK",
@@ -169,9 +168,9 @@ class Bird(PosedPlan):
         girth = build["girth"]
         rows = replace(self.body, bottom=self.body.bottom * (0.5 + 0.5 * girth)).wider(girth)
         down = Ripple(0.004, 0.06) if young else None
-        parts = [fuse(moved(rows.sweep(), body), ripple=down)]
+        parts = [fuse(rows.sweep().placed(body), ripple=down)]
         neck, head = _neck(self, pose, build, body, rng)
-        parts.append(Part(neck.sweeps, neck.blend, ripple=down))
+        parts.append(replace(neck, ripple=down))
         parts += _head(self, build, head, rng, young)
         out = pose in {"soar", "spread", "land"}
         tail = self.tail

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, block, both, fuse, ring, tube
-from normalgan.animals.frames import pitch, roll, yaw
+from normalgan.animals.forms import ball, block, both, fuse, ring, tube
+from normalgan.animals.frames import Floats, pitch, roll, yaw
 from normalgan.animals.objects import (
     boat,
     cactus,
@@ -24,7 +24,7 @@ from normalgan.animals.objects import (
     vase,
 )
 from normalgan.animals.plan import BodyPlan, Form, Rng
-from normalgan.animals.sweep import Floats
+from normalgan.animals.shapes import Shape
 
 __all__ = ["BLOBS", "INNER", "KINDS", "STILL", "Piece", "blob", "creature"]
 

@@ -1,15 +1,15 @@
 """Parts blended into one signed distance field on a grid, each evaluated only near itself."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from normalgan.animals.solids import Solid
-from normalgan.animals.sweep import Floats, Sweep, Volume, reach, segment_distance
+from normalgan.animals.frames import Floats, Frame, Volume
+from normalgan.animals.shapes import Shape, smooth_minimum
 
-__all__ = ["FAR", "MARGIN", "Grid", "Part", "Ripple", "Window", "sample", "smooth_minimum"]
+__all__ = ["FAR", "MARGIN", "Grid", "Part", "Ripple", "Window", "sample"]
 
 FAR = np.float32(10.0)  # value of the field where no part is near
 Window = tuple[slice, slice, slice]
@@ -30,26 +30,30 @@ class Ripple(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Sweeps and solids united sharply, which then flow into what was there before.
+    """Shapes united sharply, which then flow into what was there before.
 
     Args:
-        sweeps: the tubes.
+        shapes: that make it up.
         blend: width of the zone in which the part and the rest flow together; 0 for a sharp seam.
         carve: take the part away instead of adding it.
         ripple: bumps on the surface, or None.
-        solids: ellipsoids, boxes, rings, plates.
     """
 
-    sweeps: tuple[Sweep, ...]
+    shapes: tuple[Shape, ...]
     blend: float
     carve: bool = False
     ripple: Ripple | None = None
-    solids: tuple[Solid, ...] = ()
 
     def reach(self) -> tuple[Floats, Floats]:
         """Return the lowest and highest corner, (3,) each, of a box that holds it."""
-        boxes = [reach(sweep) for sweep in self.sweeps] + [solid.reach() for solid in self.solids]
+        boxes = [shape.reach() for shape in self.shapes]
         return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+    def placed(self, frame: Frame, size: float = 1.0) -> Self:
+        """Return it scaled by ``size``, its blend too, and carried along with a frame."""
+        shapes = tuple(shape.placed(frame, size) for shape in self.shapes)
+        ripple = None if self.ripple is None else Ripple(*(size * length for length in self.ripple))
+        return replace(self, shapes=shapes, blend=self.blend * size, ripple=ripple)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,19 +85,6 @@ class Grid:
         return x[:, None, None], y[None, :, None], z[None, None, :]
 
 
-def smooth_minimum(a: Volume, b: Volume, width: float) -> Volume:
-    """Return min(a, b), rounded where they differ by less than ``width`` (Quilez, cubic polynomial).
-
-    >>> float(smooth_minimum(np.float32([1]), np.float32([3]), 1.0)[0])
-    1.0
-    """
-    if width <= 0:
-        return np.minimum(a, b)
-    near = np.maximum(np.float32(width) - np.abs(a - b), 0) / np.float32(width)
-    rounded: Volume = np.minimum(a, b) - near * near * near * np.float32(width / 6)
-    return rounded
-
-
 def sample(parts: Sequence[Part], grid: Grid) -> Volume:
     """Return the signed distance, negative inside, at every sample; right near the surface, `FAR` elsewhere.
 
@@ -118,26 +109,11 @@ def sample(parts: Sequence[Part], grid: Grid) -> Volume:
 
 def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume:
     own = np.full([part.stop - part.start for part in window], FAR, np.float32)
-    for sweep in part.sweeps:
-        fat = np.maximum(sweep.radii, sweep.widths)
-        for i in range(len(sweep.points) - 1):
-            pad = max(fat[i], fat[i + 1]) + margin
-            ends = sweep.points[i : i + 2]
-            near = grid.window(ends.min(axis=0) - pad, ends.max(axis=0) + pad)
-            box = _overlap(near, window)
-            x, y, z = grid.axes(box)
-            distance = segment_distance(sweep, i, x, y, z)
-            if sweep.cut is not None and 3 * i >= 2 * len(sweep.points):
-                point, normal = sweep.cut
-                plane = (x - point[0]) * normal[0] + (y - point[1]) * normal[1] + (z - point[2]) * normal[2]
-                distance = -smooth_minimum(-distance, -plane.astype(np.float32), 1.5 * grid.spacing)
+    for shape in part.shapes:
+        for piece in shape.pieces(grid.spacing):
+            box = _overlap(grid.window(piece.low - margin, piece.high + margin), window)
             inner = _within(box, window)
-            np.minimum(own[inner], distance, out=own[inner])
-    for solid in part.solids:
-        low, high = solid.reach()
-        box = _overlap(grid.window(low - margin, high + margin), window)
-        inner = _within(box, window)
-        np.minimum(own[inner], solid.distance(*grid.axes(box)), out=own[inner])
+            np.minimum(own[inner], piece.distance(*grid.axes(box)), out=own[inner])
     if part.ripple is not None:
         own += _ripple(grid.axes(window), part.ripple)
     return own

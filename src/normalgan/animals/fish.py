@@ -8,11 +8,10 @@ import numpy as np
 
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball, fuse, tube
-from normalgan.animals.frames import spanned
+from normalgan.animals.frames import Floats, spanned
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
-from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
-from normalgan.animals.sweep import Floats, Sweep
 from normalgan.errors import InputError
 
 __all__ = ["POSES", "RANGES", "Fin", "Finlet", "Fish", "Gills", "plates"]
@@ -244,4 +243,4 @@ def plates(fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap
     frame = spanned(np.array([0.0, y, z]), first, np.array(fin.chord))
     outline = rounded([(a * factor, b) for a, b in corners], times)
     right = Plate(frame, outline, fin.thick, fin.swell, 4 * fin.thick)
-    return [each.placed(spine.frame(x), 1.0) for each in (right, right.mirrored())]
+    return [each.placed(spine.frame(x)) for each in (right, right.mirrored())]

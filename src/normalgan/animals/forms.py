@@ -6,28 +6,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.frames import Frame
-from normalgan.animals.solids import MIRROR, Box, Ellipsoid, Ring, Solid
-from normalgan.animals.sweep import Cut, Floats, Sweep
+from normalgan.animals.frames import Floats, Frame
+from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
 
 __all__ = [
     "SIDE",
-    "Shape",
     "ball",
     "block",
     "both",
     "by",
     "carried",
     "fuse",
-    "mirrored",
-    "moved",
     "on_side",
     "pair",
     "ring",
     "tube",
 ]
 
-Shape = Sweep | Solid
 SIDE = (0.0, 0.0, 1.0)
 
 
@@ -89,27 +84,17 @@ def tube(
 
 def fuse(*shapes: Shape, blend: float = 0.0, carve: bool = False, ripple: Ripple | None = None) -> Part:
     """Return the part made of these shapes."""
-    sweeps = tuple(shape for shape in shapes if isinstance(shape, Sweep))
-    solids = tuple(shape for shape in shapes if not isinstance(shape, Sweep))
-    return Part(sweeps, blend, carve, ripple, solids)
-
-
-def mirrored(shape: Shape) -> Shape:
-    """Return its image on the animal's other side."""
-    if not isinstance(shape, Sweep):
-        return shape.mirrored()
-    cut = None if shape.cut is None else Cut(shape.cut.point * MIRROR, shape.cut.normal * MIRROR)
-    return Sweep(shape.points * MIRROR, shape.radii, shape.widths, shape.sides * MIRROR, cut)
+    return Part(shapes, blend, carve, ripple)
 
 
 def on_side(shape: Shape, right: bool) -> Shape:
     """Return a shape of the right side, or its image on the left."""
-    return shape if right else mirrored(shape)
+    return shape if right else shape.mirrored()
 
 
 def both(*shapes: Shape) -> tuple[Shape, ...]:
     """Return the shapes and their images."""
-    return (*shapes, *(mirrored(shape) for shape in shapes))
+    return (*shapes, *(shape.mirrored() for shape in shapes))
 
 
 def pair(*shapes: Shape, blend: float = 0.0, carve: bool = False) -> Part:
@@ -117,31 +102,9 @@ def pair(*shapes: Shape, blend: float = 0.0, carve: bool = False) -> Part:
     return fuse(*both(*shapes), blend=blend, carve=carve)
 
 
-def moved(shape: Shape, frame: Frame, size: float = 1.0) -> Shape:
-    """Return a shape scaled by ``size`` and carried along with a frame."""
-    return _moved_sweep(shape, frame, size) if isinstance(shape, Sweep) else shape.placed(frame, size)
-
-
 def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part]:
     """Return parts scaled by ``size``, their blends too, and carried along with a frame."""
-    return [
-        Part(
-            tuple(_moved_sweep(sweep, frame, size) for sweep in part.sweeps),
-            part.blend * size,
-            part.carve,
-            None if part.ripple is None else Ripple(part.ripple.height * size, part.ripple.wavelength * size),
-            tuple(solid.placed(frame, size) for solid in part.solids),
-        )
-        for part in parts
-    ]
-
-
-def _moved_sweep(sweep: Sweep, frame: Frame, size: float) -> Sweep:
-    cut = None
-    if sweep.cut is not None:
-        cut = Cut(frame.place(sweep.cut.point * size), frame.rotation @ sweep.cut.normal)
-    sides = sweep.sides @ frame.rotation.T
-    return Sweep(frame.place(sweep.points * size), sweep.radii * size, sweep.widths * size, sides, cut)
+    return [part.placed(frame, size) for part in parts]
 
 
 def _frame(at: ArrayLike, turn: Floats | None) -> Frame:

@@ -4,10 +4,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from normalgan.animals.sweep import Floats
+__all__ = [
+    "Floats",
+    "Frame",
+    "Volume",
+    "about",
+    "bend",
+    "fold",
+    "hinge",
+    "pitch",
+    "roll",
+    "spanned",
+    "way_along",
+    "yaw",
+]
 
-__all__ = ["Frame", "about", "bend", "fold", "hinge", "pitch", "roll", "spanned", "yaw"]
+Floats = NDArray[np.float64]
+Volume = NDArray[np.float32]
+"""Values on a grid, and its coordinates."""
 
 
 def pitch(degrees: float) -> Floats:
@@ -52,9 +68,9 @@ class Frame:
     origin: Floats
     rotation: Floats
 
-    def place(self, points: Floats) -> Floats:
-        """Return (n, 3) local points in the world."""
-        placed: Floats = self.origin + points @ self.rotation.T
+    def place(self, points: ArrayLike) -> Floats:
+        """Return a local point (3,), or (n, 3) of them, in the world."""
+        placed: Floats = self.origin + np.asarray(points, float) @ self.rotation.T
         return placed
 
     def carried(self, frame: "Frame", size: float = 1.0) -> "Frame":
@@ -109,6 +125,15 @@ def fold(points: Floats, joints: tuple[int, ...], angles: tuple[float, ...]) -> 
     for joint, angle in zip(joints, angles, strict=True):
         moved[joint + 1 :] = moved[joint] + (moved[joint + 1 :] - moved[joint]) @ pitch(angle).T
     return moved
+
+
+def way_along(points: Floats) -> Floats:
+    """Return how far each of (n, 3) points is along the line through them, (n,), from 0.
+
+    >>> way_along(np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [3.0, 4.0, 1.0]])).tolist()
+    [0.0, 5.0, 6.0]
+    """
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
 def about(pivot: Sequence[float] | Floats, rotation: Floats) -> Frame:

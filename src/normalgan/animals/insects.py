@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, both, by, carried, fuse, on_side, pair, tube
-from normalgan.animals.frames import Frame, hinge, pitch, roll, yaw
+from normalgan.animals.forms import ball, both, by, carried, fuse, on_side, pair, tube
+from normalgan.animals.frames import Floats, Frame, hinge, pitch, roll, yaw
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
-from normalgan.animals.solids import Plate
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.shapes import Plate, Shape, Sweep
 
 __all__ = [
     "BLADE",

@@ -9,7 +9,8 @@ from scipy import ndimage
 from skimage.measure import marching_cubes, mesh_surface_area
 
 from normalgan.animals.field import MARGIN, Grid, Part, sample
-from normalgan.animals.sweep import Floats, Volume, area, smoothed
+from normalgan.animals.frames import Floats, Volume
+from normalgan.animals.shapes import Sweep
 from normalgan.rendering.mesh import Mesh
 
 __all__ = [
@@ -54,10 +55,10 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
 
 def _spacing(parts: Sequence[Part], count: int) -> float:
     """Return the distance of grid points that gives about ``count`` faces."""
-    tubes = [sweep for part in parts if not part.carve for sweep in part.sweeps]
-    skin = sum(area(smoothed(tube)) for tube in tubes)
-    skin += sum(solid.area() for part in parts if not part.carve for solid in part.solids)
-    if any(part.solids for part in parts):
+    added = [shape for part in parts if not part.carve for shape in part.shapes]
+    skin = sum(shape.smoothed().area() for shape in added if isinstance(shape, Sweep))
+    skin += sum(shape.area() for shape in added if not isinstance(shape, Sweep))
+    if not all(isinstance(shape, Sweep) for part in parts for shape in part.shapes):
         # Solids may lie deep in one another, or be hollowed out: measured on a coarse grid, the skin may
         # turn out another. Not so with sweeps; and thin ones, which a coarse grid fattens, add up better.
         coarse = float(np.sqrt(2.35 * skin * COARSER / count))
@@ -116,13 +117,7 @@ def unit_sphere(points: Floats) -> Floats:
 
 
 def _fine(part: Part, thinnest: float) -> Part:
-    # On thick tubes the kinks between segments would show as rings.
-    sweeps = [
-        smoothed(each, 10 if max(each.radii.max(), each.widths.max()) > 8 * thinnest else 4, thinnest)
-        for each in part.sweeps
-    ]
-    solids = tuple(solid.thickened(thinnest) for solid in part.solids)
-    return replace(part, sweeps=tuple(sweeps), solids=solids)
+    return replace(part, shapes=tuple(shape.thickened(thinnest) for shape in part.shapes))
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

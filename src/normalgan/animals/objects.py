@@ -3,9 +3,10 @@
 import numpy as np
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, block, both, by, fuse, pair, ring, tube
+from normalgan.animals.forms import ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.frames import pitch, roll, yaw
 from normalgan.animals.plan import Rng, factors
+from normalgan.animals.shapes import Shape
 
 __all__ = [
     "SHAPES",

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.field import Part
-from normalgan.animals.forms import Shape, ball, block, both, by, carried, fuse, mirrored, pair, tube
-from normalgan.animals.frames import Frame, pitch, roll, yaw
+from normalgan.animals.forms import ball, block, both, by, carried, fuse, pair, tube
+from normalgan.animals.frames import Floats, Frame, pitch, roll, yaw
 from normalgan.animals.insects import wing
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.shapes import Shape, Sweep
 
 __all__ = [
     "HABITS",
@@ -74,7 +74,7 @@ def sewn(toy: Toy, features: list[Part], pose: str, rng: Rng) -> list[Part]:
     parts = [fuse(ball([0, half, 0], [depth, half, width]))]
     parts.append(pair(*_leg(depth, half, width, thick, sits, rng), blend=0.025))
     arms = [_arm(toy, (depth, half, width), 0.85 * thick, f["arms"], pose, rng) for _ in range(2)]
-    parts.append(fuse(*arms[0], *(mirrored(shape) for shape in arms[1]), blend=0.025))
+    parts.append(fuse(*arms[0], *(shape.mirrored() for shape in arms[1]), blend=0.025))
     size = toy.head * f["head"]
     chin = Frame(np.array([0.12 * depth, 2 * half + 0.68 * size, 0]), _nod(rng))
     if rng.uniform() < 0.45:

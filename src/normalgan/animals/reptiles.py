@@ -7,12 +7,11 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, by, carried, fuse, moved, on_side, pair, tube
-from normalgan.animals.frames import Frame, about, bend, pitch, spanned, yaw
+from normalgan.animals.forms import ball, by, carried, fuse, on_side, pair, tube
+from normalgan.animals.frames import Floats, Frame, about, bend, pitch, spanned, way_along, yaw
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
-from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
-from normalgan.animals.sweep import Floats, Sweep, way_along
 
 __all__ = [
     "COILED",
@@ -245,7 +244,7 @@ def _crawler_leg(
         middle = foot + 0.55 * way + [0.0, 0.25 * r, 0.0]
         tip[1], middle[1] = ground + 0.1 * r, max(middle[1], ground + 0.4 * r)
         parts.append(tube([foot, middle, tip], [0.55 * r, 0.42 * r, 0.22 * r]))
-    return fuse(*(moved(on_side(one, sign > 0), spine.frame(x)) for one in parts), blend=0.05)
+    return fuse(*(on_side(one, sign > 0).placed(spine.frame(x)) for one in parts), blend=0.05)
 
 
 def _crest(rows: Profile, height: float, spine: Spine) -> list[Sweep]:

@@ -4,9 +4,9 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from normalgan.animals.forms import Shape, moved, tube
-from normalgan.animals.frames import Frame, about, pitch, yaw
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.forms import tube
+from normalgan.animals.frames import Floats, Frame, about, pitch, yaw
+from normalgan.animals.shapes import Sweep
 from normalgan.errors import InputError
 
 __all__ = ["Profile", "Spine", "Stations"]
@@ -97,10 +97,10 @@ class Profile:
         stations = self.stations
         return tube(stations.points, stations.radius, stations.widths)
 
-    def opened(self, degrees: float) -> Shape:
+    def opened(self, degrees: float) -> Sweep:
         """Return the straight body, a lower jaw, turned down about its first station."""
         hinge = (float(self.x[0]), float(self.top[0] + self.bottom[0]) / 2, 0.0)
-        return moved(self.sweep(), about(hinge, pitch(-degrees)))
+        return self.sweep().placed(about(hinge, pitch(-degrees)))
 
 
 class Spine:

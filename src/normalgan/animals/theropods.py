@@ -8,12 +8,11 @@ import numpy as np
 
 from normalgan.animals.bird_legs import Legs
 from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, carried, fuse, moved, on_side, pair, tube
+from normalgan.animals.forms import ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
-from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
-from normalgan.animals.sweep import Sweep
 
 __all__ = ["POSES", "RANGES", "YOUNG", "YOUNG_SHARE", "Arm", "Theropod"]
 
@@ -83,7 +82,7 @@ class Theropod(PosedPlan):
         whole = about((0, 0, 0), pitch(tilt))
         torso = self.torso.wider(build["girth"])
         tail = replace(self.tail, x=self.tail.x * build["tail"])
-        parts = [fuse(moved(torso.sweep(), whole)), fuse(_tail(tail, tilt, rng), blend=0.12)]
+        parts = [fuse(torso.sweep().placed(whole)), fuse(_tail(tail, tilt, rng), blend=0.12)]
         points = self.neck.points
         points = whole.place(points[0] + (points - points[0]) * build["neck"])
         aside = float(np.clip(rng.normal(0, 13), -30, 30))
