@@ -4,7 +4,7 @@ from scipy.spatial import cKDTree
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import Animal
-from normalgan.animals.blobs import BLOBS
+from normalgan.animals.objects import BLOBS
 from normalgan.animals.field import Part
 from normalgan.animals.forms import ball
 from normalgan.animals.meshing import to_mesh

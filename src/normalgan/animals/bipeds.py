@@ -179,7 +179,7 @@ def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
         rows = [[-0.20, -0.16, 0], [0.10, -0.14, 0], [0.42, -0.20, 0.01], [0.66, -0.23, 0.02]]
         thick, wide = [0.17, 0.19, 0.145, 0.11], [0.17, 0.18, 0.20, 0.16]
     sole = tube(np.array(rows) * size, np.array(thick) * size, np.array(wide) * size)
-    shank = tube([[0.0, low, 0.0], [0.0, -0.3 * low, 0.0]], 0.62 * measures.calf)
+    shank = tube([(0.0, low), (0.0, -0.3 * low)], 0.62 * measures.calf)
     return [sole.placed(limb.end), shank.placed(limb.end)]
 
 
@@ -196,8 +196,8 @@ def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
     """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
     size, flat = measures.hand, FLAT_HAND
     if kind == "paw":
-        return [ball([0.05 * size, -0.32 * size, 0.0], np.array([0.4, 0.5, 0.34]) * size).placed(limb.end)]
-    palm = ball([0.02, -0.38, 0.0], [0.26, 0.44, flat])
+        return [ball((0.05 * size, -0.32 * size), np.array([0.4, 0.5, 0.34]) * size).placed(limb.end)]
+    palm = ball((0.02, -0.38), [0.26, 0.44, flat])
     thumb = tube([[0.16, -0.22, 0.0], [0.33, -0.42, -0.05], [0.36, -0.58, -0.08]], [0.1, 0.095, 0.075])
     shapes: list[Shape] = [palm, thumb]
     if kind == "mitt":
@@ -235,11 +235,11 @@ def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
 def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
     """Return what is on the breast: a plate, or knobs."""
     if rng.uniform() < 0.5:
-        return [block([depth, -half, 0], [0.014, 0.6 * half, 0.6 * width], 0.01)]
+        return [block((depth, -half), [0.014, 0.6 * half, 0.6 * width], 0.01)]
     knobs = both(
         tube([[depth - 0.01, -0.5 * half, 0.4 * width], [depth + 0.014, -0.5 * half, 0.4 * width]], 0.02)
     )
-    return [*knobs, block([depth, -1.2 * half, 0], [0.012, 0.3 * half, 0.6 * width], 0.01)]
+    return [*knobs, block((depth, -1.2 * half), [0.012, 0.3 * half, 0.6 * width], 0.01)]
 
 
 def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> list[Shape]:
@@ -260,7 +260,7 @@ def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> l
 
 def _boot(limb: Limb, measures: Measures, edge: float) -> list[Shape]:
     size = measures.foot
-    boot = block([0.22 * size, -0.12 * size, 0], [0.55 * size, 0.2 * size, 0.28 * size], edge)
+    boot = block((0.22 * size, -0.12 * size), [0.55 * size, 0.2 * size, 0.28 * size], edge)
     return [boot.placed(limb.end)]
 
 
@@ -268,7 +268,7 @@ def _claw(limb: Limb, measures: Measures) -> list[Shape]:
     """Return a gripper: an open ring."""
     size = measures.hand
     jaw = [[0.0, -0.2, 0], [0.38, -0.4, 0], [0.4, -0.75, 0], [0.16, -1.0, 0]]
-    cuff = tube([[0, 0.1, 0], [0, -0.25, 0]], 0.26)
+    cuff = tube([(0, 0.1), (0, -0.25)], 0.26)
     jaws = [tube(jaw, 0.13), tube(np.array(jaw) * [-1, 1, 1], 0.13), cuff]
     return [shape.placed(limb.end, size) for shape in jaws]
 

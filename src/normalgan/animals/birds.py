@@ -15,26 +15,12 @@ from normalgan.animals.plan import Eyeball, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
 
-__all__ = [
-    "CHICK",
-    "FACES",
-    "POSES",
-    "RANGES",
-    "TRAINS",
-    "YOUNG_SHARE",
-    "Bird",
-    "Extra",
-    "brow",
-    "comb",
-    "plume",
-    "sickles",
-    "tufts",
-]
+__all__ = ["Bird"]
 
-Extra = Callable[[Rng, float], list[Part]]
+_Extra = Callable[[Rng, float], list[Part]]
 
 
-def comb(rng: Rng, _: float) -> list[Part]:
+def _comb(rng: Rng, _: float) -> list[Part]:
     """Return a cock's comb and wattles; a hen's are smaller."""
     size = rng.uniform(0.6, 1.25)
     edge = [(-0.42, 0.28), (-0.46, 0.60), (-0.28, 0.52), (-0.20, 0.80), (-0.06, 0.56), (0.06, 0.84),
@@ -47,7 +33,7 @@ def comb(rng: Rng, _: float) -> list[Part]:
     ]
 
 
-def sickles(rng: Rng, factor: float) -> list[Part]:
+def _sickles(rng: Rng, factor: float) -> list[Part]:
     """Return the drooping tail feathers of a cock; hens have none."""
     if rng.uniform() < 0.5:
         return []
@@ -67,7 +53,7 @@ def sickles(rng: Rng, factor: float) -> list[Part]:
     return [fuse(*arcs, blend=0.01)]
 
 
-def tufts(rng: Rng, _: float) -> list[Part]:
+def _tufts(rng: Rng, _: float) -> list[Part]:
     """Return an owl's veil of feathers round the eyes, and the ears of some."""
     parts = [pair(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24), blend=0.03),
              pair(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18), blend=0.05, carve=True),
@@ -82,13 +68,13 @@ def tufts(rng: Rng, _: float) -> list[Part]:
     return parts
 
 
-def plume(_: Rng, factor: float) -> list[Part]:
+def _plume(_: Rng, factor: float) -> list[Part]:
     """Return the plumes at the back of a heron's head."""
-    plume = tube([(-0.3, 0.18, 0), (-0.75, 0.14, 0), (-1.25 * factor, -0.12, 0)], [0.07, 0.06, 0.02])
+    plume = tube([(-0.3, 0.18), (-0.75, 0.14), (-1.25 * factor, -0.12)], [0.07, 0.06, 0.02])
     return [fuse(plume, blend=0.04)]
 
 
-def brow(_: Rng, __: float) -> list[Part]:
+def _brow(_: Rng, __: float) -> list[Part]:
     """Return the ridge over an eagle's eye."""
     return [
         pair(
@@ -98,15 +84,15 @@ def brow(_: Rng, __: float) -> list[Part]:
     ]
 
 
-FACES: Mapping[str, Extra] = {"brow": brow, "comb": comb, "plume": plume, "tufts": tufts}
-TRAINS: Mapping[str, Extra] = {"sickles": sickles}
-POSES = ("stand", "walk", "feed", "perch", "one_leg", "swim", "spread", "soar", "land")
-YOUNG_SHARE = 0.15
-RANGES: Mapping[str, Range] = {
+_FACES: Mapping[str, _Extra] = {"brow": _brow, "comb": _comb, "plume": _plume, "tufts": _tufts}
+_TRAINS: Mapping[str, _Extra] = {"sickles": _sickles}
+_POSES = ("stand", "walk", "feed", "perch", "one_leg", "swim", "spread", "soar", "land")
+_YOUNG_SHARE = 0.15
+_RANGES: Mapping[str, Range] = {
     "girth": (0.88, 1.15), "neck": (0.9, 1.12), "head": (0.92, 1.12), "beak": (0.85, 1.18),
     "tail": (0.8, 1.2), "legs": (0.88, 1.12), "wing": (0.9, 1.12),
 }  # fmt: skip
-CHICK: Mapping[str, float] = {
+_CHICK: Mapping[str, float] = {
     "girth": 1.0, "neck": 1.05, "head": 1.3, "beak": 0.7, "tail": 0.4, "legs": 0.85, "wing": 0.6,
 }  # fmt: skip
 
@@ -136,7 +122,7 @@ class Bird(PosedPlan):
         ranges: ranges of proportions that differ from the general ones.
     """
 
-    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    habits: tuple[Annotated[str, tuple(_POSES)], ...]
     body: Profile
     pitch: Range
     neck: Stations
@@ -149,16 +135,16 @@ class Bird(PosedPlan):
     wing: Wing
     tail: Tail
     leg: Legs
-    face: Annotated[str, tuple(FACES)] | None = None
-    train: Annotated[str, tuple(TRAINS)] | None = None
+    face: Annotated[str, tuple(_FACES)] | None = None
+    train: Annotated[str, tuple(_TRAINS)] | None = None
     turn: float = 35.0
     chick: bool = False
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < YOUNG_SHARE)
-        build = proportions(RANGES, self.ranges, rng, CHICK if young else None)
+        young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < _YOUNG_SHARE)
+        build = proportions(_RANGES, self.ranges, rng, _CHICK if young else None)
         tilt = rng.uniform(*self.pitch)
         tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)
         turn = pitch(tilt)
@@ -182,7 +168,7 @@ class Bird(PosedPlan):
         fan = tail_fan(self.tail, build["tail"], spread * rng.uniform(0.8, 1.2), rng.normal(0, 5))
         parts += carried(fan, body)
         if self.train is not None and not young:
-            parts += carried(TRAINS[self.train](rng, build["tail"]), body)
+            parts += carried(_TRAINS[self.train](rng, build["tail"]), body)
         if out:
             parts += carried(opened(self.wing, rows, build["wing"], pose, tilt, rng), body)
         else:
@@ -218,7 +204,7 @@ def _head(kind: Bird, build: Mapping[str, float], frame: Frame, rng: Rng, young:
         pair(ball(kind.eye.at, kind.eye.radius * (1.2 if young else 1.0))),
     ]
     if kind.face is not None and not young:
-        parts += FACES[kind.face](rng, 1.0)
+        parts += _FACES[kind.face](rng, 1.0)
     return carried(parts, frame, size)
 
 

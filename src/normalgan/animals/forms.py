@@ -17,6 +17,7 @@ __all__ = [
     "by",
     "carried",
     "fuse",
+    "in_space",
     "on_side",
     "pair",
     "ring",
@@ -36,6 +37,16 @@ def by(start: Floats, x: float, y: float, z: float) -> Floats:
     return moved_on
 
 
+def in_space(points: ArrayLike) -> Floats:
+    """Return points (..., 3); those given by x and y alone lie in the middle plane, z = 0.
+
+    >>> in_space((1, 2)).tolist()
+    [1.0, 2.0, 0.0]
+    """
+    given = np.array(points, float)
+    return given if given.shape[-1] == 3 else np.insert(given, 2, 0.0, axis=-1)
+
+
 def ball(at: ArrayLike, radii: ArrayLike, turn: Floats | None = None) -> Ellipsoid:
     """Return a sphere, or an ellipsoid if three radii are given."""
     return Ellipsoid(_frame(at, turn), np.broadcast_to(np.array(radii, float), 3).copy())
@@ -53,22 +64,22 @@ def ring(at: ArrayLike, major: float, minor: float, turn: Floats | None = None) 
 
 
 def tube(
-    points: ArrayLike | Sequence[ArrayLike],
+    points: ArrayLike,
     radii: ArrayLike,
     widths: ArrayLike | None = None,
     side: ArrayLike = SIDE,
     flat: bool = False,
 ) -> Sweep:
-    """Return a sweep through (n, 3) points.
+    """Return a sweep.
 
     Args:
-        points: the curve.
+        points: (n, 3) the curve, or (n, 2) for one in the middle plane.
         radii: of the section across ``side``, one or n.
         widths: along ``side``; None for round ones.
         side: (3,) or (n, 3) direction of the widths.
         flat: whether the end is cut off at its last point.
     """
-    curve = np.array(points, float)
+    curve = in_space(points)
     count = len(curve)
     thick = np.broadcast_to(np.array(radii, float), count)
     wide = thick if widths is None else np.broadcast_to(np.array(widths, float), count)
@@ -108,4 +119,4 @@ def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part
 
 
 def _frame(at: ArrayLike, turn: Floats | None) -> Frame:
-    return Frame(np.array(at, float), np.eye(3) if turn is None else turn)
+    return Frame(in_space(at), np.eye(3) if turn is None else turn)

@@ -7,40 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, both, by, carried, fuse, on_side, pair, tube
+from normalgan.animals.forms import ball, both, by, carried, fuse, in_space, on_side, pair, tube
 from normalgan.animals.frames import Floats, Frame, hinge, pitch, roll, yaw
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.shapes import Plate, Shape, Sweep
 
-__all__ = [
-    "BLADE",
-    "FORE",
-    "HIND",
-    "INSECTS",
-    "LONG",
-    "OUT",
-    "LegRow",
-    "ant",
-    "bee",
-    "beetle",
-    "butterfly",
-    "caterpillar",
-    "dragonfly",
-    "eyes",
-    "feelers",
-    "fly",
-    "grasshopper",
-    "held",
-    "ladybird",
-    "legs",
-    "mantis",
-    "ringed",
-    "scorpion",
-    "spider",
-    "wing",
-]
+__all__ = ["INSECTS", "LegRow", "legs", "wing"]
 
-OUT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # columns: to the right, ahead, up
+_OUT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # columns: to the right, ahead, up
 
 
 class LegRow(NamedTuple):
@@ -106,7 +80,7 @@ def _leg(hip: Floats, knee: Floats, foot: Floats, toe: Floats, thick: float) -> 
     return tube(points, np.array([1.1, 1.05, 1.15, 0.85, 0.7, 0.55, 0.5]) * thick)
 
 
-def feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: float = 0.8) -> Part:
+def _feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: float = 0.8) -> Part:
     """Return a pair of antennae.
 
     Args:
@@ -122,12 +96,12 @@ def feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: flo
     return pair(tube(points, radii), blend=0.01)
 
 
-def eyes(at: ArrayLike, radii: ArrayLike, turn: float = 0.0) -> Part:
+def _eyes(at: ArrayLike, radii: ArrayLike, turn: float = 0.0) -> Part:
     """Return a pair of faceted eyes, seen as smooth."""
     return pair(ball(at, radii, yaw(turn)), blend=0.01)
 
 
-def ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: float = 1.0) -> Sweep:
+def _ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: float = 1.0) -> Sweep:
     """Return a tube with ``rings`` rings, ``depth`` the part of the radius by which it narrows between them.
 
     Args:
@@ -139,7 +113,7 @@ def ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: 
     """
     from scipy.interpolate import CubicSpline  # slow to import: only for who grows an insect
 
-    stations, sizes = np.array(points, float), np.array(radii, float)
+    stations, sizes = in_space(points), np.array(radii, float)
     knots = np.linspace(0, 1, len(stations))
     at = np.linspace(0, 1, 4 * rings + 1)
     curve = CubicSpline(knots, np.column_stack([stations, sizes]))(at)
@@ -148,12 +122,7 @@ def ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: 
 
 
 def wing(
-    hinge_at: ArrayLike,
-    outline: Sequence[tuple[float, float]],
-    raised: float,
-    back: float,
-    thick: float,
-    bow: float = 0.0,
+    hinge_at: ArrayLike, outline: ArrayLike, raised: float, back: float, thick: float, bow: float = 0.0
 ) -> tuple[Shape, ...]:
     """Return a pair of wings.
 
@@ -167,14 +136,15 @@ def wing(
     """
     from scipy.interpolate import CubicSpline
 
-    corners = np.array([*outline, outline[0]], float)
-    at = np.linspace(0, len(outline), 6 * len(outline) + 1)[:-1]
+    corners = np.array(outline, float)
+    corners = np.vstack([corners, corners[:1]])
+    at = np.linspace(0, len(corners) - 1, 6 * len(corners) - 5)[:-1]
     smooth = CubicSpline(np.arange(len(corners)), corners, bc_type="periodic")(at)
-    frame = Frame(np.array(hinge_at, float), roll(raised) @ yaw(-back) @ OUT)
+    frame = Frame(np.array(hinge_at, float), roll(raised) @ yaw(-back) @ _OUT)
     return both(Plate(frame, smooth, thick, bow=(-bow, -bow)))
 
 
-def held(
+def _held(
     pose: str,
     rng: Rng,
     raised: tuple[float, float],
@@ -187,15 +157,13 @@ def held(
     return rng.uniform(*up), rng.uniform(*sweep)
 
 
-def beetle(pose: str, rng: Rng) -> list[Part]:
+def _beetle(pose: str, rng: Rng) -> list[Part]:
     """Return a beetle: wing cases with a seam, a shield, and jaws or a horn on some."""
     f = factors(rng, 0.15, "long", "wide", "high", "legs")
     long, wide, high = 0.40 * f["long"], 0.25 * f["wide"], 0.19 * f["high"]
     front = -0.12 + long
-    case = ball([-0.14, 0.02, 0], [long, high, wide])
-    seam = [
-        [-0.14 + long * x, 0.02 + high * np.sqrt(1 - x * x) + 0.008, 0] for x in np.linspace(-0.93, 0.8, 12)
-    ]
+    case = ball((-0.14, 0.02), [long, high, wide])
+    seam = [(-0.14 + long * x, 0.02 + high * np.sqrt(1 - x * x) + 0.008) for x in np.linspace(-0.93, 0.8, 12)]
     lines = [
         [
             [
@@ -214,9 +182,9 @@ def beetle(pose: str, rng: Rng) -> list[Part]:
     parts = [
         fuse(case),
         fuse(tube(seam, 0.014), blend=0.01, carve=True),
-        fuse(ball([front - 0.03, 0.01, 0], [0.16, 0.82 * high, 0.82 * wide]), blend=0.008),
-        fuse(ball([front + 0.14, -0.02, 0], [0.10, 0.09, 0.115]), blend=0.015),
-        eyes([front + 0.17, 0.0, 0.10], 0.034),
+        fuse(ball((front - 0.03, 0.01), [0.16, 0.82 * high, 0.82 * wide]), blend=0.008),
+        fuse(ball((front + 0.14, -0.02), [0.10, 0.09, 0.115]), blend=0.015),
+        _eyes([front + 0.17, 0.0, 0.10], 0.034),
         legs(rows, pose, rng, 0.20, 0.032, 1.22, -0.07),
     ]
     if rng.uniform() < 0.5:
@@ -234,32 +202,31 @@ def beetle(pose: str, rng: Rng) -> list[Part]:
         parts.append(pair(tube(jaw, [0.045, 0.038, 0.03, 0.018]), tube(prong, [0.03, 0.015]), blend=0.01))
     elif kind == "horn":
         tip = rng.uniform(0.22, 0.36)
-        horn = [[nose - 0.08, 0.0, 0], [nose + 0.05, 0.10, 0], [nose + 0.09, 0.7 * tip, 0], [nose, tip, 0]]
+        horn = [(nose - 0.08, 0.0), (nose + 0.05, 0.10), (nose + 0.09, 0.7 * tip), (nose, tip)]
         parts.append(fuse(tube(horn, [0.06, 0.045, 0.035, 0.016]), blend=0.02))
     ends = [[0.10, 0.05, 0.10], [0.16, 0.05, 0.22]]
-    parts.append(feelers([nose - 0.02, 0.02, 0.06], ends, 0.017, club=1.6))
+    parts.append(_feelers([nose - 0.02, 0.02, 0.06], ends, 0.017, club=1.6))
     return parts
 
 
-def ladybird(pose: str, rng: Rng) -> list[Part]:
+def _ladybird(pose: str, rng: Rng) -> list[Part]:
     """Return a ladybird: a dome with spots that stand out a little."""
     f = factors(rng, 0.1, "long", "high", "legs", "spots")
     long, high, wide = 0.42 * f["long"], 0.30 * f["high"], 0.37
     radii = np.array([long, high, wide])
     parts = [
-        fuse(ball([0, 0, 0], radii)),
+        fuse(ball((0, 0), radii)),
         fuse(
             tube(
-                [[long * x, high * np.sqrt(1 - x * x) + 0.006, 0] for x in np.linspace(-0.95, 0.72, 14)],
-                0.014,
+                [(long * x, high * np.sqrt(1 - x * x) + 0.006) for x in np.linspace(-0.95, 0.72, 14)], 0.014
             ),
             blend=0.01,
             carve=True,
         ),
-        fuse(ball([0.88 * long, 0.03, 0], [0.15, 0.17, 0.24]), blend=0.008),
-        fuse(ball([0.88 * long + 0.13, -0.01, 0], [0.09, 0.10, 0.13]), blend=0.01),
-        eyes([0.88 * long + 0.16, 0.02, 0.105], 0.04),
-        feelers([0.88 * long + 0.19, 0.04, 0.05], [[0.07, 0.06, 0.05], [0.14, 0.07, 0.11]], 0.016, 1.5),
+        fuse(ball((0.88 * long, 0.03), [0.15, 0.17, 0.24]), blend=0.008),
+        fuse(ball((0.88 * long + 0.13, -0.01), [0.09, 0.10, 0.13]), blend=0.01),
+        _eyes([0.88 * long + 0.16, 0.02, 0.105], 0.04),
+        _feelers([0.88 * long + 0.19, 0.04, 0.05], [[0.07, 0.06, 0.05], [0.14, 0.07, 0.11]], 0.016, 1.5),
     ]
     spots = []
     for along, aside in ((0.42, 0.40), (-0.05, 0.60), (-0.52, 0.42), (-0.02, 0.24)):
@@ -275,7 +242,7 @@ def ladybird(pose: str, rng: Rng) -> list[Part]:
     return parts
 
 
-def ant(pose: str, rng: Rng) -> list[Part]:
+def _ant(pose: str, rng: Rng) -> list[Part]:
     """Return an ant: three beads, a waist, elbowed antennae."""
     f = factors(rng, 0.15, "gaster", "head", "legs", "thorax")
     tip = rng.uniform(-0.05, 0.08)
@@ -288,15 +255,10 @@ def ant(pose: str, rng: Rng) -> list[Part]:
         LegRow(-0.05, 0.055, 142, 0.5 * f["legs"]),
     )
     return [
-        fuse(
-            tube(
-                [[-0.14, 0.0, 0], [0.02, 0.02, 0], [0.17, 0.05, 0]],
-                np.array([0.05, 0.085, 0.075]) * f["thorax"],
-            )
-        ),
-        fuse(tube([[-0.30, -0.01, 0], [-0.22, 0.05, 0], [-0.12, 0.0, 0]], [0.03, 0.05, 0.04]), blend=0.03),
-        fuse(ball([middle, tip, 0], [1.3 * gaster, gaster, gaster], pitch(-12)), blend=0.03),
-        fuse(ball([nose, 0.05, 0], [head * 1.12, 0.78 * head, head], pitch(-30)), blend=0.04),
+        fuse(tube([(-0.14, 0.0), (0.02, 0.02), (0.17, 0.05)], np.array([0.05, 0.085, 0.075]) * f["thorax"])),
+        fuse(tube([(-0.30, -0.01), (-0.22, 0.05), (-0.12, 0.0)], [0.03, 0.05, 0.04]), blend=0.03),
+        fuse(ball((middle, tip), [1.3 * gaster, gaster, gaster], pitch(-12)), blend=0.03),
+        fuse(ball((nose, 0.05), [head * 1.12, 0.78 * head, head], pitch(-30)), blend=0.04),
         pair(
             tube(
                 [[nose + 0.07, -0.02, 0.06], [nose + 0.17, -0.06, 0.07], [nose + 0.20, -0.08, 0.015]],
@@ -304,15 +266,15 @@ def ant(pose: str, rng: Rng) -> list[Part]:
             ),
             blend=0.01,
         ),
-        eyes([nose + 0.03, 0.09, 0.085 * f["head"]], [0.032, 0.03, 0.026]),
-        feelers(
+        _eyes([nose + 0.03, 0.09, 0.085 * f["head"]], [0.032, 0.03, 0.026]),
+        _feelers(
             [nose + 0.08, 0.07, 0.04], [[0.10, 0.16, 0.09], [0.27, 0.13, 0.15], [0.38, 0.05, 0.18]], 0.02
         ),
         legs(rows, pose, rng, 0.24, 0.027, 1.3),
     ]
 
 
-def caterpillar(pose: str, rng: Rng) -> list[Part]:
+def _caterpillar(pose: str, rng: Rng) -> list[Part]:
     """Return a caterpillar: rings on stumpy legs; one that walks arches its back."""
     rings = int(rng.integers(8, 12))
     arch = rng.uniform(0.16, 0.30) if pose == "walk" else rng.uniform(0.0, 0.05)
@@ -340,70 +302,60 @@ def caterpillar(pose: str, rng: Rng) -> list[Part]:
     return parts
 
 
-BLADE = ((-0.03, 0.02), (0.2, 0.07), (0.5, 0.07), (0.66, -0.02), (0.58, -0.14), (0.3, -0.16), (0.05, -0.06))
+_BLADE = ((-0.03, 0.02), (0.2, 0.07), (0.5, 0.07), (0.66, -0.02), (0.58, -0.14), (0.3, -0.16), (0.05, -0.06))
 
 
-def bee(pose: str, rng: Rng) -> list[Part]:
+def _bee(pose: str, rng: Rng) -> list[Part]:
     """Return a bee or bumblebee: furry breast, ringed abdomen, two pairs of wings."""
     f = factors(rng, 0.14, "belly", "head", "wings", "breast")
     belly, breast = 0.20 * f["belly"], 0.19 * f["breast"]
-    raised, back = held(pose, rng, (12, 50), (0, 25), (8, 20), (48, 66))
-    span = np.array(BLADE) * f["wings"]
-    rear = [[-0.12, 0.0, 0], [-0.30, 0.0, 0], [-0.50, -0.06, 0], [-0.66, -0.16, 0]]
+    raised, back = _held(pose, rng, (12, 50), (0, 25), (8, 20), (48, 66))
+    span = np.array(_BLADE) * f["wings"]
+    rear = [(-0.12, 0.0), (-0.30, 0.0), (-0.50, -0.06), (-0.66, -0.16)]
     rows = (LegRow(0.15, 0.09, 50, 0.28), LegRow(0.05, 0.1, 95, 0.30), LegRow(-0.04, 0.09, 140, 0.36))
     parts = [
-        fuse(ball([0.07, 0.02, 0], [1.1 * breast, breast, breast]), ripple=Ripple(0.008, 0.06)),
-        fuse(ringed(rear, [0.55 * belly, belly, 0.85 * belly, 0.2 * belly], 5, 0.13), blend=0.03),
-        fuse(ball([0.31, -0.02, 0], [0.12, 0.15 * f["head"], 0.16 * f["head"]]), blend=0.02),
-        eyes([0.33, 0.0, 0.13 * f["head"]], [0.07, 0.10, 0.055]),
-        feelers([0.41, 0.05, 0.04], [[0.08, 0.08, 0.05], [0.2, 0.06, 0.1]], 0.017),
+        fuse(ball((0.07, 0.02), [1.1 * breast, breast, breast]), ripple=Ripple(0.008, 0.06)),
+        fuse(_ringed(rear, [0.55 * belly, belly, 0.85 * belly, 0.2 * belly], 5, 0.13), blend=0.03),
+        fuse(ball((0.31, -0.02), [0.12, 0.15 * f["head"], 0.16 * f["head"]]), blend=0.02),
+        _eyes([0.33, 0.0, 0.13 * f["head"]], [0.07, 0.10, 0.055]),
+        _feelers([0.41, 0.05, 0.04], [[0.08, 0.08, 0.05], [0.2, 0.06, 0.1]], 0.017),
         legs(rows, pose, rng, 0.30, 0.030, 1.2, -0.1),
     ]
-    fore = wing([0.08, 0.8 * breast, 0.07], [(a, b) for a, b in span], raised, back, 0.013)
-    hind = wing([-0.02, 0.75 * breast, 0.07], [(a, b) for a, b in 0.7 * span], raised - 8, back + 18, 0.013)
+    fore = wing([0.08, 0.8 * breast, 0.07], span, raised, back, 0.013)
+    hind = wing([-0.02, 0.75 * breast, 0.07], 0.7 * span, raised - 8, back + 18, 0.013)
     return [*parts, fuse(*fore, *hind, blend=0.012)]
 
 
-def fly(pose: str, rng: Rng) -> list[Part]:
+def _fly(pose: str, rng: Rng) -> list[Part]:
     """Return a fly: great eyes, short feelers, one pair of wings."""
     f = factors(rng, 0.14, "belly", "eyes", "wings")
-    raised, back = held(pose, rng, (10, 45), (0, 25), (8, 18), (52, 72))
+    raised, back = _held(pose, rng, (10, 45), (0, 25), (8, 18), (52, 72))
     size = 0.125 * f["eyes"]
     rows = (LegRow(0.15, 0.1, 48, 0.34), LegRow(0.05, 0.1, 95, 0.36), LegRow(-0.05, 0.1, 140, 0.42))
     return [
-        fuse(ball([0.05, 0.03, 0], [0.22, 0.19, 0.19])),
+        fuse(ball((0.05, 0.03), [0.22, 0.19, 0.19])),
         fuse(
-            ringed(
-                [[-0.1, 0.02, 0], [-0.26, 0.01, 0], [-0.42, -0.04, 0], [-0.55, -0.10, 0]],
+            _ringed(
+                [(-0.1, 0.02), (-0.26, 0.01), (-0.42, -0.04), (-0.55, -0.10)],
                 np.array([0.14, 0.19, 0.15, 0.04]) * f["belly"],
                 4,
                 0.09,
             ),
             blend=0.03,
         ),
-        fuse(ball([0.30, 0.03, 0], [0.11, 0.13, 0.14]), blend=0.02),
-        eyes([0.32, 0.05, 0.115], [0.8 * size, 1.1 * size, 0.75 * size], 25),
-        fuse(
-            tube([[0.34, -0.05, 0], [0.37, -0.13, 0]], [0.035, 0.026]),
-            ball([0.375, -0.14, 0], 0.034),
-            blend=0.01,
-        ),
-        feelers([0.40, 0.06, 0.03], [[0.05, 0.03, 0.02], [0.09, 0.0, 0.04]], 0.018),
+        fuse(ball((0.30, 0.03), [0.11, 0.13, 0.14]), blend=0.02),
+        _eyes([0.32, 0.05, 0.115], [0.8 * size, 1.1 * size, 0.75 * size], 25),
+        fuse(tube([(0.34, -0.05), (0.37, -0.13)], [0.035, 0.026]), ball((0.375, -0.14), 0.034), blend=0.01),
+        _feelers([0.40, 0.06, 0.03], [[0.05, 0.03, 0.02], [0.09, 0.0, 0.04]], 0.018),
         legs(rows, pose, rng, 0.30, 0.024, 1.25, -0.08),
         fuse(
-            *wing(
-                [0.03, 0.17, 0.08],
-                [(a, b) for a, b in np.array(BLADE) * [1.0, 1.35] * f["wings"]],
-                raised,
-                back,
-                0.013,
-            ),
+            *wing([0.03, 0.17, 0.08], np.array(_BLADE) * [1.0, 1.35] * f["wings"], raised, back, 0.013),
             blend=0.012,
         ),
     ]
 
 
-def grasshopper(pose: str, rng: Rng) -> list[Part]:
+def _grasshopper(pose: str, rng: Rng) -> list[Part]:
     """Return a grasshopper, the knees of its hind legs above its back; one that leaps has them stretched."""
     f = factors(rng, 0.12, "tail", "knee", "feelers", "head")
     knee = np.array([-0.42, 0.36 * f["knee"], 0.20])
@@ -419,28 +371,25 @@ def grasshopper(pose: str, rng: Rng) -> list[Part]:
         [0.028, 0.022, 0.02, 0.018],
     )
     end = -0.52 * f["tail"]
-    cover = [[0.08, 0.10, 0], [-0.2, 0.09, 0], [end - 0.1, 0.03, 0]]
+    cover = [(0.08, 0.10), (-0.2, 0.09), (end - 0.1, 0.03)]
     long = rng.uniform(0.25, 0.7) * f["feelers"]
     parts = [
-        fuse(ringed([[0.14, 0, 0], [-0.15, -0.01, 0], [end, -0.01, 0]], [0.11, 0.10, 0.045], 6, 0.08, 0.85)),
+        fuse(_ringed([(0.14, 0), (-0.15, -0.01), (end, -0.01)], [0.11, 0.10, 0.045], 6, 0.08, 0.85)),
         fuse(tube(cover, [0.045, 0.05, 0.02], [0.10, 0.08, 0.04]), blend=0.015),
-        fuse(tube([[0.05, 0.02, 0], [0.24, 0.03, 0]], [0.13, 0.12], [0.11, 0.10]), blend=0.01),
+        fuse(tube([(0.05, 0.02), (0.24, 0.03)], [0.13, 0.12], [0.11, 0.10]), blend=0.01),
         fuse(
-            tube(
-                [[0.30, 0.08, 0], [0.34, -0.03, 0], [0.33, -0.12, 0]],
-                np.array([0.085, 0.09, 0.05]) * f["head"],
-            ),
+            tube([(0.30, 0.08), (0.34, -0.03), (0.33, -0.12)], np.array([0.085, 0.09, 0.05]) * f["head"]),
             blend=0.012,
         ),
-        eyes([0.355, 0.085, 0.065], [0.04, 0.05, 0.03]),
-        feelers([0.345, 0.10, 0.03], [[0.5 * long, 0.35 * long, 0.12], [long, 0.42 * long, 0.22]], 0.016),
+        _eyes([0.355, 0.085, 0.065], [0.04, 0.05, 0.03]),
+        _feelers([0.345, 0.10, 0.03], [[0.5 * long, 0.35 * long, 0.12], [long, 0.42 * long, 0.22]], 0.016),
         pair(hind, shin, blend=0.01),
     ]
     rows = (LegRow(0.22, 0.06, 40, 0.26), LegRow(0.08, 0.07, 95, 0.26))
     return [*parts, legs(rows, "fly" if pose == "leap" else pose, rng, 0.24, 0.024, 1.3, -0.04)]
 
 
-def mantis(pose: str, rng: Rng) -> list[Part]:
+def _mantis(pose: str, rng: Rng) -> list[Part]:
     """Return a praying mantis: raised breast, folded arms, a head like a triangle."""
     f = factors(rng, 0.12, "neck", "belly", "arms")
     tilt = np.deg2rad(rng.uniform(35, 65))
@@ -459,17 +408,15 @@ def mantis(pose: str, rng: Rng) -> list[Part]:
     rows = (LegRow(0.04, 0.04, 80, 0.40), LegRow(-0.04, 0.04, 128, 0.46))
     return [
         fuse(
-            ringed(
-                [[0.08, 0.02, 0], [-0.25, 0.0, 0], [-0.66, -0.05, 0]],
+            _ringed(
+                [(0.08, 0.02), (-0.25, 0.0), (-0.66, -0.05)],
                 np.array([0.06, 0.11, 0.03]) * f["belly"],
                 6,
                 0.08,
             )
         ),
         fuse(
-            tube(
-                [[0.05, 0.10, 0], [-0.3, 0.10, 0], [-0.72, 0.0, 0]], [0.03, 0.04, 0.016], [0.06, 0.095, 0.04]
-            ),
+            tube([(0.05, 0.10), (-0.3, 0.10), (-0.72, 0.0)], [0.03, 0.04, 0.016], [0.06, 0.095, 0.04]),
             blend=0.015,
         ),
         fuse(tube([np.zeros(3), by(top, 0.05, 0.02, 0) / 2, top], [0.055, 0.042, 0.05]), blend=0.02),
@@ -478,27 +425,25 @@ def mantis(pose: str, rng: Rng) -> list[Part]:
             tube([face, by(face, 0.06, -0.09, 0)], [0.055, 0.02]),
             blend=0.02,
         ),
-        eyes(by(face, 0.0, 0.045, 0.095), [0.042, 0.052, 0.042]),
-        feelers(by(face, 0.03, 0.05, 0.02), [[0.1, 0.16, 0.06], [0.14, 0.3, 0.14]], 0.015),
+        _eyes(by(face, 0.0, 0.045, 0.095), [0.042, 0.052, 0.042]),
+        _feelers(by(face, 0.03, 0.05, 0.02), [[0.1, 0.16, 0.06], [0.14, 0.3, 0.14]], 0.015),
         pair(*arm, blend=0.012),
         legs(rows, pose, rng, 0.34, 0.022, 1.28),
     ]
 
 
-def spider(pose: str, rng: Rng) -> list[Part]:
+def _spider(pose: str, rng: Rng) -> list[Part]:
     """Return a spider: two balls, eight legs, palps."""
     f = factors(rng, 0.2, "belly", "legs", "front")
     belly, thick = 0.25 * f["belly"], rng.uniform(0.022, 0.04)
     reach = 0.62 * f["legs"]
     coat = Ripple(0.005, 0.06) if rng.uniform() < 0.4 else None
     parts = [
-        fuse(ball([0.12, 0.01, 0], [0.22, 0.14, 0.18])),
+        fuse(ball((0.12, 0.01), [0.22, 0.14, 0.18])),
         fuse(
-            ball([-0.1 - belly, 0.06, 0], [1.2 * belly, 0.9 * belly, belly], pitch(8)),
-            blend=0.03,
-            ripple=coat,
+            ball((-0.1 - belly, 0.06), [1.2 * belly, 0.9 * belly, belly], pitch(8)), blend=0.03, ripple=coat
         ),
-        fuse(ball([0.27, 0.03, 0], [0.10, 0.09, 0.11]), blend=0.05),
+        fuse(ball((0.27, 0.03), [0.10, 0.09, 0.11]), blend=0.05),
         pair(ball([0.35, 0.07, 0.04], 0.03), ball([0.33, 0.10, 0.085], 0.022), blend=0.004),
         pair(
             tube([[0.32, -0.02, 0.05], [0.40, -0.07, 0.05], [0.40, -0.15, 0.04]], [0.05, 0.042, 0.015]),
@@ -514,7 +459,7 @@ def spider(pose: str, rng: Rng) -> list[Part]:
     return parts
 
 
-def scorpion(pose: str, rng: Rng) -> list[Part]:
+def _scorpion(pose: str, rng: Rng) -> list[Part]:
     """Return a scorpion: pincers ahead, the sting over the back."""
     f = factors(rng, 0.15, "tail", "claw", "legs", "wide")
     curl = np.deg2rad(np.linspace(165, rng.uniform(10, 50), 7))
@@ -538,12 +483,8 @@ def scorpion(pose: str, rng: Rng) -> list[Part]:
     azimuths = (55, 82, 108, 138)
     rows = tuple(LegRow(0.18 - 0.1 * i, 0.10, a, 0.36 * f["legs"]) for i, a in enumerate(azimuths))
     return [
-        fuse(
-            ringed(
-                [[-0.40, 0, 0], [-0.1, 0.01, 0], [0.28, 0, 0]], [0.07, 0.11, 0.09], 7, 0.12, 1.45 * f["wide"]
-            )
-        ),
-        fuse(ringed(tail, np.linspace(0.062, 0.05, len(tail)), 6, 0.3), blend=0.02),
+        fuse(_ringed([(-0.40, 0), (-0.1, 0.01), (0.28, 0)], [0.07, 0.11, 0.09], 7, 0.12, 1.45 * f["wide"])),
+        fuse(_ringed(tail, np.linspace(0.062, 0.05, len(tail)), 6, 0.3), blend=0.02),
         fuse(ball(tail[-1], 0.068), tube([tail[-1], tip], [0.05, 0.014]), blend=0.01),
         pair(
             tube(arm, [0.04, 0.036, 0.034, 0.04]),
@@ -551,14 +492,14 @@ def scorpion(pose: str, rng: Rng) -> list[Part]:
             *grip,
             blend=0.01,
         ),
-        eyes([0.24, 0.10, 0.03], 0.022),
+        _eyes([0.24, 0.10, 0.03], 0.022),
         legs(rows, pose, rng, 0.15, 0.026, 1.3),
     ]
 
 
-LONG = ((-0.04, 0.02), (0.3, 0.05), (0.75, 0.06), (0.92, 0.0), (0.8, -0.09), (0.35, -0.1), (0.05, -0.05))
-FORE = ((-0.04, 0.02), (0.35, 0.32), (0.72, 0.48), (0.80, 0.36), (0.66, 0.06), (0.4, -0.10), (0.08, -0.08))
-HIND = (
+_LONG = ((-0.04, 0.02), (0.3, 0.05), (0.75, 0.06), (0.92, 0.0), (0.8, -0.09), (0.35, -0.1), (0.05, -0.05))
+_FORE = ((-0.04, 0.02), (0.35, 0.32), (0.72, 0.48), (0.80, 0.36), (0.66, 0.06), (0.4, -0.10), (0.08, -0.08))
+_HIND = (
     (-0.04, 0.05),
     (0.35, 0.06),
     (0.56, -0.10),
@@ -569,56 +510,52 @@ HIND = (
 )
 
 
-def butterfly(pose: str, rng: Rng) -> list[Part]:
+def _butterfly(pose: str, rng: Rng) -> list[Part]:
     """Return a butterfly, its wings spread or folded over the back."""
     f = factors(rng, 0.18, "fore", "hind", "deep", "slim")
-    raised, back = held(pose, rng, (8, 52), (-8, 10), (66, 80), (-4, 8))
+    raised, back = _held(pose, rng, (8, 52), (-8, 10), (66, 80), (-4, 8))
     tilt = rng.uniform(15, 65) if pose == "fly" else rng.uniform(0, 15)
-    fore, hind = np.array(FORE) * [f["fore"], f["fore"] * f["deep"]], np.array(HIND) * f["hind"]
+    fore, hind = np.array(_FORE) * [f["fore"], f["fore"] * f["deep"]], np.array(_HIND) * f["hind"]
     if rng.uniform() < 0.4:  # a swallowtail
         hind[4] = [0.40, -0.80 * f["hind"]]
     slim = 0.052 * f["slim"]
     wings = [
-        *wing([0.06, 0.03, 0.025], [(a, b) for a, b in fore], raised, back, 0.016, 0.15),
-        *wing([-0.04, 0.03, 0.025], [(a, b) for a, b in hind], raised - 3, back, 0.016, 0.15),
+        *wing([0.06, 0.03, 0.025], fore, raised, back, 0.016, 0.15),
+        *wing([-0.04, 0.03, 0.025], hind, raised - 3, back, 0.016, 0.15),
     ]
     rows = (LegRow(0.09, 0.035, 55, 0.15), LegRow(0.04, 0.035, 95, 0.16), LegRow(-0.01, 0.035, 130, 0.17))
     parts = [
-        fuse(tube([[-0.06, 0, 0], [0.05, 0.01, 0], [0.15, 0, 0]], [1.2 * slim, 1.5 * slim, 1.1 * slim])),
+        fuse(tube([(-0.06, 0), (0.05, 0.01), (0.15, 0)], [1.2 * slim, 1.5 * slim, 1.1 * slim])),
         fuse(
-            ringed(
-                [[-0.04, 0, 0], [-0.2, 0.0, 0], [-0.44, -0.05, 0]], [slim, 1.15 * slim, 0.5 * slim], 5, 0.1
-            ),
+            _ringed([(-0.04, 0), (-0.2, 0.0), (-0.44, -0.05)], [slim, 1.15 * slim, 0.5 * slim], 5, 0.1),
             blend=0.02,
         ),
-        fuse(ball([0.21, 0.01, 0], 1.25 * slim), blend=0.01),
-        eyes([0.235, 0.02, 0.045], 0.032),
-        feelers([0.25, 0.03, 0.02], [[0.14, 0.07, 0.07], [0.30, 0.10, 0.15]], 0.018, 1.9),
+        fuse(ball((0.21, 0.01), 1.25 * slim), blend=0.01),
+        _eyes([0.235, 0.02, 0.045], 0.032),
+        _feelers([0.25, 0.03, 0.02], [[0.14, 0.07, 0.07], [0.30, 0.10, 0.15]], 0.018, 1.9),
         fuse(*wings, blend=0.012),
         legs(rows, "fly" if pose == "fly" else "stand", rng, 0.17, 0.019, 1.12, -0.02),
     ]
     return carried(parts, Frame(np.zeros(3), pitch(tilt)))
 
 
-def dragonfly(pose: str, rng: Rng) -> list[Part]:
+def _dragonfly(pose: str, rng: Rng) -> list[Part]:
     """Return a dragonfly: a long rod of a tail, four long wings held out."""
     f = factors(rng, 0.13, "tail", "wings", "eyes", "breast")
     raised = rng.uniform(-5, 30) if pose == "fly" else rng.uniform(-4, 8)
     droop, thin = rng.uniform(-0.1, 0.12), 0.042
     end = -0.20 - 0.75 * f["tail"]
     size = 0.085 * f["eyes"]
-    wings = [(a, b) for a, b in np.array(LONG) * [0.85, 1.35] * f["wings"]]
+    wings = np.array(_LONG) * [0.85, 1.35] * f["wings"]
     rows = (LegRow(0.14, 0.05, 45, 0.22), LegRow(0.07, 0.06, 85, 0.22), LegRow(0.0, 0.06, 125, 0.24))
     return [
-        fuse(ball([0.03, 0.03, 0], np.array([0.19, 0.13, 0.11]) * f["breast"], pitch(-12))),
+        fuse(ball((0.03, 0.03), np.array([0.19, 0.13, 0.11]) * f["breast"], pitch(-12))),
         fuse(
-            ringed(
-                [[-0.08, 0.01, 0], [-0.4, 0.5 * droop, 0], [end, droop, 0]], [1.4 * thin, thin, thin], 8, 0.16
-            ),
+            _ringed([(-0.08, 0.01), (-0.4, 0.5 * droop), (end, droop)], [1.4 * thin, thin, thin], 8, 0.16),
             blend=0.03,
         ),
-        fuse(ball([0.25, 0.02, 0], [0.08, 0.09, 0.09]), blend=0.02),
-        eyes([0.27, 0.045, 0.06], [0.9 * size, size, 0.9 * size]),
+        fuse(ball((0.25, 0.02), [0.08, 0.09, 0.09]), blend=0.02),
+        _eyes([0.27, 0.045, 0.06], [0.9 * size, size, 0.9 * size]),
         fuse(*wing([0.08, 0.13, 0.04], wings, raised, 2, 0.014), blend=0.012),
         fuse(*wing([-0.06, 0.12, 0.04], wings, raised + 4, 14, 0.014), blend=0.012),
         legs(rows, pose, rng, 0.24, 0.020, 1.2, -0.05),
@@ -626,16 +563,16 @@ def dragonfly(pose: str, rng: Rng) -> list[Part]:
 
 
 INSECTS: Mapping[str, BodyPlan] = {
-    "ant": Form(("stand", "walk"), ant),
-    "bee": Form(("fly", "fly", "stand"), bee),
-    "beetle": Form(("stand", "walk"), beetle),
-    "butterfly": Form(("fly", "fly", "stand"), butterfly),
-    "caterpillar": Form(("stand", "walk"), caterpillar),
-    "dragonfly": Form(("fly", "stand"), dragonfly),
-    "fly": Form(("fly", "stand", "walk"), fly),
-    "grasshopper": Form(("stand", "stand", "leap"), grasshopper),
-    "ladybird": Form(("stand", "walk"), ladybird),
-    "mantis": Form(("stand", "strike"), mantis),
-    "scorpion": Form(("stand", "walk"), scorpion),
-    "spider": Form(("stand", "walk"), spider),
+    "ant": Form(("stand", "walk"), _ant),
+    "bee": Form(("fly", "fly", "stand"), _bee),
+    "beetle": Form(("stand", "walk"), _beetle),
+    "butterfly": Form(("fly", "fly", "stand"), _butterfly),
+    "caterpillar": Form(("stand", "walk"), _caterpillar),
+    "dragonfly": Form(("fly", "stand"), _dragonfly),
+    "fly": Form(("fly", "stand", "walk"), _fly),
+    "grasshopper": Form(("stand", "stand", "leap"), _grasshopper),
+    "ladybird": Form(("stand", "walk"), _ladybird),
+    "mantis": Form(("stand", "strike"), _mantis),
+    "scorpion": Form(("stand", "walk"), _scorpion),
+    "spider": Form(("stand", "walk"), _spider),
 }

@@ -1,33 +1,19 @@
 """Things with a name, each a function: vessels, cars, craft, what stands in a garden, plants."""
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
+from normalgan.animals.blobs import blob, creature
 from normalgan.animals.field import Part, Ripple
 from normalgan.animals.forms import ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.frames import pitch, roll, yaw
-from normalgan.animals.plan import Rng, factors
+from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.shapes import Shape
 
-__all__ = [
-    "SHAPES",
-    "boat",
-    "cactus",
-    "car",
-    "fir",
-    "house",
-    "level",
-    "mug",
-    "mushroom",
-    "plane",
-    "rocket",
-    "snowman",
-    "teapot",
-    "tree",
-    "turned",
-    "vase",
-]
+__all__ = ["BLOBS", "turned"]
 
-SHAPES = ("belly", "bottle", "flute", "goblet", "bowl")
+_VESSELS = ("belly", "bottle", "flute", "goblet", "bowl")
 
 
 def turned(heights: list[float], radii: list[float], wall: float) -> list[Part]:
@@ -38,7 +24,7 @@ def turned(heights: list[float], radii: list[float], wall: float) -> list[Part]:
         radii: of its outside at these.
         wall: thickness.
     """
-    rows = [[0.0, y, 0.0] for y in reversed(heights)]
+    rows = [(0.0, y) for y in reversed(heights)]
     outer = tube(rows, radii[::-1])
     top, rim = heights[-1], radii[-1]
     thin = [y for y, r in zip(heights, radii, strict=True) if y > wall and r <= 2.4 * wall and y < 0.6 * top]
@@ -46,23 +32,23 @@ def turned(heights: list[float], radii: list[float], wall: float) -> list[Part]:
     bulb = 0.5 * max(float(np.interp(floor, heights, radii)), 2 * wall)
     inside = [(y, r - wall) for y, r in zip(heights, radii, strict=True) if y > floor + 1.5 * bulb]
     hollow = [(floor + bulb, bulb), *inside, (top + 0.3, rim - wall)]
-    lid = block([0, top + 1.0, 0], [2.0, 1.0, 2.0], 0.01)
+    lid = block((0, top + 1.0), [2.0, 1.0, 2.0], 0.01)
     return [
         fuse(outer),
-        fuse(tube([[0, y, 0] for y, _ in hollow], [r for _, r in hollow]), lid, carve=True, blend=0.01),
-        level(heights[0]),
+        fuse(tube([(0, y) for y, _ in hollow], [r for _, r in hollow]), lid, carve=True, blend=0.01),
+        _level(heights[0]),
     ]
 
 
-def level(height: float) -> Part:
+def _level(height: float) -> Part:
     """Return what takes away all below a height: a flat foot."""
-    return fuse(block([0, height - 1.0, 0], [2.0, 1.0, 2.0], 0.01), carve=True)
+    return fuse(block((0, height - 1.0), [2.0, 1.0, 2.0], 0.01), carve=True)
 
 
-def vase(pose: str, rng: Rng) -> list[Part]:
+def _vase(pose: str, rng: Rng) -> list[Part]:
     """Return a vase, bottle, bowl or goblet, with two handles on some."""
     f = factors(rng, 0.2, "foot", "belly", "neck", "lip", "tall")
-    kind = str(rng.choice(SHAPES))
+    kind = str(rng.choice(_VESSELS))
     if kind == "bowl":
         return _bowl(0.5 * f["belly"], 0.42 * f["tall"], 0.22 * f["foot"])
     shapes = {
@@ -88,27 +74,24 @@ def vase(pose: str, rng: Rng) -> list[Part]:
         parts.append(pair(tube(loop, 0.032), blend=0.015))
     if rng.uniform() < 0.4:
         at = heights[3]
-        parts.append(fuse(ring([0, at, 0], radii[3] * 1.0, 0.025), blend=0.01))
+        parts.append(fuse(ring((0, at), radii[3] * 1.0, 0.025), blend=0.01))
     return parts
 
 
 def _bowl(wide: float, deep: float, foot: float) -> list[Part]:
     wall = 0.045
-    lid = block([0, deep + 1.0, 0], [2.0, 1.0, 2.0], 0.01)
+    lid = block((0, deep + 1.0), [2.0, 1.0, 2.0], 0.01)
     return [
-        fuse(ball([0, deep, 0], [wide, deep, wide])),
-        fuse(tube([[0, 0.08, 0], [0, -0.02, 0]], [0.8 * foot, foot]), blend=0.04),
-        level(-0.03),
+        fuse(ball((0, deep), [wide, deep, wide])),
+        fuse(tube([(0, 0.08), (0, -0.02)], [0.8 * foot, foot]), blend=0.04),
+        _level(-0.03),
         fuse(
-            ball([0, deep + wall, 0], [wide - wall, deep - 0.5 * wall, wide - wall]),
-            lid,
-            carve=True,
-            blend=0.01,
+            ball((0, deep + wall), [wide - wall, deep - 0.5 * wall, wide - wall]), lid, carve=True, blend=0.01
         ),
     ]
 
 
-def mug(pose: str, rng: Rng) -> list[Part]:
+def _mug(pose: str, rng: Rng) -> list[Part]:
     """Return a mug, its handle at the back."""
     f = factors(rng, 0.2, "tall", "wide", "taper", "handle")
     tall, wide = 0.75 * f["tall"], 0.30 * f["wide"]
@@ -116,20 +99,20 @@ def mug(pose: str, rng: Rng) -> list[Part]:
     parts = turned([0.0, 0.06, 0.35 * tall, 0.7 * tall, tall], [0.94 * wide, wide, wide, rim, rim], 0.05)
     out = 0.26 * f["handle"]
     loop = [
-        [-wide + 0.02, 0.78 * tall, 0],
-        [-wide - 0.8 * out, 0.80 * tall, 0],
-        [-wide - out, 0.5 * tall, 0],
-        [-wide - 0.6 * out, 0.2 * tall, 0],
-        [-wide + 0.02, 0.2 * tall, 0],
+        (-wide + 0.02, 0.78 * tall),
+        (-wide - 0.8 * out, 0.80 * tall),
+        (-wide - out, 0.5 * tall),
+        (-wide - 0.6 * out, 0.2 * tall),
+        (-wide + 0.02, 0.2 * tall),
     ]
     parts.append(fuse(tube(loop, 0.042, 0.06), blend=0.025))
     if rng.uniform() < 0.4:
-        bands: list[Shape] = [ring([0, y * tall, 0], wide, 0.02) for y in (0.15, 0.85)]
+        bands: list[Shape] = [ring((0, y * tall), wide, 0.02) for y in (0.15, 0.85)]
         parts.append(fuse(*bands, blend=0.01))
     return parts
 
 
-def teapot(pose: str, rng: Rng) -> list[Part]:
+def _teapot(pose: str, rng: Rng) -> list[Part]:
     """Return a teapot, its spout ahead."""
     f = factors(rng, 0.18, "tall", "wide", "spout", "knob", "handle")
     tall, wide = 0.34 * f["tall"], 0.42 * f["wide"]
@@ -159,23 +142,23 @@ def teapot(pose: str, rng: Rng) -> list[Part]:
     mouth = np.array(spout[-1])
     aim = (mouth - spout[-2]) / np.linalg.norm(mouth - spout[-2])
     return [
-        fuse(ball([0, 0.04 + tall, 0], [wide, tall, wide])),
-        fuse(tube([[0, 0.10, 0], [0, 0.0, 0]], [0.5 * wide, 0.62 * wide], flat=True), blend=0.03),
+        fuse(ball((0, 0.04 + tall), [wide, tall, wide])),
+        fuse(tube([(0, 0.10), (0, 0.0)], [0.5 * wide, 0.62 * wide], flat=True), blend=0.03),
         fuse(tube(spout, [0.145, 0.10, 0.075, 0.066], flat=True), blend=0.05),
         fuse(tube([mouth - 0.05 * aim, mouth + 0.1 * aim], 0.032), carve=True),
         fuse(tube(handle, 0.038, 0.05), blend=0.03),
-        fuse(ring([0, high + 0.05 * tall, 0], 0.52 * wide, 0.03), blend=0.02),
-        fuse(ball([0, high + 0.05 * tall, 0], [0.5 * wide, 0.26 * tall, 0.5 * wide]), blend=0.01),
+        fuse(ring((0, high + 0.05 * tall), 0.52 * wide, 0.03), blend=0.02),
+        fuse(ball((0, high + 0.05 * tall), [0.5 * wide, 0.26 * tall, 0.5 * wide]), blend=0.01),
         fuse(
-            ball([0, high + 0.42 * tall, 0], 0.065 * f["knob"]),
-            tube([[0, high, 0], [0, high + 0.4 * tall, 0]], 0.035),
+            ball((0, high + 0.42 * tall), 0.065 * f["knob"]),
+            tube([(0, high), (0, high + 0.4 * tall)], 0.035),
             blend=0.02,
         ),
-        level(-0.03),
+        _level(-0.03),
     ]
 
 
-def car(pose: str, rng: Rng) -> list[Part]:
+def _car(pose: str, rng: Rng) -> list[Part]:
     """Return a toy car: sedan, van, truck or racer."""
     f = factors(rng, 0.14, "long", "wide", "high", "wheel")
     kind = str(rng.choice(("sedan", "beetle", "van", "truck", "racer")))
@@ -183,38 +166,34 @@ def car(pose: str, rng: Rng) -> list[Part]:
     low, high = 0.10 * f["high"], 0.13 * f["high"]
     floor = wheel + low
     edge = rng.uniform(0.04, 0.09)
-    parts = [fuse(block([0, floor, 0], [long, low, wide], edge))]
+    parts = [fuse(block((0, floor), [long, low, wide], edge))]
     if kind == "beetle":
         parts.append(
-            fuse(ball([-0.05, floor + 0.4 * low, 0], [0.75 * long, 2.2 * high, 0.92 * wide]), blend=0.05)
+            fuse(ball((-0.05, floor + 0.4 * low), [0.75 * long, 2.2 * high, 0.92 * wide]), blend=0.05)
         )
         cabin, panes = -0.05, 0.28 * long
     elif kind == "van":
         parts.append(
-            fuse(block([-0.08, floor + low + 0.7 * high, 0], [0.82 * long, 1.3 * high, 0.97 * wide], edge))
+            fuse(block((-0.08, floor + low + 0.7 * high), [0.82 * long, 1.3 * high, 0.97 * wide], edge))
         )
         cabin, panes = 0.0, 0.45 * long
     elif kind == "truck":
         parts.append(
-            fuse(
-                block(
-                    [0.55 * long, floor + low + 0.6 * high, 0], [0.33 * long, 1.2 * high, 0.95 * wide], edge
-                )
-            )
+            fuse(block((0.55 * long, floor + low + 0.6 * high), [0.33 * long, 1.2 * high, 0.95 * wide], edge))
         )
-        bed = block([-0.40 * long, floor + low + 0.3 * high, 0], [0.56 * long, 0.6 * high, 0.98 * wide], 0.03)
-        load = block([-0.40 * long, floor + low + 0.8 * high, 0], [0.48 * long, 0.8 * high, 0.8 * wide], 0.02)
+        bed = block((-0.40 * long, floor + low + 0.3 * high), [0.56 * long, 0.6 * high, 0.98 * wide], 0.03)
+        load = block((-0.40 * long, floor + low + 0.8 * high), [0.48 * long, 0.8 * high, 0.8 * wide], 0.02)
         parts += [fuse(bed), fuse(load, carve=True)]
         cabin, panes = 0.55 * long, 0.15 * long
     elif kind == "racer":
         nose = tube(
-            [[0.3 * long, floor, 0], [1.35 * long, floor - 0.3 * low, 0]],
+            [(0.3 * long, floor), (1.35 * long, floor - 0.3 * low)],
             [low, 0.5 * low],
             [0.9 * wide, 0.35 * wide],
         )
         parts.append(fuse(nose, blend=0.05))
-        parts.append(fuse(ball([-0.1, floor + low, 0], [0.12, 0.13, 0.1]), blend=0.03))
-        vane = block([-0.95 * long, floor + 2.6 * low, 0], [0.09, 0.022, 1.1 * wide], 0.02)
+        parts.append(fuse(ball((-0.1, floor + low), [0.12, 0.13, 0.1]), blend=0.03))
+        vane = block((-0.95 * long, floor + 2.6 * low), [0.09, 0.022, 1.1 * wide], 0.02)
         posts = both(
             tube([[-0.9 * long, floor, 0.6 * wide], [-0.95 * long, floor + 2.6 * low, 0.6 * wide]], 0.025)
         )
@@ -225,17 +204,15 @@ def car(pose: str, rng: Rng) -> list[Part]:
             fuse(
                 tube(
                     [
-                        [0.42 * long, floor + low, 0],
-                        [0.12 * long, floor + low + high, 0],
-                        [-0.42 * long, floor + low + high, 0],
-                        [-0.68 * long, floor + low, 0],
+                        (0.42 * long, floor + low),
+                        (0.12 * long, floor + low + high),
+                        (-0.42 * long, floor + low + high),
+                        (-0.68 * long, floor + low),
                     ],
                     0.55 * high,
                     0.88 * wide,
                 ),
-                block(
-                    [-0.13 * long, floor + low + 0.5 * high, 0], [0.45 * long, 0.8 * high, 0.86 * wide], 0.04
-                ),
+                block((-0.13 * long, floor + low + 0.5 * high), [0.45 * long, 0.8 * high, 0.86 * wide], 0.04),
                 blend=0.03,
             )
         )
@@ -260,24 +237,22 @@ def car(pose: str, rng: Rng) -> list[Part]:
     return [*parts, fuse(*lamps, blend=0.01), fuse(bumper, blend=0.01)]
 
 
-def boat(pose: str, rng: Rng) -> list[Part]:
+def _boat(pose: str, rng: Rng) -> list[Part]:
     """Return a boat with sails or a funnel."""
     f = factors(rng, 0.16, "long", "wide", "deep", "mast")
     long, wide, deep = 0.52 * f["long"], 0.20 * f["wide"], 0.22 * f["deep"]
-    hull = ball([0, 0, 0], [long, deep, wide])
-    bow = tube(
-        [[0.45 * long, -0.4 * deep, 0], [1.05 * long, 0.06, 0]], [0.5 * deep, 0.06], [0.45 * wide, 0.03]
-    )
-    deck = block([0, 0.5, 0], [1.5, 0.5, 1.0], 0.01)
+    hull = ball((0, 0), [long, deep, wide])
+    bow = tube([(0.45 * long, -0.4 * deep), (1.05 * long, 0.06)], [0.5 * deep, 0.06], [0.45 * wide, 0.03])
+    deck = block((0, 0.5), [1.5, 0.5, 1.0], 0.01)
     parts = [
         fuse(hull),
         fuse(bow, blend=0.08),
         fuse(deck, carve=True),
-        fuse(ball([0, 0.02, 0], [0.85 * long, 0.5 * deep, 0.8 * wide]), carve=True, blend=0.02),
+        fuse(ball((0, 0.02), [0.85 * long, 0.5 * deep, 0.8 * wide]), carve=True, blend=0.02),
     ]
     if rng.uniform() < 0.5:
         top = 0.95 * f["mast"]
-        mast = tube([[0.05, -0.9 * deep, 0], [0.05, top, 0]], [0.035, 0.025])
+        mast = tube([(0.05, -0.9 * deep), (0.05, top)], [0.035, 0.025])
         boom = tube([[0.05, 0.12, 0], [-0.85 * long, 0.12, 0.03]], 0.024)
         rows = np.linspace(0.13, 0.95 * top, 6)
         span = 0.85 * long * (1 - (rows - 0.13) / (0.92 * top))
@@ -288,41 +263,41 @@ def boat(pose: str, rng: Rng) -> list[Part]:
             np.column_stack([0.08 + jib_span / 2, rows, 0 * rows]), 0.02, jib_span / 2 + 0.005, (1, 0, 0)
         )
         return [*parts, fuse(mast, boom), fuse(main, jib)]
-    house = block([-0.1 * long, 0.06, 0], [0.4 * long, 0.22, 0.6 * wide], 0.04)
-    bridge = block([0.05 * long, 0.28, 0], [0.2 * long, 0.12, 0.5 * wide], 0.03)
+    house = block((-0.1 * long, 0.06), [0.4 * long, 0.22, 0.6 * wide], 0.04)
+    bridge = block((0.05 * long, 0.28), [0.2 * long, 0.12, 0.5 * wide], 0.03)
     stacks = [
-        tube([[x * long, 0.1, 0], [(x - 0.05) * long, 0.5 * f["mast"], 0]], 0.055, flat=True)
+        tube([(x * long, 0.1), ((x - 0.05) * long, 0.5 * f["mast"])], 0.055, flat=True)
         for x in (-0.15, -0.38)
     ]
     holes = [ball([x * long, 0.16, 0.6 * wide], [0.04, 0.04, 0.03]) for x in (-0.35, -0.1, 0.15)]
-    keel = fuse(tube([[-0.3 * long, -0.75 * deep, 0], [-0.1 * long, 0.0, 0]], 0.05), blend=0.02)
+    keel = fuse(tube([(-0.3 * long, -0.75 * deep), (-0.1 * long, 0.0)], 0.05), blend=0.02)
     return [*parts, keel, fuse(house, blend=0.01), fuse(bridge), fuse(*stacks), pair(*holes, carve=True)]
 
 
-def plane(pose: str, rng: Rng) -> list[Part]:
+def _plane(pose: str, rng: Rng) -> list[Part]:
     """Return a toy aeroplane with jets or a propeller."""
     f = factors(rng, 0.16, "long", "fat", "span", "tail")
     fat, span = 0.115 * f["fat"], 0.62 * f["span"]
     rear = -0.62 * f["long"]
     back, up = rng.uniform(0.0, 0.32), rng.uniform(-0.02, 0.10)
     hull = tube(
-        [[rear, 0.06, 0], [-0.3, 0.02, 0], [0.1, 0, 0], [0.38, 0, 0], [0.5, -0.01, 0]],
+        [(rear, 0.06), (-0.3, 0.02), (0.1, 0), (0.38, 0), (0.5, -0.01)],
         np.array([0.3, 0.85, 1.0, 0.9, 0.55]) * fat,
     )
     wings = tube([[0.05, -0.02, 0.0], [0.05 - back, up, span]], [0.032, 0.02], [0.17, 0.085], (1, 0, 0))
     fins = tube(
         [[rear + 0.06, 0.06, 0], [rear - 0.02, 0.07, 0.26 * f["tail"]]], 0.02, [0.10, 0.055], (1, 0, 0)
     )
-    rudder = tube([[rear + 0.07, 0.05, 0], [rear - 0.05, 0.30 * f["tail"], 0]], 0.02, [0.11, 0.06], (1, 0, 0))
+    rudder = tube([(rear + 0.07, 0.05), (rear - 0.05, 0.30 * f["tail"])], 0.02, [0.11, 0.06], (1, 0, 0))
     parts = [
         fuse(hull),
         fuse(*both(wings, fins), rudder, blend=0.03),
-        fuse(ball([0.25, 0.75 * fat, 0], [0.14, 0.6 * fat, 0.6 * fat]), blend=0.015),
+        fuse(ball((0.25, 0.75 * fat), [0.14, 0.6 * fat, 0.6 * fat]), blend=0.015),
     ]
     if rng.uniform() < 0.5:
         tip = 0.5 + 0.5 * fat
-        blades = tube([[tip, 0.30, 0.0], [tip, 0, 0], [tip, -0.30, 0.0]], 0.02, [0.045, 0.025, 0.045])
-        return [*parts, fuse(tube([[0.45, 0, 0], [tip + 0.03, 0, 0]], 0.045), blades, blend=0.01)]
+        blades = tube([(tip, 0.30), (tip, 0), (tip, -0.30)], 0.02, [0.045, 0.025, 0.045])
+        return [*parts, fuse(tube([(0.45, 0), (tip + 0.03, 0)], 0.045), blades, blend=0.01)]
     pods = [
         tube([[0.10 - 0.5 * back * k, -0.075, k * span], [-0.08 - 0.5 * back * k, -0.075, k * span]], 0.055)
         for k in (0.4, 0.68)[: int(rng.integers(1, 3))]
@@ -330,12 +305,12 @@ def plane(pose: str, rng: Rng) -> list[Part]:
     return [*parts, pair(*pods, blend=0.02)]
 
 
-def rocket(pose: str, rng: Rng) -> list[Part]:
+def _rocket(pose: str, rng: Rng) -> list[Part]:
     """Return a rocket on its fins."""
     f = factors(rng, 0.18, "tall", "fat", "fins")
     tall, fat = 1.0 * f["tall"], 0.16 * f["fat"]
     hull = tube(
-        [[0, tall, 0], [0, 0.72 * tall, 0], [0, 0.4 * tall, 0], [0, 0.1, 0]],
+        [(0, tall), (0, 0.72 * tall), (0, 0.4 * tall), (0, 0.1)],
         np.array([0.12, 0.85, 1.1, 0.75]) * fat,
         flat=True,
     )
@@ -348,14 +323,14 @@ def rocket(pose: str, rng: Rng) -> list[Part]:
     parts = [
         fuse(hull),
         fuse(*fins, blend=0.02),
-        fuse(tube([[0, 0.15, 0], [0, 0.02, 0]], [0.5 * fat, 0.72 * fat], flat=True), blend=0.01),
+        fuse(tube([(0, 0.15), (0, 0.02)], [0.5 * fat, 0.72 * fat], flat=True), blend=0.01),
     ]
-    eye = [0.95 * fat, 0.66 * tall, 0]
+    eye = (0.95 * fat, 0.66 * tall)
     parts += [fuse(ball(eye, 0.4 * fat), carve=True), fuse(ring(eye, 0.42 * fat, 0.025, pitch(-90)))]
-    return [*parts, fuse(ring([0, 0.72 * tall, 0], 0.86 * fat, 0.014), blend=0.01)]
+    return [*parts, fuse(ring((0, 0.72 * tall), 0.86 * fat, 0.014), blend=0.01)]
 
 
-def snowman(pose: str, rng: Rng) -> list[Part]:
+def _snowman(pose: str, rng: Rng) -> list[Part]:
     """Return a snowman: two or three balls, a carrot, sticks, a hat on some."""
     f = factors(rng, 0.14, "low", "middle", "head", "nose")
     sizes = [0.33 * f["low"], 0.24 * f["middle"], 0.17 * f["head"]]
@@ -364,12 +339,12 @@ def snowman(pose: str, rng: Rng) -> list[Part]:
     parts, y = [], 0.0
     for size in sizes:
         y += 0.80 * size
-        parts.append(fuse(ball([0, y, 0], [size, 0.95 * size, size]), blend=0.02))
+        parts.append(fuse(ball((0, y), [size, 0.95 * size, size]), blend=0.02))
         middle, y = y, y + 0.80 * size
     head = sizes[-1]
     belly = middle - 0.8 * head - 0.72 * sizes[-2]
-    nose = tube([[0.8 * head, middle, 0], [head + 0.20 * f["nose"], middle - 0.02, 0]], [0.05, 0.014])
-    buttons = [ball([sizes[-2] * np.cos(a), belly + sizes[-2] * np.sin(a), 0], 0.034) for a in (0.0, 0.4)]
+    nose = tube([(0.8 * head, middle), (head + 0.20 * f["nose"], middle - 0.02)], [0.05, 0.014])
+    buttons = [ball((sizes[-2] * np.cos(a), belly + sizes[-2] * np.sin(a)), 0.034) for a in (0.0, 0.4)]
     up = rng.uniform(0.0, 0.35)
     arm = [
         [0, belly + 0.05, 0.5 * sizes[-2]],
@@ -381,24 +356,22 @@ def snowman(pose: str, rng: Rng) -> list[Part]:
     parts += [fuse(nose, blend=0.01), fuse(*buttons, *eyes), pair(tube(arm, 0.022), tube(twig, 0.018))]
     if rng.uniform() < 0.7:
         brim = middle + 0.75 * head
-        parts.append(fuse(ball([0, brim, 0], [1.25 * head, 0.03, 1.25 * head])))
-        crown = tube(
-            [[0, brim, 0], [0, brim + rng.uniform(0.14, 0.28), 0]], [0.72 * head, 0.75 * head], flat=True
-        )
+        parts.append(fuse(ball((0, brim), [1.25 * head, 0.03, 1.25 * head])))
+        crown = tube([(0, brim), (0, brim + rng.uniform(0.14, 0.28))], [0.72 * head, 0.75 * head], flat=True)
         parts.append(fuse(crown, blend=0.01))
     if rng.uniform() < 0.5:
-        parts.append(fuse(ring([0, middle - 0.78 * head, 0], 0.72 * head, 0.05, roll(5)), blend=0.02))
+        parts.append(fuse(ring((0, middle - 0.78 * head), 0.72 * head, 0.05, roll(5)), blend=0.02))
     return parts
 
 
-def house(pose: str, rng: Rng) -> list[Part]:
+def _house(pose: str, rng: Rng) -> list[Part]:
     """Return a small house: gabled roof, door, windows, chimney."""
     f = factors(rng, 0.18, "long", "wide", "high")
     deep, wide, high = 0.30 * f["wide"], 0.36 * f["long"], 0.26 * f["high"]
     steep = rng.uniform(32, 52)
     slant = deep / np.cos(np.deg2rad(steep)) + 0.09
     ridge = 2 * high + deep * np.tan(np.deg2rad(steep))
-    walls = [block([0, high, 0], [deep, high, wide], 0.015)]
+    walls = [block((0, high), [deep, high, wide], 0.015)]
     gable = [
         tube(
             [[0, y, -wide + 0.04], [0, y, wide - 0.04]],
@@ -423,7 +396,7 @@ def house(pose: str, rng: Rng) -> list[Part]:
     return [fuse(*walls, *gable), fuse(*roof), fuse(door, *panes, carve=True), fuse(chimney)]
 
 
-def tree(pose: str, rng: Rng) -> list[Part]:
+def _tree(pose: str, rng: Rng) -> list[Part]:
     """Return a tree with a crown of round clumps."""
     f = factors(rng, 0.2, "tall", "trunk", "crown")
     tall, thick, wide = 0.50 * f["tall"], 0.075 * f["trunk"], 0.36 * f["crown"]
@@ -458,7 +431,7 @@ def tree(pose: str, rng: Rng) -> list[Part]:
     return parts
 
 
-def fir(pose: str, rng: Rng) -> list[Part]:
+def _fir(pose: str, rng: Rng) -> list[Part]:
     """Return a fir: cones on a trunk, one over the other."""
     f = factors(rng, 0.2, "wide", "trunk", "gap")
     count = int(rng.integers(3, 6))
@@ -469,20 +442,20 @@ def fir(pose: str, rng: Rng) -> list[Part]:
     for i in reversed(range(count)):
         low, big = 0.22 + i * step, wide * (1 - 0.75 * i / count)
         tip = min(low + 2.1 * step * f["gap"], 1.12)
-        skirt = tube([[0, tip, 0], [0, low - 0.5 * big, 0]], [0.02, 1.25 * big])
-        parts += [fuse(skirt, blend=0.015), level(low)]
-    parts.append(fuse(tube([[0, 0.9, 0], [0, 0.0, 0]], 0.07 * f["trunk"], flat=True)))
+        skirt = tube([(0, tip), (0, low - 0.5 * big)], [0.02, 1.25 * big])
+        parts += [fuse(skirt, blend=0.015), _level(low)]
+    parts.append(fuse(tube([(0, 0.9), (0, 0.0)], 0.07 * f["trunk"], flat=True)))
     if rng.uniform() < 0.4:
-        pot = tube([[0, 0.06, 0], [0, -0.16, 0]], [0.17, 0.12], flat=True)
+        pot = tube([(0, 0.06), (0, -0.16)], [0.17, 0.12], flat=True)
         parts.append(fuse(pot, blend=0.01))
     return parts
 
 
-def cactus(pose: str, rng: Rng) -> list[Part]:
+def _cactus(pose: str, rng: Rng) -> list[Part]:
     """Return a cactus with arms, ribbed, in a pot on some."""
     f = factors(rng, 0.2, "tall", "thick", "arms")
     tall, thick = 0.85 * f["tall"], 0.13 * f["thick"]
-    column = tube([[0, 0.0, 0], [0, 0.5 * tall, 0], [0, tall, 0]], [0.9 * thick, 1.05 * thick, 0.85 * thick])
+    column = tube([(0, 0.0), (0, 0.5 * tall), (0, tall)], [0.9 * thick, 1.05 * thick, 0.85 * thick])
     parts = [fuse(column)]
     arms = []
     for i in range(int(rng.integers(1, 4))):
@@ -500,21 +473,21 @@ def cactus(pose: str, rng: Rng) -> list[Part]:
         ribs.append(tube(line, 0.014))
     parts.insert(1, fuse(*ribs, blend=0.02, carve=True))
     if rng.uniform() < 0.5:
-        bowl = tube([[0, 0.08, 0], [0, -0.2, 0]], [2.0 * thick, 1.4 * thick], flat=True)
-        parts += [fuse(bowl, blend=0.01), fuse(ring([0, 0.12, 0], 1.95 * thick, 0.04), blend=0.01)]
+        bowl = tube([(0, 0.08), (0, -0.2)], [2.0 * thick, 1.4 * thick], flat=True)
+        parts += [fuse(bowl, blend=0.01), fuse(ring((0, 0.12), 1.95 * thick, 0.04), blend=0.01)]
     return parts
 
 
-def mushroom(pose: str, rng: Rng) -> list[Part]:
+def _mushroom(pose: str, rng: Rng) -> list[Part]:
     """Return a mushroom, with a small one beside it or a collar on some."""
-    parts = _mushroom(rng, np.zeros(3), 1.0, blend=0.0)
+    parts = _one_mushroom(rng, np.zeros(3), 1.0, blend=0.0)
     if rng.uniform() < 0.4:
         at = np.array([0.10, 0.0, float(rng.choice((-1, 1))) * 0.12])
-        parts += _mushroom(rng, at, rng.uniform(0.45, 0.6), blend=0.03, lean=0.15)
+        parts += _one_mushroom(rng, at, rng.uniform(0.45, 0.6), blend=0.03, lean=0.15)
     return parts
 
 
-def _mushroom(rng: Rng, at: np.ndarray, size: float, blend: float, lean: float = 0.0) -> list[Part]:
+def _one_mushroom(rng: Rng, at: np.ndarray, size: float, blend: float, lean: float = 0.0) -> list[Part]:
     f = factors(rng, 0.22, "tall", "stem", "cap", "high")
     stem, tall = 0.10 * f["stem"] * size, 0.62 * f["tall"] * size
     wide, high = 0.38 * f["cap"] * size, 0.30 * f["high"] * size
@@ -536,3 +509,24 @@ def _mushroom(rng: Rng, at: np.ndarray, size: float, blend: float, lean: float =
             spots.append(ball(top + ray * [wide, high, wide], 0.05 * size * rng.uniform(0.7, 1.3)))
         parts.append(fuse(*spots, blend=0.03 * size))
     return parts
+
+
+_SHAPES: Mapping[str, Callable[[str, Rng], list[Part]]] = {
+    "blob": blob,
+    "boat": _boat,
+    "cactus": _cactus,
+    "car": _car,
+    "creature": creature,
+    "fir": _fir,
+    "house": _house,
+    "mug": _mug,
+    "mushroom": _mushroom,
+    "plane": _plane,
+    "rocket": _rocket,
+    "snowman": _snowman,
+    "teapot": _teapot,
+    "tree": _tree,
+    "vase": _vase,
+}
+BLOBS: Mapping[str, BodyPlan] = {name: Form(("rest",), shape) for name, shape in _SHAPES.items()}
+"""All that is neither animal nor toy."""

@@ -13,34 +13,14 @@ from normalgan.animals.insects import wing
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.shapes import Shape, Sweep
 
-__all__ = [
-    "HABITS",
-    "PLUSH",
-    "SKULL",
-    "Toy",
-    "bunny",
-    "buttons",
-    "cat",
-    "dragon",
-    "elephant",
-    "frog",
-    "octopus",
-    "on_skull",
-    "penguin",
-    "pig",
-    "seam",
-    "sewn",
-    "skull",
-    "smile",
-    "teddy",
-]
+__all__ = ["HABITS", "PLUSH", "SKULL", "on_skull"]
 
 HABITS = ("sit", "sit", "stand", "hug", "cheer")
 SKULL = np.array([1.0, 0.93, 1.08])  # radii of a head in its own unit
 
 
 @dataclass(frozen=True, eq=False)
-class Toy:
+class _Toy:
     """What a toy is sewn from, a seat or sole at about y = 0 and about 1 high.
 
     Args:
@@ -58,7 +38,7 @@ class Toy:
     hands: bool = False
 
 
-def sewn(toy: Toy, features: list[Part], pose: str, rng: Rng) -> list[Part]:
+def _sewn(toy: _Toy, features: list[Part], pose: str, rng: Rng) -> list[Part]:
     """Return the toy in a pose, its head with its features on top.
 
     Args:
@@ -71,19 +51,19 @@ def sewn(toy: Toy, features: list[Part], pose: str, rng: Rng) -> list[Part]:
     depth, half, width = np.array(toy.belly) * [f["belly"], f["tall"], f["belly"]]
     sits = pose == "sit" or (pose != "stand" and rng.uniform() < 0.6)
     thick = 0.10 * toy.limbs * f["limbs"]
-    parts = [fuse(ball([0, half, 0], [depth, half, width]))]
+    parts = [fuse(ball((0, half), [depth, half, width]))]
     parts.append(pair(*_leg(depth, half, width, thick, sits, rng), blend=0.025))
     arms = [_arm(toy, (depth, half, width), 0.85 * thick, f["arms"], pose, rng) for _ in range(2)]
     parts.append(fuse(*arms[0], *(shape.mirrored() for shape in arms[1]), blend=0.025))
     size = toy.head * f["head"]
     chin = Frame(np.array([0.12 * depth, 2 * half + 0.68 * size, 0]), _nod(rng))
     if rng.uniform() < 0.45:
-        parts.append(fuse(seam([0, half, 0], [depth, half, width]), blend=0.01, carve=True))
-        features = [*features[:1], fuse(seam([0, 0, 0], SKULL), blend=0.03, carve=True), *features[1:]]
+        parts.append(fuse(_seam([0, half, 0], [depth, half, width]), blend=0.01, carve=True))
+        features = [*features[:1], fuse(_seam([0, 0, 0], SKULL), blend=0.03, carve=True), *features[1:]]
     return parts + carried(features, chin, size)
 
 
-def seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
+def _seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
     """Return the line along the middle of an ellipsoid, to dig."""
     turns = np.linspace(-0.42, 0.62, 17) * np.pi
     ring = np.column_stack([np.cos(turns), np.sin(turns), 0 * turns])
@@ -98,20 +78,20 @@ def on_skull(aside: float, up: float, out: float = 1.0) -> Floats:
     return point
 
 
-def skull(cheeks: float = 0.0) -> list[Part]:
+def _skull(cheeks: float = 0.0) -> list[Part]:
     """Return the bare head, with cheeks of some size."""
-    parts = [fuse(ball([0, 0, 0], SKULL), blend=0.05)]
+    parts = [fuse(ball((0, 0), SKULL), blend=0.05)]
     if cheeks:
         parts.append(pair(ball([0.35, -0.35, 0.55], cheeks), blend=0.3))
     return parts
 
 
-def buttons(aside: float, up: float, radius: float, out: float = 1.0) -> Part:
+def _buttons(aside: float, up: float, radius: float, out: float = 1.0) -> Part:
     """Return a pair of round eyes sewn on."""
     return pair(ball(on_skull(aside, up, out), radius), blend=0.02)
 
 
-def smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:
+def _smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:
     """Return the groove of a mouth, to dig; its corners ``rise`` degrees above its middle."""
     t = np.linspace(-1, 1, 9)
     curve = [on_skull(aside * float(s), up + rise * float(s * s), out) for s in t]
@@ -141,7 +121,7 @@ def _leg(depth: float, half: float, width: float, thick: float, sits: bool, rng:
 
 
 def _arm(
-    toy: Toy, belly: tuple[float, float, float], thick: float, long: float, pose: str, rng: Rng
+    toy: _Toy, belly: tuple[float, float, float], thick: float, long: float, pose: str, rng: Rng
 ) -> list[Shape]:
     depth, half, width = belly
     shoulder = np.array([0.05 * depth, 1.62 * half, 0.66 * width])
@@ -156,28 +136,28 @@ def _arm(
     return shapes
 
 
-def teddy(pose: str, rng: Rng) -> list[Part]:
+def _teddy(pose: str, rng: Rng) -> list[Part]:
     """Return a teddy bear."""
     ear, muzzle = rng.uniform(0.34, 0.46), rng.uniform(0.85, 1.15)
     at = [0.0, 0.80, 0.72]
     face = [
-        *skull(),
-        fuse(ball([0.82, -0.26, 0], np.array([0.42, 0.34, 0.42]) * muzzle), blend=0.12),
-        fuse(ball([0.84 + 0.40 * muzzle, -0.12, 0], [0.09, 0.10, 0.15]), blend=0.02),
-        fuse(tube([[1.24 * muzzle, -0.22, 0], [1.18 * muzzle, -0.42, 0]], 0.03), blend=0.02, carve=True),
-        buttons(26, 16, 0.10),
+        *_skull(),
+        fuse(ball((0.82, -0.26), np.array([0.42, 0.34, 0.42]) * muzzle), blend=0.12),
+        fuse(ball((0.84 + 0.40 * muzzle, -0.12), [0.09, 0.10, 0.15]), blend=0.02),
+        fuse(tube([(1.24 * muzzle, -0.22), (1.18 * muzzle, -0.42)], 0.03), blend=0.02, carve=True),
+        _buttons(26, 16, 0.10),
         pair(ball(at, [0.17, ear, ear]), blend=0.08),
         pair(ball([0.15, 0.84, 0.76], [0.14, 0.6 * ear, 0.6 * ear]), blend=0.06, carve=True),
     ]
-    return [*sewn(Toy(hands=True), face, pose, rng), *_button(rng)]
+    return [*_sewn(_Toy(hands=True), face, pose, rng), *_button(rng)]
 
 
 def _button(rng: Rng) -> list[Part]:
     """Return a stub of a tail."""
-    return [fuse(ball([-0.24, 0.10, 0], rng.uniform(0.06, 0.09)), blend=0.03)]
+    return [fuse(ball((-0.24, 0.10), rng.uniform(0.06, 0.09)), blend=0.03)]
 
 
-def bunny(pose: str, rng: Rng) -> list[Part]:
+def _bunny(pose: str, rng: Rng) -> list[Part]:
     """Return a bunny, an ear flopped on some."""
     long = rng.uniform(1.0, 1.6)
     flop = [rng.uniform() < 0.3 for _ in range(2)]
@@ -189,25 +169,25 @@ def bunny(pose: str, rng: Rng) -> list[Part]:
             rows = [*rows[:2], [0.05, 0.85 + 0.72 * long, 0.75 * sign], [0.3, 0.7 + 0.45 * long, 1.1 * sign]]
         ears.append(tube(rows, 0.12, [0.2, 0.3, 0.26, 0.16][: len(rows)]))
     face = [
-        *skull(0.32),
-        fuse(ball([0.92, -0.25, 0], [0.22, 0.2, 0.3]), blend=0.12),
-        fuse(ball([1.12, -0.12, 0], [0.07, 0.07, 0.11]), blend=0.02),
-        buttons(30, 12, 0.10),
+        *_skull(0.32),
+        fuse(ball((0.92, -0.25), [0.22, 0.2, 0.3]), blend=0.12),
+        fuse(ball((1.12, -0.12), [0.07, 0.07, 0.11]), blend=0.02),
+        _buttons(30, 12, 0.10),
         fuse(*ears, blend=0.06),
     ]
-    tail = ball([-0.27, 0.13, 0], rng.uniform(0.09, 0.13))
-    return [*sewn(Toy(belly=(0.24, 0.31, 0.25), limbs=0.95), face, pose, rng), fuse(tail, blend=0.02)]
+    tail = ball((-0.27, 0.13), rng.uniform(0.09, 0.13))
+    return [*_sewn(_Toy(belly=(0.24, 0.31, 0.25), limbs=0.95), face, pose, rng), fuse(tail, blend=0.02)]
 
 
-def cat(pose: str, rng: Rng) -> list[Part]:
+def _cat(pose: str, rng: Rng) -> list[Part]:
     """Return a cat with pointed ears and a long tail."""
     ear = rng.uniform(0.9, 1.2)
     prick = tube([[-0.02, 0.55, 0.52], [-0.05, 0.55 + 0.72 * ear, 0.80]], [0.16, 0.05], [0.42, 0.05])
     face = [
-        *skull(0.3),
+        *_skull(0.3),
         pair(ball([0.95, -0.28, 0.13], [0.16, 0.15, 0.19]), blend=0.05),
-        fuse(ball([1.08, -0.14, 0], [0.06, 0.06, 0.09]), blend=0.02),
-        buttons(30, 14, 0.115),
+        fuse(ball((1.08, -0.14), [0.06, 0.06, 0.09]), blend=0.02),
+        _buttons(30, 14, 0.115),
         pair(prick, blend=0.06),
         pair(ball([0.16, 0.86, 0.66], [0.13, 0.26, 0.17], roll(-20)), blend=0.05, carve=True),
     ]
@@ -218,61 +198,60 @@ def cat(pose: str, rng: Rng) -> list[Part]:
         [-0.48, 0.2 + 0.5 * up, 0.16 * aside],
         [-0.40, 0.25 + up, 0.2 * aside],
     ]
-    return [*sewn(Toy(belly=(0.23, 0.29, 0.23)), face, pose, rng), fuse(tube(tail, 0.062), blend=0.03)]
+    return [*_sewn(_Toy(belly=(0.23, 0.29, 0.23)), face, pose, rng), fuse(tube(tail, 0.062), blend=0.03)]
 
 
-def pig(pose: str, rng: Rng) -> list[Part]:
+def _pig(pose: str, rng: Rng) -> list[Part]:
     """Return a pig: a flat snout, folded ears, a curl."""
     wide = rng.uniform(0.38, 0.48)
     fold = rng.uniform(0.2, 0.5)
     tip = [0.2 + 0.35 * fold, 1.12 - 0.3 * fold, 0.84]
     ear = tube([[0.02, 0.58, 0.56], tip], [0.15, 0.05], [0.42, 0.05])
-    disc = block([1.62, -0.12, 0], [0.4, 0.48, 0.5], 0.05)
+    disc = block((1.62, -0.12), [0.4, 0.48, 0.5], 0.05)
     face = [
-        *skull(0.3),
-        fuse(
-            tube([[0.7, -0.12, 0], [1.22, -0.12, 0]], [0.9 * wide, 0.85 * wide], [1.1 * wide, wide]),
-            blend=0.06,
-        ),
+        *_skull(0.3),
+        fuse(tube([(0.7, -0.12), (1.22, -0.12)], [0.9 * wide, 0.85 * wide], [1.1 * wide, wide]), blend=0.06),
         fuse(disc, carve=True),  # flat in front; the arms of one that hugs are below
         pair(ball([1.24, -0.12, 0.42 * wide], [0.12, 0.3 * wide, 0.2 * wide]), blend=0.03, carve=True),
-        smile(22, -38, 9, 1.0),
-        buttons(34, 22, 0.09),
+        _smile(22, -38, 9, 1.0),
+        _buttons(34, 22, 0.09),
         pair(ear, blend=0.05),
     ]
     turn = np.linspace(0, 3.2 * np.pi, 14)
     curl = np.column_stack([-0.22 - 0.011 * turn, 0.27 + 0.05 * np.sin(turn), 0.05 * np.cos(turn) - 0.05])
-    body = sewn(Toy(belly=(0.28, 0.29, 0.29), head=0.26), face, pose, rng)
+    body = _sewn(_Toy(belly=(0.28, 0.29, 0.29), head=0.26), face, pose, rng)
     return [*body, fuse(tube(curl, 0.022), blend=0.01)]
 
 
-def frog(pose: str, rng: Rng) -> list[Part]:
+def _frog(pose: str, rng: Rng) -> list[Part]:
     """Return a frog: eyes on top, a mouth from ear to ear."""
     size = rng.uniform(0.30, 0.40)
     face = [
-        fuse(ball([0, 0, 0], [0.98, 0.78, 1.15]), blend=0.05),
+        fuse(ball((0, 0), [0.98, 0.78, 1.15]), blend=0.05),
         pair(ball([0.30, 0.66, 0.55], size), blend=0.08),
         pair(ball([0.30 + 0.8 * size, 0.72, 0.62], 0.42 * size), blend=0.02),
-        smile(62, -10, 12, 0.955),
+        _smile(62, -10, 12, 0.955),
     ]
-    return sewn(Toy(belly=(0.26, 0.25, 0.28), head=0.29, limbs=0.85, arms=1.15, hands=True), face, pose, rng)
+    return _sewn(
+        _Toy(belly=(0.26, 0.25, 0.28), head=0.29, limbs=0.85, arms=1.15, hands=True), face, pose, rng
+    )
 
 
-def elephant(pose: str, rng: Rng) -> list[Part]:
+def _elephant(pose: str, rng: Rng) -> list[Part]:
     """Return an elephant: a trunk, great ears, tusks on some."""
     ear, lift = rng.uniform(0.85, 1.2), rng.uniform(0.0, 1.0)
     trunk = [
-        [0.75, -0.1, 0],
-        [1.25, -0.35, 0],
-        [1.45, -0.85 + 0.4 * lift, 0],
-        [1.75, -1.0 + 0.9 * lift, 0],
-        [1.98, -0.9 + 1.25 * lift, 0],
+        (0.75, -0.1),
+        (1.25, -0.35),
+        (1.45, -0.85 + 0.4 * lift),
+        (1.75, -1.0 + 0.9 * lift),
+        (1.98, -0.9 + 1.25 * lift),
     ]
     flap = ball([-0.1, 0.12, 1.0 + 0.55 * ear], np.array([0.15, 0.80, 0.72]) * ear, yaw(-22) @ roll(12))
     face = [
-        *skull(),
+        *_skull(),
         fuse(tube(trunk, [0.36, 0.28, 0.21, 0.17, 0.16]), blend=0.12),
-        buttons(36, 16, 0.09),
+        _buttons(36, 16, 0.09),
         pair(flap, blend=0.10),
         pair(
             ball([0.10, 0.08, 1.02 + 0.6 * ear], np.array([0.13, 0.5, 0.45]) * ear, yaw(-22)),
@@ -284,11 +263,11 @@ def elephant(pose: str, rng: Rng) -> list[Part]:
         tusk = tube([[0.75, -0.42, 0.34], [1.1, -0.6, 0.40], [1.3, -0.5, 0.38]], [0.12, 0.09, 0.04])
         face.append(pair(tusk, blend=0.03))
     tail = tube([[-0.2, 0.22, 0], [-0.36, 0.2, 0.02], [-0.44, 0.06, 0.03]], [0.035, 0.028, 0.04])
-    body = sewn(Toy(belly=(0.29, 0.31, 0.29), limbs=1.25), face, pose, rng)
+    body = _sewn(_Toy(belly=(0.29, 0.31, 0.29), limbs=1.25), face, pose, rng)
     return [*body, fuse(tail, blend=0.02)]
 
 
-def penguin(pose: str, rng: Rng) -> list[Part]:
+def _penguin(pose: str, rng: Rng) -> list[Part]:
     """Return a penguin: an egg with a beak, flippers and flat feet."""
     f = factors(rng, 0.14, "fat", "tall", "head", "beak", "flipper")
     fat, tall, head = 0.30 * f["fat"], 0.42 * f["tall"], 0.26 * f["head"]
@@ -302,34 +281,34 @@ def penguin(pose: str, rng: Rng) -> list[Part]:
     flipper = tube(rows, [0.045, 0.05, 0.03], [0.11, 0.12, 0.05], turn @ [1.0, 0, 0])
     nose = 0.06 + 0.95 * head
     beak = tube(
-        [[nose - 0.08, middle, 0], [nose + 0.14 * f["beak"], middle - 0.03, 0]], [0.085, 0.015], [0.10, 0.02]
+        [(nose - 0.08, middle), (nose + 0.14 * f["beak"], middle - 0.03)], [0.085, 0.015], [0.10, 0.02]
     )
     feet = both(ball([0.13, 0.02, 0.14], [0.17, 0.045, 0.11], yaw(-18)))
     if pose == "sit":
         feet = both(ball([0.86 * fat, 0.11, 0.15], [0.06, 0.15, 0.11], yaw(-18)))
     eye = [0.06 + 0.82 * head, middle + 0.30 * head, 0.47 * head]
     parts = [
-        fuse(ball([0, tall, 0], [0.92 * fat, tall, fat])),
-        fuse(ball([0.03, middle, 0], [head, 0.95 * head, 1.02 * head]), blend=0.09),
-        fuse(ball([0.12 * fat, 0.92 * tall, 0], [0.88 * fat, 0.8 * tall, 0.80 * fat]), blend=0.008),
+        fuse(ball((0, tall), [0.92 * fat, tall, fat])),
+        fuse(ball((0.03, middle), [head, 0.95 * head, 1.02 * head]), blend=0.09),
+        fuse(ball((0.12 * fat, 0.92 * tall), [0.88 * fat, 0.8 * tall, 0.80 * fat]), blend=0.008),
         pair(flipper, blend=0.03),
         fuse(beak, blend=0.015),
         pair(ball(eye, 0.032), blend=0.006),
         fuse(*feet, blend=0.015),
         fuse(
-            tube([[-0.8 * fat, 0.25 * tall, 0], [-1.12 * fat, 0.08 * tall, 0]], [0.08, 0.03], [0.11, 0.06]),
+            tube([(-0.8 * fat, 0.25 * tall), (-1.12 * fat, 0.08 * tall)], [0.08, 0.03], [0.11, 0.06]),
             blend=0.05,
         ),
     ]
     if rng.uniform() < 0.4:
         parts.append(
-            fuse(ball([-0.01, middle + 0.85 * head, 0], [0.8 * head, 0.5 * head, 0.8 * head]), blend=0.01)
+            fuse(ball((-0.01, middle + 0.85 * head), [0.8 * head, 0.5 * head, 0.8 * head]), blend=0.01)
         )
-        parts.append(fuse(ball([-0.02, middle + 1.45 * head, 0], 0.32 * head), blend=0.01))
+        parts.append(fuse(ball((-0.02, middle + 1.45 * head), 0.32 * head), blend=0.01))
     return parts
 
 
-def octopus(pose: str, rng: Rng) -> list[Part]:
+def _octopus(pose: str, rng: Rng) -> list[Part]:
     """Return an octopus: a bulb on eight arms that end in curls."""
     f = factors(rng, 0.14, "tall", "wide", "arms")
     tall, wide = 0.42 * f["tall"], 0.36 * f["wide"]
@@ -354,8 +333,8 @@ def octopus(pose: str, rng: Rng) -> list[Part]:
         for a in np.linspace(-0.35, 0.35, 7)
     ]
     return [
-        fuse(ball([-0.02, 0.28 + tall, 0], [wide, tall, 1.02 * wide])),
-        fuse(ball([0, 0.24, 0], [0.30, 0.20, 0.30]), blend=0.15),
+        fuse(ball((-0.02, 0.28 + tall), [wide, tall, 1.02 * wide])),
+        fuse(ball((0, 0.24), [0.30, 0.20, 0.30]), blend=0.15),
         fuse(*arms, blend=0.06),
         pair(ball(eye, 0.085), blend=0.02),
         pair(ball(by(eye, 0.07, 0.01, 0.01), 0.04), blend=0.006),
@@ -363,35 +342,31 @@ def octopus(pose: str, rng: Rng) -> list[Part]:
     ]
 
 
-def dragon(pose: str, rng: Rng) -> list[Part]:
+def _dragon(pose: str, rng: Rng) -> list[Part]:
     """Return a dragon: snout, horns, a comb down the back, small wings, a tail with a barb."""
     horn, snout = rng.uniform(0.5, 0.95), rng.uniform(0.85, 1.15)
     prongs = tube(
         [[-0.15, 0.72, 0.42], [-0.35, 0.95 + 0.5 * horn, 0.55], [-0.40, 1.0 + horn, 0.5]], [0.17, 0.11, 0.03]
     )
     face = [
-        *skull(0.2),
-        fuse(tube([[0.5, -0.25, 0], [0.6 + 0.62 * snout, -0.28, 0]], [0.46, 0.36], [0.52, 0.46]), blend=0.12),
+        *_skull(0.2),
+        fuse(tube([(0.5, -0.25), (0.6 + 0.62 * snout, -0.28)], [0.46, 0.36], [0.52, 0.46]), blend=0.12),
         pair(ball([0.78 + 0.72 * snout, -0.02, 0.2], 0.12), blend=0.06),
         pair(ball([0.93 + 0.72 * snout, 0.02, 0.21], 0.06), blend=0.03, carve=True),
-        buttons(34, 24, 0.15),
+        _buttons(34, 24, 0.15),
         pair(prongs, blend=0.06),
         pair(
             tube([[-0.1, 0.25, 0.95], [-0.3, 0.4, 1.45]], [0.08, 0.03], [0.26, 0.03], [0, 1, 0]), blend=0.05
         ),
         *(
             fuse(
-                tube(
-                    [[-0.55 * k, 0.95 - 0.35 * k, 0], [-0.75 * k - 0.12, 1.35 - 0.5 * k, 0]],
-                    [0.2, 0.03],
-                    0.09,
-                ),
+                tube([(-0.55 * k, 0.95 - 0.35 * k), (-0.75 * k - 0.12, 1.35 - 0.5 * k)], [0.2, 0.03], 0.09),
                 blend=0.03,
             )
             for k in (0.35, 0.9)
         ),
     ]
-    parts = sewn(Toy(belly=(0.26, 0.30, 0.26), head=0.25, limbs=0.95), face, pose, rng)
+    parts = _sewn(_Toy(belly=(0.26, 0.30, 0.26), head=0.25, limbs=0.95), face, pose, rng)
     aside = float(rng.choice((-1, 1)))
     tail = np.array([[-0.1, 0.16, 0], [-0.34, 0.10, 0.02], [-0.55, 0.09, 0.10], [-0.70, 0.13, 0.24]]) * [
         1,
@@ -426,19 +401,19 @@ def dragon(pose: str, rng: Rng) -> list[Part]:
         )
         * span
     )
-    web = wing([0, 0, 0], [(float(a), float(b)) for a, b in bat], rng.uniform(15, 50), 0.0, 0.02)
+    web = wing([0, 0, 0], bat, rng.uniform(15, 50), 0.0, 0.02)
     place = Frame(np.array([-0.20, 0.44, 0.0]), pitch(62))
     return [*parts, *carried([fuse(*web, blend=0.02)], place)]
 
 
 PLUSH: Mapping[str, BodyPlan] = {
-    "plush_bunny": Form(HABITS, bunny),
-    "plush_cat": Form(HABITS, cat),
-    "plush_dragon": Form(HABITS, dragon),
-    "plush_elephant": Form(HABITS, elephant),
-    "plush_frog": Form(HABITS, frog),
-    "plush_octopus": Form(HABITS, octopus),
-    "plush_penguin": Form(HABITS, penguin),
-    "plush_pig": Form(HABITS, pig),
-    "teddy": Form(HABITS, teddy),
+    "plush_bunny": Form(HABITS, _bunny),
+    "plush_cat": Form(HABITS, _cat),
+    "plush_dragon": Form(HABITS, _dragon),
+    "plush_elephant": Form(HABITS, _elephant),
+    "plush_frog": Form(HABITS, _frog),
+    "plush_octopus": Form(HABITS, _octopus),
+    "plush_penguin": Form(HABITS, _penguin),
+    "plush_pig": Form(HABITS, _pig),
+    "teddy": Form(HABITS, _teddy),
 }

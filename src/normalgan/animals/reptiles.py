@@ -129,15 +129,15 @@ class Turtle(PosedPlan):
         rim = 0.0 if self.flippers else self.clear * build["clear"]
         under = 0.28 if self.flippers else 0.34
         shell = [
-            fuse(ball((0, rim, 0), radii)),
+            fuse(ball((0, rim), radii)),
             # The dome alone: what lies below its rim is cut off, and a flatter belly set in its place.
             fuse(_slab(rim, radii), carve=True, blend=0.02),
-            fuse(ball((0, rim + 0.005, 0), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
-            fuse(ball((0, rim, 0), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
+            fuse(ball((0, rim + 0.005), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
+            fuse(ball((0, rim), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
             *([fuse(*_scutes(radii, rim, self.bumpy), blend=0.25 * radii[1])] if self.bumpy else []),
             fuse(*_grooves(radii, rim), carve=True, blend=0.008),
         ]
-        tail = tube([(-0.40, rim, 0), (-0.52, rim - 0.03, 0), (-0.62, rim - 0.07, 0)], [0.06, 0.04, 0.012])
+        tail = tube([(-0.40, rim), (-0.52, rim - 0.03), (-0.62, rim - 0.07)], [0.06, 0.04, 0.012])
         parts = [*shell, fuse(tail, blend=0.03)]
         out = self.neck * build["neck"] * {"hide": 0.35}.get(pose, 1.0)
         stretch = np.array(
@@ -147,7 +147,7 @@ class Turtle(PosedPlan):
         bent, _ = bend(stretch, rng.uniform(-10, 22), aside)
         parts.append(fuse(tube(bent, [0.11, 0.085, 0.07]), blend=0.05))
         head = Frame(bent[-1], yaw(aside) @ pitch(rng.uniform(-12, 14)))
-        beak = tube([(0.15, 0.0, 0), (0.20, -0.02, 0), (0.205, -0.06, 0)], [0.05, 0.035, 0.012])
+        beak = tube([(0.15, 0.0), (0.20, -0.02), (0.205, -0.06)], [0.05, 0.035, 0.012])
         mouth = tube([(0.06, -0.045, 0.092), (0.13, -0.045, 0.066), (0.18, -0.05, 0.028)], 0.007)
         face = [
             fuse(TURTLE_HEAD.sweep(), blend=0.03),
@@ -284,7 +284,7 @@ TURTLE_HEAD = Profile(
 def _slab(rim: float, radii: Floats) -> Sweep:
     """Return what lies below the rim of the dome, to be taken away."""
     deep = float(radii[1]) + 0.1
-    points = [(-0.8, rim - deep - 0.01, 0.0), (0.8, rim - deep - 0.01, 0.0)]
+    points = [(-0.8, rim - deep - 0.01), (0.8, rim - deep - 0.01)]
     return tube(points, deep, 8.0)
 
 

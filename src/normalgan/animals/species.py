@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from types import MappingProxyType
 
-from normalgan.animals.blobs import BLOBS
 from normalgan.animals.insects import INSECTS
+from normalgan.animals.objects import BLOBS
 from normalgan.animals.plan import BodyPlan
 from normalgan.animals.plush import PLUSH
 from normalgan.animals.species_files import FOLDER, read_species
