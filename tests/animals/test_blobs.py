@@ -4,11 +4,9 @@ from scipy.spatial import cKDTree
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import Animal
-from normalgan.animals.objects import BLOBS
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball
 from normalgan.animals.meshing import to_mesh
-from normalgan.animals.objects import turned
+from normalgan.animals.objects import BLOBS, turned
+from normalgan.animals.parts import Part, ball
 
 
 @pytest.mark.parametrize("species", BLOBS)

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from normalgan.animals.field import Part
 from normalgan.animals.frames import Frame, pitch, yaw
 from normalgan.animals.meshing import to_mesh
+from normalgan.animals.parts import Part
 from normalgan.animals.shapes import Box, Ellipsoid, Plate, Ring, Solid, outline_distance, rounded
 
 FRAME = Frame(np.array([0.3, -0.2, 0.5]), yaw(35) @ pitch(-50))

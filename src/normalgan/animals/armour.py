@@ -5,9 +5,8 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import fuse, tube
 from normalgan.animals.frames import Floats, Frame, spanned, way_along
+from normalgan.animals.parts import Part, fuse, tube
 from normalgan.animals.plan import Between, Rng
 from normalgan.animals.shapes import Plate, Sweep, rounded
 

@@ -9,9 +9,8 @@ import numpy as np
 from normalgan.animals.bipeds_bones import STANCES, Limb, Measures, Skeleton, skeleton, vary
 from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, block, both, carried, fuse, on_side, tube
 from normalgan.animals.frames import Floats, Frame
+from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
 from normalgan.animals.plan import Between, PosedPlan, Rng
 from normalgan.animals.shapes import Shape, Sweep
 

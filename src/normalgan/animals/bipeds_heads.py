@@ -4,9 +4,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, block, fuse, pair, tube
 from normalgan.animals.frames import pitch, roll, yaw
+from normalgan.animals.parts import Part, Ripple, ball, block, fuse, pair, tube
 from normalgan.animals.plan import Rng
 
 __all__ = ["HEADS", "robot"]

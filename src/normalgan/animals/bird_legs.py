@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import fuse, tube
 from normalgan.animals.frames import Floats, Frame, hinge, yaw
+from normalgan.animals.parts import Part, fuse, tube
 from normalgan.animals.plan import Point, Rng
 from normalgan.animals.shapes import Plate, Sweep, rounded
 

@@ -5,9 +5,8 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import fuse, pair, tube
 from normalgan.animals.frames import Floats, Frame, about, pitch, roll, yaw
+from normalgan.animals.parts import Part, fuse, pair, tube
 from normalgan.animals.plan import Between, Rng
 from normalgan.animals.shapes import Sweep
 from normalgan.animals.stations import Profile

@@ -8,9 +8,8 @@ import numpy as np
 
 from normalgan.animals.bird_legs import Legs
 from normalgan.animals.bird_wings import Tail, Wing, folded, opened, tail_fan
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, both, carried, fuse, pair, tube
 from normalgan.animals.frames import Frame, bend, pitch, yaw
+from normalgan.animals.parts import Part, Ripple, ball, both, carried, fuse, pair, tube
 from normalgan.animals.plan import Eyeball, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations

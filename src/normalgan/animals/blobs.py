@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, block, both, fuse, ring, tube
 from normalgan.animals.frames import Floats, pitch, roll, yaw
+from normalgan.animals.parts import Part, Ripple, ball, block, both, fuse, ring, tube
 from normalgan.animals.plan import Rng
 from normalgan.animals.shapes import Shape
 

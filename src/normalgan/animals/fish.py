@@ -6,9 +6,8 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, fuse, tube
 from normalgan.animals.frames import Floats, spanned
+from normalgan.animals.parts import Part, ball, fuse, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, both, by, carried, fuse, in_space, on_side, pair, tube
 from normalgan.animals.frames import Floats, Frame, hinge, pitch, roll, yaw
+from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, on_side, pair, tube
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.shapes import Plate, Shape, Sweep
 

@@ -5,9 +5,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from normalgan.animals.blobs import blob, creature
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.frames import pitch, roll, yaw
+from normalgan.animals.parts import Part, Ripple, ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.shapes import Shape
 

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 
-from normalgan.animals.field import Part
+from normalgan.animals.parts import Part
 
 __all__ = [
     "RISING",

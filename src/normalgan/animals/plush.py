@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, block, both, by, carried, fuse, pair, tube
 from normalgan.animals.frames import Floats, Frame, pitch, roll, yaw
 from normalgan.animals.insects import wing
+from normalgan.animals.parts import Part, ball, block, both, by, carried, fuse, pair, tube
 from normalgan.animals.plan import BodyPlan, Form, Rng, factors
 from normalgan.animals.shapes import Shape, Sweep
 

@@ -7,9 +7,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from normalgan.animals.armour import Armour
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import both, fuse, on_side, pair, tube
 from normalgan.animals.frames import Floats, Frame, bend, fold, pitch, yaw
+from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
 from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
 from normalgan.animals.quadruped_pose import POSES, Pose
 from normalgan.animals.shapes import Cut, Shape, Sweep

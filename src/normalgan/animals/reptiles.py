@@ -6,9 +6,8 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, by, carried, fuse, on_side, pair, tube
 from normalgan.animals.frames import Floats, Frame, about, bend, pitch, spanned, way_along, yaw
+from normalgan.animals.parts import Part, ball, by, carried, fuse, on_side, pair, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine

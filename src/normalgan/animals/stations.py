@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from normalgan.animals.forms import tube
 from normalgan.animals.frames import Floats, Frame, about, pitch, yaw
+from normalgan.animals.parts import tube
 from normalgan.animals.shapes import Sweep
 from normalgan.errors import InputError
 

@@ -7,9 +7,8 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.bird_legs import Legs
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
+from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations

@@ -1,16 +1,18 @@
-"""Shorthand for those that model: balls, blocks, tubes, both sides of a body, parts carried by a frame."""
+"""Parts, of which a body is blended, and shorthand for those that model: balls, blocks, tubes, both sides."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.field import Part, Ripple
 from normalgan.animals.frames import Floats, Frame
 from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
 
 __all__ = [
-    "SIDE",
+    "Part",
+    "Ripple",
     "ball",
     "block",
     "both",
@@ -24,7 +26,47 @@ __all__ = [
     "tube",
 ]
 
-SIDE = (0.0, 0.0, 1.0)
+_SIDE = (0.0, 0.0, 1.0)
+
+
+class Ripple(NamedTuple):
+    """Bumps on a surface: fleece, fur, leaves.
+
+    Args:
+        height: of the highest.
+        wavelength: about the distance from one to the next.
+    """
+
+    height: float
+    wavelength: float
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Shapes united sharply, which then flow into what was there before.
+
+    Args:
+        shapes: that make it up.
+        blend: width of the zone in which the part and the rest flow together; 0 for a sharp seam.
+        carve: take the part away instead of adding it.
+        ripple: bumps on the surface, or None.
+    """
+
+    shapes: tuple[Shape, ...]
+    blend: float
+    carve: bool = False
+    ripple: Ripple | None = None
+
+    def reach(self) -> tuple[Floats, Floats]:
+        """Return the lowest and highest corner, (3,) each, of a box that holds it."""
+        boxes = [shape.reach() for shape in self.shapes]
+        return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+    def placed(self, frame: Frame, size: float = 1.0) -> Self:
+        """Return it scaled by ``size``, its blend too, and carried along with a frame."""
+        shapes = tuple(shape.placed(frame, size) for shape in self.shapes)
+        ripple = None if self.ripple is None else Ripple(*(size * length for length in self.ripple))
+        return replace(self, shapes=shapes, blend=self.blend * size, ripple=ripple)
 
 
 def by(start: Floats, x: float, y: float, z: float) -> Floats:
@@ -67,7 +109,7 @@ def tube(
     points: ArrayLike,
     radii: ArrayLike,
     widths: ArrayLike | None = None,
-    side: ArrayLike = SIDE,
+    side: ArrayLike = _SIDE,
     flat: bool = False,
 ) -> Sweep:
     """Return a sweep.

@@ -4,9 +4,9 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from normalgan.animals.field import Part
 from normalgan.animals.frames import bend, fold
 from normalgan.animals.meshing import drop_crumbs, fill_voids, to_mesh, unit_sphere
+from normalgan.animals.parts import Part
 from normalgan.animals.shapes import Cut, Sweep, smooth_minimum
 
 
