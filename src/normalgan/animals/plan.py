@@ -19,6 +19,7 @@ __all__ = [
     "PosedPlan",
     "Range",
     "Rng",
+    "around",
     "drawn_pose",
     "factors",
     "proportions",
@@ -129,6 +130,11 @@ def proportions(
     """
     drawn = {name: rng.uniform(*own.get(name, span)) for name, span in general.items()}
     return {name: value * (young or {}).get(name, 1.0) for name, value in drawn.items()}
+
+
+def around(rng: Rng, spread: float, *usual: float) -> list[float]:
+    """Draw a number about each usual one, off it by at most the part ``spread`` of itself."""
+    return [value * rng.uniform(1 - spread, 1 + spread) for value in usual]
 
 
 def factors(rng: Rng, spread: float, *names: str) -> dict[str, float]:
