@@ -15,6 +15,7 @@ __all__ = [
     "fold",
     "hinge",
     "pitch",
+    "ray",
     "roll",
     "spanned",
     "way_along",
@@ -54,6 +55,16 @@ def roll(degrees: float) -> Floats:
     """
     c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
     return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
+
+def ray(azimuth: float, elevation: float) -> Floats:
+    """Return the direction (3,) so many radians to the right of +x and above the level.
+
+    >>> ray(0.0, np.pi / 2).round(6).tolist()
+    [0.0, 1.0, 0.0]
+    """
+    level = np.cos(elevation)
+    return np.array([np.cos(azimuth) * level, np.sin(elevation), np.sin(azimuth) * level])
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame, pitch, roll, yaw
+from normalgan.animals.frames import Floats, Frame, pitch, ray, roll, yaw
 from normalgan.animals.insects import wing
 from normalgan.animals.parts import Part, ball, block, by, carried, fuse, in_space, pair, tube
 from normalgan.animals.plan import BodyPlan, Form, Rng, around
@@ -75,9 +75,8 @@ def _seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
 
 def on_skull(aside: float, up: float, out: float = 1.0) -> Floats:
     """Return the point (3,) of the head ``aside`` degrees to the right and ``up`` above its middle."""
-    a, e = np.deg2rad(aside), np.deg2rad(up)
-    ray = np.array([np.cos(a) * np.cos(e), np.sin(e), np.sin(a) * np.cos(e)])
-    point: Floats = ray / np.linalg.norm(ray / SKULL) * out
+    way = ray(np.deg2rad(aside), np.deg2rad(up))
+    point: Floats = way / np.linalg.norm(way / SKULL) * out
     return point
 
 
