@@ -14,9 +14,9 @@ from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fu
 from normalgan.animals.plan import Between, PosedPlan, Rng
 from normalgan.animals.shapes import Shape, Sweep
 
-__all__ = ["FLAT_HAND", "Biped", "Flesh", "Robot", "trunk"]
+__all__ = ["Biped", "Flesh", "Robot"]
 
-FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
+_FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Flesh:
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
         """Return the parts in the order in which they blend."""
         coat = self.coat
-        parts = [fuse(trunk(measures, bones), ripple=coat)]
+        parts = [fuse(_trunk(measures, bones), ripple=coat)]
         if measures.belly:
             parts.append(fuse(_belly(measures, bones), blend=0.05, ripple=coat))
         dressed = bool(rng.uniform() < self.skirt)
@@ -141,7 +141,7 @@ def _sides(limbs: tuple[Limb, Limb]) -> Iterator[tuple[bool, Limb]]:
     return zip((True, False), limbs, strict=True)
 
 
-def trunk(measures: Measures, bones: Skeleton) -> Sweep:
+def _trunk(measures: Measures, bones: Skeleton) -> Sweep:
     """Return the trunk, from the crotch to the base of the neck."""
     pelvis, waist, chest = (
         np.array([girth.half_depth, girth.half_width])
@@ -193,7 +193,7 @@ def _arm(measures: Measures, limb: Limb) -> Shape:
 
 def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
     """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
-    size, flat = measures.hand, FLAT_HAND
+    size, flat = measures.hand, _FLAT_HAND
     if kind == "paw":
         return [ball((0.05 * size, -0.32 * size), np.array([0.4, 0.5, 0.34]) * size).placed(limb.end)]
     palm = ball((0.02, -0.38), [0.26, 0.44, flat])

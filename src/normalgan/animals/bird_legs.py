@@ -9,9 +9,9 @@ from normalgan.animals.parts import Part, fuse, tube
 from normalgan.animals.plan import Point, Rng
 from normalgan.animals.shapes import Plate, Sweep, rounded
 
-__all__ = ["TOES", "Legs"]
+__all__ = ["Legs"]
 
-TOES = (-34.0, 0.0, 34.0, 180.0)
+_TOES = (-34.0, 0.0, 34.0, 180.0)
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Legs:
 
 def _toes(shape: Legs, foot: Floats, heading: float, flat: bool, rng: Rng) -> list[Sweep]:
     toes = []
-    for angle in TOES:
+    for angle in _TOES:
         length = shape.toe * {0.0: 1.0, 180.0: 0.55}.get(angle, 0.88)
         turn = yaw(heading + angle + rng.normal(0, 3))
         drop = 0.0 if flat else (-0.5 if abs(angle) < 90 else -0.8)

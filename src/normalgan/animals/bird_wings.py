@@ -11,10 +11,10 @@ from normalgan.animals.plan import Between, Rng
 from normalgan.animals.shapes import Sweep
 from normalgan.animals.stations import Profile
 
-__all__ = ["STEP", "THIN", "Tail", "Wing", "folded", "opened", "tail_fan"]
+__all__ = ["Tail", "Wing", "folded", "opened", "tail_fan"]
 
-STEP = 0.010  # height by which a feather lies over its neighbour
-THIN = 0.012
+_STEP = 0.010  # height by which a feather lies over its neighbour
+_THIN = 0.012
 
 
 @dataclass(frozen=True)
@@ -167,8 +167,8 @@ def _feathers(wing: Wing, span: float) -> list[Sweep]:
 
 def _feather(base: Floats, way: Floats, length: float, wing: Wing, span: float, number: int) -> Sweep:
     half = wing.width * 0.075 * span
-    over = np.array([0.0, STEP * (number % 2), 0.0])
-    return tube([base + over, base + way * (length - half) + over], [half * 0.9, half], THIN, (0, 1, 0))
+    over = np.array([0.0, _STEP * (number % 2), 0.0])
+    return tube([base + over, base + way * (length - half) + over], [half * 0.9, half], _THIN, (0, 1, 0))
 
 
 def tail_fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Part]:
@@ -187,9 +187,11 @@ def tail_fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Par
         turn = pitch(-raised) @ yaw(aside + t * spread / 2)
         way = turn @ np.array([-1.0, 0.0, 0.0])
         start = np.array([0.16, 0.03, 0.0])
-        over = turn @ np.array([0.0, STEP * (1 - abs(t)) * 2.0 + STEP * (i % 2), 0.0])
+        over = turn @ np.array([0.0, _STEP * (1 - abs(t)) * 2.0 + _STEP * (i % 2), 0.0])
         end = start + way * (tail.length * factor + 0.16 - half) * (1 - 0.08 * t * t) + over
-        feathers.append(tube([start + over, end], [0.7 * half, half], THIN, turn @ np.array([0.0, 1.0, 0.0])))
+        feathers.append(
+            tube([start + over, end], [0.7 * half, half], _THIN, turn @ np.array([0.0, 1.0, 0.0]))
+        )
     rump = tube(
         [(0.22, 0.03, 0.0), pitch(-raised) @ np.array([-0.12, 0.0, 0.0]) + [0.05, 0.03, 0.0]],
         [0.10, 0.04],

@@ -13,13 +13,13 @@ from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.errors import InputError
 
-__all__ = ["POSES", "RANGES", "Fin", "Finlet", "Fish", "Gills", "plates"]
+__all__ = ["Fin", "Finlet", "Fish", "Gills"]
 
-RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Range] = {
     "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
     "eye": (0.85, 1.25),
 }  # fmt: skip
-POSES = ("glide", "swim", "turn")
+_POSES = ("glide", "swim", "turn")
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class Fish(PosedPlan):
         InputError: if the mouth is no line.
     """
 
-    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    habits: tuple[Annotated[str, tuple(_POSES)], ...]
     body: Profile
     fins: tuple[Fin | Finlet, ...]
     eye: Eyeball
@@ -125,7 +125,7 @@ class Fish(PosedPlan):
     tail: Fin | None = None
     spines: Annotated[int, Between(0, 500)] = 0
     wave: float = 26.0
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the mouth."""
@@ -134,18 +134,18 @@ class Fish(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        build = proportions(RANGES, self.ranges, rng)
+        build = proportions(_RANGES, self.ranges, rng)
         spine = _spine(pose, self.wave, rng)
         depth, girth = build["depth"], build["girth"]
         stretch = np.array([1.0, depth, girth])
         body = replace(self.body, top=self.body.top * depth, bottom=self.body.bottom * depth).wider(girth)
         parts = [fuse(spine.sweep(body))]
         if self.tail is not None:
-            parts.append(fuse(*plates(self.tail, spine, build["tail"]), blend=0.03))
+            parts.append(fuse(*_plates(self.tail, spine, build["tail"]), blend=0.03))
         flare, flap = rng.normal(0, 7), rng.normal(0, 7)
         for each in self.fins:
             moved = _moved(each.fin(), stretch)
-            parts.append(fuse(*plates(moved, spine, build["fins"], flare, flap), blend=0.018))
+            parts.append(fuse(*_plates(moved, spine, build["fins"], flare, flap), blend=0.018))
         eyes = np.array(_halves(np.array(self.eye.at))) * stretch
         eyes[:, 2] -= 0.35 * self.eye.radius * np.sign(eyes[:, 2])
         parts.append(fuse(*(ball(at, self.eye.radius * build["eye"]) for at in spine.place(eyes))))
@@ -215,7 +215,9 @@ def _halves(points: Floats) -> tuple[Floats, Floats]:
     return points, points * np.array([1.0, 1.0, -1.0])
 
 
-def plates(fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0) -> list[Plate]:
+def _plates(
+    fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0
+) -> list[Plate]:
     """Return the plates of a fin.
 
     Args:

@@ -15,19 +15,7 @@ from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
 from normalgan.errors import InputError
 
-__all__ = [
-    "RANGES",
-    "Ears",
-    "Eye",
-    "Head",
-    "LegTemplate",
-    "Limb",
-    "Mane",
-    "Mouth",
-    "Nostrils",
-    "Ornament",
-    "Quadruped",
-]
+__all__ = ["Ears", "Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Nostrils", "Ornament", "Quadruped"]
 
 _SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
 _FACE = 0.4  # share of the head's length, from the poll, behind which the muzzle's length changes nothing
@@ -36,9 +24,9 @@ _LIP = 0.02  # radius of the groove of the mouth, in units of the head's length
 _PROUD = 0.007  # how far its middle lies outside the skull, so that it does not cut thin muzzles through
 
 
-Build = Mapping[str, float]
-"""The factors of `RANGES` by which an individual differs from the drawing of its species."""
-RANGES: Mapping[str, Range] = {
+_Build = Mapping[str, float]
+"""The factors of `_RANGES` by which an individual differs from the drawing of its species."""
+_RANGES: Mapping[str, Range] = {
     "length": (0.93, 1.07),  # of the torso
     "depth": (0.92, 1.08),  # of the belly, measured down from the back
     "girth": (0.9, 1.15),  # width of the torso
@@ -53,11 +41,11 @@ RANGES: Mapping[str, Range] = {
     "tail": (0.85, 1.15),  # its length
     "humps": (0.8, 1.2),  # their height
 }
-YOUNG: Mapping[str, float] = {
+_YOUNG: Mapping[str, float] = {
     "legs": 1.08, "bone": 0.95, "girth": 0.88, "depth": 0.86, "length": 0.9, "head": 1.12, "muzzle": 0.88,
     "neck": 0.92, "ears": 1.1, "horns": 0.35, "tail": 0.8,
 }  # fmt: skip
-YOUNG_SHARE = 0.12
+_YOUNG_SHARE = 0.12
 
 
 @dataclass(frozen=True)
@@ -110,7 +98,7 @@ class Ornament:
 
     Args:
         stations: in units of the height at the withers; on the head, of its length.
-        scale: the factor of `RANGES` that stretches it from its pivot; None on the head for one that only
+        scale: the factor of `_RANGES` that stretches it from its pivot; None on the head for one that only
             grows with it.
         side: direction of the width.
         mirror: whether there is another on the left.
@@ -125,7 +113,7 @@ class Ornament:
 
     kind: ClassVar[str] = "tube"
     stations: Stations
-    scale: Annotated[str, tuple(RANGES)] | None = None
+    scale: Annotated[str, tuple(_RANGES)] | None = None
     side: Point = (0.0, 0.0, 1.0)
     mirror: bool = True
     blend: float = 0.01
@@ -297,7 +285,7 @@ class Quadruped:
         ornaments: humps and udders, in the body's frame.
         mane: or None.
         armour: plates, spikes or a frill, or None.
-        ranges: those of `RANGES` that differ from the general ones.
+        ranges: those of `_RANGES` that differ from the general ones.
         tail_lift: degrees between which the tail is raised.
         tail_ripple: bumps on the tail, or None.
         coat: bumps on torso and neck, or None.
@@ -315,7 +303,7 @@ class Quadruped:
     ornaments: tuple[Ornament, ...] = ()
     mane: Mane | None = None
     armour: Armour | None = None
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
     tail_lift: Range = (-10.0, 25.0)
     tail_ripple: Ripple | None = None
     coat: Ripple | None = None
@@ -329,12 +317,12 @@ class Quadruped:
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return one individual's parts."""
-        young = YOUNG if rng.uniform() < YOUNG_SHARE else None
-        build = proportions(RANGES, self.ranges, rng, young)
+        young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
+        build = proportions(_RANGES, self.ranges, rng, young)
         return _assemble(self, build, POSES[drawn_pose(self.habits, pose, rng)](rng), rng)
 
 
-def _assemble(species: Quadruped, build: Build, pose: Pose, rng: Rng) -> list[Part]:
+def _assemble(species: Quadruped, build: _Build, pose: Pose, rng: Rng) -> list[Part]:
     """Return the parts, in the order in which they blend.
 
     Legs are united sharply among themselves, so that they do not melt into one another, and softly with
@@ -382,7 +370,7 @@ def _chosen(items: Sequence[Ornament | Nostrils | Ears], rng: Rng) -> list[Ornam
     return chosen
 
 
-def _body(species: Quadruped, build: Build, pose: Pose) -> Frame:
+def _body(species: Quadruped, build: _Build, pose: Pose) -> Frame:
     hip = np.array([species.hind.x * build["length"], species.hind.y, 0.0])
     turn, up = pitch(pose.pitch), 0.0
     if pose.sit:
@@ -395,7 +383,7 @@ def _body(species: Quadruped, build: Build, pose: Pose) -> Frame:
     return Frame(hip + np.array([0.0, up, 0.0]) - turn @ hip, turn)
 
 
-def _torso(species: Quadruped, build: Build, body: Frame) -> Sweep:
+def _torso(species: Quadruped, build: _Build, body: Frame) -> Sweep:
     x, top, bottom = species.torso.x, species.torso.top, species.torso.bottom
     middle = np.sin(np.linspace(0, np.pi, len(x)))  # belly and waist change, breast and buttocks hardly
     deeper = top - (top - bottom) * (1 + (build["depth"] - 1) * middle)
@@ -406,7 +394,7 @@ def _torso(species: Quadruped, build: Build, body: Frame) -> Sweep:
     )
 
 
-def _neck(species: Quadruped, build: Build, pose: Pose, body: Frame) -> tuple[Sweep, Frame]:
+def _neck(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> tuple[Sweep, Frame]:
     """Return the neck and the frame of the head."""
     rows, points = species.neck, species.neck.points
     points[:, 0] += species.fore.x * (build["length"] - 1)
@@ -428,7 +416,7 @@ def _neck(species: Quadruped, build: Build, pose: Pose, body: Frame) -> tuple[Sw
     return sweep, Frame(placed[-1], rotation)
 
 
-def _lowered(species: Quadruped, build: Build, points: Floats, body: Frame) -> tuple[float, float]:
+def _lowered(species: Quadruped, build: _Build, points: Floats, body: Frame) -> tuple[float, float]:
     """Return pitch of neck and head, in degrees, that bring the muzzle near the ground, by bisection."""
     skull = species.head.skull
     tip = np.array([_stretch(skull.x[-1:], build["muzzle"])[0], skull.bottom[-1], 0.0])
@@ -446,7 +434,7 @@ def _lowered(species: Quadruped, build: Build, points: Floats, body: Frame) -> t
     return up, head_angle(up)
 
 
-def _tail(species: Quadruped, build: Build, pose: Pose, body: Frame) -> Sweep:
+def _tail(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> Sweep:
     rows, points = species.tail, species.tail.points
     points[:, 0] *= build["length"]
     points = points[0] + (points - points[0]) * build["tail"]
@@ -469,12 +457,12 @@ def _crest(neck: Sweep, mane: Mane, sign: float) -> Part:
     return fuse(tube(points, mane.radius, mane.half_width, neck.sides), blend=0.01, ripple=ripple)
 
 
-def _ground(build: Build) -> float:
+def _ground(build: _Build) -> float:
     """Return the height of the ground, 0 for legs of the drawn length."""
     return _BELOW_BELLY * (1 - build["legs"])
 
 
-def _hang(limb: Limb, build: Build, angles: tuple[float, ...]) -> Floats:
+def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Floats:
     """Return the folded stations, (n + 1, 3), from the uppermost joint; the last one is the sole."""
     rows = limb.template.stations
     length = limb.y - _ground(build)
@@ -485,7 +473,7 @@ def _hang(limb: Limb, build: Build, angles: tuple[float, ...]) -> Floats:
     return fold(points, limb.template.joints, angles)
 
 
-def _leg(limb: Limb, build: Build, angles: tuple[float, ...], stance: bool, body: Frame) -> Sweep:
+def _leg(limb: Limb, build: _Build, angles: tuple[float, ...], stance: bool, body: Frame) -> Sweep:
     """Return the right leg of a pair.
 
     Args:
@@ -510,7 +498,7 @@ def _leg(limb: Limb, build: Build, angles: tuple[float, ...], stance: bool, body
     return replace(tube(points[:-1], rows.radius * thick, rows.widths * thick), cut=cut)
 
 
-def _shoulder_blade(limb: Limb, build: Build, body: Frame) -> Sweep:
+def _shoulder_blade(limb: Limb, build: _Build, body: Frame) -> Sweep:
     """Return the flat muscle that runs from the point of the right shoulder up and back to the withers."""
     x, size, girth = limb.x * build["length"], limb.y * limb.thick, build["girth"]
     points = [
@@ -536,7 +524,9 @@ def _skull(head: Head, muzzle: float) -> Sweep:
     return replace(tube(points, rows.radius, rows.widths), cut=cut)
 
 
-def _ornament(item: Ornament, size: float, build: Build, frame: Frame, rng: Rng, muzzle: float = 1.0) -> Part:
+def _ornament(
+    item: Ornament, size: float, build: _Build, frame: Frame, rng: Rng, muzzle: float = 1.0
+) -> Part:
     """Return an ornament, both sides of it if mirrored.
 
     Args:

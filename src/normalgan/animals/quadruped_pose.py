@@ -8,7 +8,7 @@ import numpy as np
 
 from normalgan.animals.plan import Rng
 
-__all__ = ["GALLOP", "POSES", "TROT", "WALK", "Angles", "Gait", "Pose"]
+__all__ = ["POSES", "Angles", "Pose"]
 
 Angles = tuple[float, float, float, float]
 
@@ -45,7 +45,7 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Gait:
+class _Gait:
     """A way of going (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
 
     Args:
@@ -63,12 +63,12 @@ class Gait:
     grounded: bool = True
 
 
-WALK = Gait((0.75, 0.25, 0.5, 0.0), 0.64, 19.0, 42.0)
-TROT = Gait((0.0, 0.5, 0.5, 0.0), 0.48, 25.0, 62.0)
-GALLOP = Gait((0.62, 0.5, 0.12, 0.0), 0.3, 42.0, 70.0, grounded=False)
+_WALK = _Gait((0.75, 0.25, 0.5, 0.0), 0.64, 19.0, 42.0)
+_TROT = _Gait((0.0, 0.5, 0.5, 0.0), 0.48, 25.0, 62.0)
+_GALLOP = _Gait((0.62, 0.5, 0.12, 0.0), 0.3, 42.0, 70.0, grounded=False)
 
 
-def _leg(gait: Gait, phase: float, fore: bool) -> tuple[Angles, bool]:
+def _leg(gait: _Gait, phase: float, fore: bool) -> tuple[Angles, bool]:
     phase %= 1.0
     if phase < gait.duty:
         upper = gait.swing * (1 - 2 * phase / gait.duty)
@@ -81,7 +81,7 @@ def _leg(gait: Gait, phase: float, fore: bool) -> tuple[Angles, bool]:
     return (upper + 0.45 * fold, -0.85 * fold, 0.75 * fold, -0.8 * fold), False
 
 
-def _going(gait: Gait, rng: Rng) -> Pose:
+def _going(gait: _Gait, rng: Rng) -> Pose:
     start = rng.uniform()
     gait = replace(gait, swing=gait.swing * rng.uniform(0.75, 1.1), lift=gait.lift * rng.uniform(0.8, 1.15))
     drawn = [_leg(gait, start + phase, fore=i < 2) for i, phase in enumerate(gait.phases)]
@@ -117,7 +117,7 @@ def _stand(rng: Rng) -> Pose:
 
 
 def _gallop(rng: Rng) -> Pose:
-    return replace(_going(GALLOP, rng), tail_lift=rng.uniform(0.6, 1.0))
+    return replace(_going(_GALLOP, rng), tail_lift=rng.uniform(0.6, 1.0))
 
 
 def _graze(rng: Rng) -> Pose:
@@ -140,8 +140,8 @@ def _sit(rng: Rng) -> Pose:
 
 POSES: Mapping[str, Callable[[Rng], Pose]] = {
     "stand": _stand,
-    "walk": partial(_going, WALK),
-    "trot": partial(_going, TROT),
+    "walk": partial(_going, _WALK),
+    "trot": partial(_going, _TROT),
     "gallop": _gallop,
     "graze": _graze,
     "sit": _sit,

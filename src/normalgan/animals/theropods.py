@@ -13,15 +13,15 @@ from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, propor
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
 
-__all__ = ["POSES", "RANGES", "YOUNG", "YOUNG_SHARE", "Arm", "Theropod"]
+__all__ = ["Arm", "Theropod"]
 
-RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Range] = {
     "girth": (0.88, 1.15), "tail": (0.85, 1.12), "neck": (0.88, 1.12), "head": (0.88, 1.15),
     "arm": (0.85, 1.2), "legs": (0.9, 1.08), "sail": (0.75, 1.2),
 }  # fmt: skip
-YOUNG: Mapping[str, float] = {"head": 1.3, "neck": 0.85, "tail": 0.85, "girth": 0.95, "legs": 1.08}
-YOUNG_SHARE = 0.12
-POSES = ("stand", "walk", "run", "roar")
+_YOUNG: Mapping[str, float] = {"head": 1.3, "neck": 0.85, "tail": 0.85, "girth": 0.95, "legs": 1.08}
+_YOUNG_SHARE = 0.12
+_POSES = ("stand", "walk", "run", "roar")
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Theropod(PosedPlan):
         ranges: ranges of proportions that differ from the general ones.
     """
 
-    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    habits: tuple[Annotated[str, tuple(_POSES)], ...]
     torso: Profile
     tail: Profile
     neck: Stations
@@ -71,12 +71,12 @@ class Theropod(PosedPlan):
     leg: Legs
     sail: float = 0.0
     pitch: Range = (-4.0, 16.0)
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        young = YOUNG if rng.uniform() < YOUNG_SHARE else None
-        build = proportions(RANGES, self.ranges, rng, young)
+        young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
+        build = proportions(_RANGES, self.ranges, rng, young)
         tilt = rng.uniform(*self.pitch) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
         whole = about((0, 0, 0), pitch(tilt))
         torso = self.torso.wider(build["girth"])
