@@ -1,7 +1,8 @@
 """The bipeds' body plan: bones that a pose bends, and the flesh, or the metal, that goes round them."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -49,24 +50,13 @@ class Flesh:
         if measures.belly:
             parts.append(fuse(_belly(measures, bones), blend=0.05, ripple=coat))
         dressed = bool(rng.uniform() < self.skirt)
-        legs = [on_side(_leg(measures, limb), right) for right, limb in _sides(bones.legs)]
-        parts.append(fuse(*legs, blend=0.03, ripple=coat))
-        feet = [
-            on_side(one, right)
-            for right, limb in _sides(bones.legs)
-            for one in _foot(self.foot, measures, limb)
-        ]
-        parts.append(fuse(*feet, blend=0.012))
+        parts.append(fuse(*_each(bones.legs, partial(_leg, measures)), blend=0.03, ripple=coat))
+        parts.append(fuse(*_each(bones.legs, partial(_foot, self.foot, measures)), blend=0.012))
         if dressed and bones.legs[0].points[1, 0] - bones.legs[0].points[0, 0] < 0.3 * measures.leg:
             parts.append(fuse(_skirt(measures, bones), blend=0.006))
-        arms = [on_side(_arm(measures, limb), right) for right, limb in _sides(bones.arms)]
-        parts.append(fuse(*(arm.placed(bones.chest) for arm in arms), blend=0.022, ripple=coat))
-        hands = [
-            on_side(one, right)
-            for right, limb in _sides(bones.arms)
-            for one in _hand(self.hand, measures, limb)
-        ]
-        parts.append(fuse(*(shape.placed(bones.chest) for shape in hands), blend=0.010))
+        arms = fuse(*_each(bones.arms, partial(_arm, measures)), blend=0.022, ripple=coat)
+        hands = fuse(*_each(bones.arms, partial(_hand, self.hand, measures)), blend=0.010)
+        parts += carried([arms, hands], bones.chest)
         throat = bones.skull.place(np.array([0.08, 0.3, 0.0]) * measures.head)
         neck = tube([bones.chest.origin, bones.skull.origin, throat], self.neck)
         parts.append(fuse(neck, blend=0.045, ripple=coat))
@@ -97,15 +87,17 @@ class Robot:
             fuse(*(one.placed(chest) for one in _panel(depth, half, width, rng))),
             fuse(tube([chest.origin, bones.skull.place(np.array([0.0, 0.1, 0.0]) * measures.head)], 0.035)),
         ]
-        limbs: list[Shape] = []
-        for right, limb in _sides(bones.legs):
-            leg = [*_pipes(limb, measures.thigh, measures.calf, edge, boxy), *_boot(limb, measures, edge)]
-            limbs += [on_side(shape, right) for shape in leg]
-        for right, limb in _sides(bones.arms):
-            arm = [*_pipes(limb, measures.upper_arm, measures.forearm, edge, boxy), *_claw(limb, measures)]
-            arm.append(tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm))
-            limbs += [on_side(shape, right).placed(chest) for shape in arm]
-        parts.append(fuse(*limbs))
+
+        def leg(limb: Limb) -> list[Shape]:
+            return [*_pipes(limb, measures.thigh, measures.calf, edge, boxy), *_boot(limb, measures, edge)]
+
+        def arm(limb: Limb) -> list[Shape]:
+            shoulder = tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm)
+            bones = _pipes(limb, measures.upper_arm, measures.forearm, edge, boxy)
+            return [*bones, *_claw(limb, measures), shoulder]
+
+        arms = [shape.placed(chest) for shape in _each(bones.arms, arm)]
+        parts.append(fuse(*_each(bones.legs, leg), *arms))
         return parts + carried(robot_head(rng), bones.skull, measures.head)
 
 
@@ -136,9 +128,10 @@ class Biped(PosedPlan):
         return self.body.parts(measures, skeleton(measures, STANCES[pose](rng)), rng)
 
 
-def _sides(limbs: tuple[Limb, Limb]) -> Iterator[tuple[bool, Limb]]:
-    """Go over the right and the left limb, each with whether it is the right one."""
-    return zip((True, False), limbs, strict=True)
+def _each(limbs: tuple[Limb, Limb], shapes: Callable[[Limb], list[Shape]]) -> list[Shape]:
+    """Return what goes round the right limb, and the images of what goes round the left."""
+    sides = zip((True, False), limbs, strict=True)
+    return [on_side(shape, right) for right, limb in sides for shape in shapes(limb)]
 
 
 def _trunk(measures: Measures, bones: Skeleton) -> Sweep:
@@ -159,13 +152,13 @@ def _belly(measures: Measures, bones: Skeleton) -> Shape:
     return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size.tolist(), turn)
 
 
-def _leg(measures: Measures, limb: Limb) -> Shape:
+def _leg(measures: Measures, limb: Limb) -> list[Shape]:
     hip, knee, ankle = limb.points
     thigh, calf = measures.thigh, measures.calf
     shin = limb.end.origin - knee
     behind = np.cross([0.0, 0.0, 1.0], shin / np.linalg.norm(shin)) * -0.3 * calf
     rows = [hip, hip * 0.6 + knee * 0.4, knee, knee * 0.68 + ankle * 0.32 + behind, ankle]
-    return tube(rows, [1.12 * thigh, thigh, 0.5 * (thigh + calf) * 0.9, calf, 0.62 * calf])
+    return [tube(rows, [1.12 * thigh, thigh, 0.5 * (thigh + calf) * 0.9, calf, 0.62 * calf])]
 
 
 def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
@@ -182,13 +175,13 @@ def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
     return [sole.placed(limb.end), shank.placed(limb.end)]
 
 
-def _arm(measures: Measures, limb: Limb) -> Shape:
+def _arm(measures: Measures, limb: Limb) -> list[Shape]:
     shoulder, elbow, wrist = limb.points
     upper, fore = measures.upper_arm, measures.forearm
     inner = shoulder + np.array([0.0, -0.1 * upper, -0.6 * upper])
     rows = [inner, shoulder, shoulder * 0.55 + elbow * 0.45, elbow, elbow * 0.7 + wrist * 0.3, wrist]
     radii = [1.15 * upper, 1.2 * upper, upper, 0.55 * (upper + fore) * 0.82, fore, 0.68 * fore]
-    return tube(rows, radii)
+    return [tube(rows, radii)]
 
 
 def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
@@ -200,9 +193,8 @@ def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
     thumb = tube([[0.16, -0.22, 0.0], [0.33, -0.42, -0.05], [0.36, -0.58, -0.08]], [0.1, 0.095, 0.075])
     shapes: list[Shape] = [palm, thumb]
     if kind == "mitt":
-        shapes.append(
-            tube([[0.02, -0.45, 0], [0.03, -0.78, -0.05]], [flat, 0.8 * flat], [0.24, 0.17], (1, 0, 0))
-        )
+        fingers = [[0.02, -0.45, 0], [0.03, -0.78, -0.05]]
+        shapes.append(tube(fingers, [flat, 0.8 * flat], [0.24, 0.17], (1, 0, 0)))
     else:
         for at, far in ((-0.2, 0.86), (-0.07, 1.0), (0.06, 1.03), (0.19, 0.95)):
             knuckle, tip = [at * 0.85, -0.6, 0.0], [at * 1.35, -far, -0.12]
@@ -235,9 +227,7 @@ def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
     """Return what is on the breast: a plate, or knobs."""
     if rng.uniform() < 0.5:
         return [block((depth, -half), [0.014, 0.6 * half, 0.6 * width], 0.01)]
-    knobs = both(
-        tube([[depth - 0.01, -0.5 * half, 0.4 * width], [depth + 0.014, -0.5 * half, 0.4 * width]], 0.02)
-    )
+    knobs = both(tube([[x, -0.5 * half, 0.4 * width] for x in (depth - 0.01, depth + 0.014)], 0.02))
     return [*knobs, block((depth, -1.2 * half), [0.012, 0.3 * half, 0.6 * width], 0.01)]
 
 
@@ -247,10 +237,8 @@ def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> l
     shapes: list[Shape] = [ball(first, 1.15 * upper), ball(second, 1.12 * lower), ball(third, 0.9 * lower)]
     for start, end, radius in ((first, second, upper), (second, third, lower)):
         if boxy:
-            length = float(np.linalg.norm(end - start))
-            shapes.append(
-                block((start + end) / 2, [radius, 0.42 * length, radius], edge, _upright(start - end))
-            )
+            half = [radius, 0.42 * float(np.linalg.norm(end - start)), radius]
+            shapes.append(block((start + end) / 2, half, edge, _upright(start - end)))
             shapes.append(tube([start, end], 0.55 * radius))
         else:
             shapes.append(tube([start, end], 0.85 * radius))

@@ -185,7 +185,7 @@ def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: R
         points[:, 1] *= 0.25
         points[:, 0] += 0.5 * np.abs(up.y)
     points *= build["neck"]
-    points += body.place(np.array([[0.86, 0.02, 0.0]]))[0]
+    points += body.place([0.86, 0.02, 0.0])
     aside = float(np.clip(rng.normal(0, 0.35), -1, 1)) * kind.turn
     bent, _ = bend(points, 0.0, 0.4 * aside)
     radii = up.radius + share * (low.radius - up.radius)

@@ -1,10 +1,9 @@
 """From parts to a field, and from the field to a closed, centred mesh by marching cubes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import marching_cubes, mesh_surface_area
 
@@ -38,9 +37,9 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = _FACES) -> Mesh:
     of faces whether lean or fat. Normals are the gradient of the field, smoother than those of the faces.
     """
     field = _field(parts, _spacing(parts, count))
-    surface = marching_cubes(field, 0.0, allow_degenerate=False)
-    vertices, faces, normals, _ = surface
-    normals = _unit(-normals.astype(np.float64))  # scikit-image's run inwards where the outside is positive
+    vertices, faces, normals, _ = marching_cubes(field, 0.0, allow_degenerate=False)
+    normals = -normals.astype(np.float64)  # scikit-image's run inwards where the outside is positive
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     centred = unit_sphere(vertices.astype(np.float64))
     return Mesh(name, centred.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
 
@@ -63,7 +62,7 @@ def _spacing(parts: Sequence[Part], count: int) -> float:
 
 def _field(parts: Sequence[Part], spacing: float) -> Volume:
     """Return the field of the parts on a grid round them all, its voids and crumbs gone."""
-    fine = [_fine(part, _THINNEST * spacing) for part in parts]
+    fine = [part.thickened(_THINNEST * spacing) for part in parts]
     corners = [part.reach() for part in fine if not part.carve]
     # Blends swell the union by at most a sixth of their width: two cells more than the margin hold that.
     pad = (_MARGIN + 2) * spacing
@@ -106,16 +105,6 @@ def unit_sphere(points: Floats) -> Floats:
     offsets = points - centre
     scaled: Floats = offsets / np.sqrt(np.max(np.einsum("ij,ij->i", offsets, offsets)))
     return scaled
-
-
-def _fine(part: Part, thinnest: float) -> Part:
-    return replace(part, shapes=tuple(shape.thickened(thinnest) for shape in part.shapes))
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit: NDArray[np.float64] = vectors / np.maximum(lengths, 1e-12)
-    return unit
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,6 +62,10 @@ class Part:
         boxes = [shape.reach() for shape in self.shapes]
         return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
 
+    def thickened(self, thinnest: float) -> Self:
+        """Return it with no radius below ``thinnest``."""
+        return replace(self, shapes=tuple(shape.thickened(thinnest) for shape in self.shapes))
+
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
         """Return it scaled by ``size``, its blend too, and carried along with a frame."""
         shapes = tuple(shape.placed(frame, size) for shape in self.shapes)

@@ -21,7 +21,6 @@ __all__ = [
     "Rng",
     "around",
     "drawn_pose",
-    "factors",
     "proportions",
 ]
 
@@ -135,8 +134,3 @@ def proportions(
 def around(rng: Rng, spread: float, *usual: float) -> list[float]:
     """Draw a number about each usual one, off it by at most the part ``spread`` of itself."""
     return [value * rng.uniform(1 - spread, 1 + spread) for value in usual]
-
-
-def factors(rng: Rng, spread: float, *names: str) -> dict[str, float]:
-    """Draw a factor from ``1 - spread`` to ``1 + spread`` for each name."""
-    return proportions(dict.fromkeys(names, (1 - spread, 1 + spread)), {}, rng)

@@ -8,7 +8,7 @@ import numpy as np
 
 from normalgan.animals.frames import Floats, Frame, about, bend, pitch, spanned, way_along, yaw
 from normalgan.animals.parts import Part, ball, by, carried, fuse, in_space, on_side, pair, tube
-from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
+from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, around, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
 
@@ -113,9 +113,11 @@ class Turtle(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        build = factors(rng, 0.12, "dome", "wide", "clear", "neck", "head", "legs")
-        radii = np.array([0.50, self.dome * build["dome"], self.half_width * build["wide"]])
-        rim = 0.0 if self.flippers else self.clear * build["clear"]
+        dome, half_width, clear, neck, size, limbs = around(
+            rng, 0.12, self.dome, self.half_width, self.clear, self.neck, 1.0, 1.0
+        )
+        radii = np.array([0.50, dome, half_width])
+        rim = 0.0 if self.flippers else clear
         under = 0.28 if self.flippers else 0.34
         shell = [
             fuse(ball((0, rim), radii)),
@@ -128,7 +130,7 @@ class Turtle(PosedPlan):
         ]
         tail = tube([(-0.40, rim), (-0.52, rim - 0.03), (-0.62, rim - 0.07)], [0.06, 0.04, 0.012])
         parts = [*shell, fuse(tail, blend=0.03)]
-        out = self.neck * build["neck"] * {"hide": 0.35}.get(pose, 1.0)
+        out = neck * (0.35 if pose == "hide" else 1.0)
         stretch = in_space([(0.36, rim - 0.01), (0.48, rim + 0.01), (0.50 + out, rim + 0.10 * (out > 0.1))])
         aside = float(np.clip(rng.normal(0, 16), -35, 35))
         bent, _ = bend(stretch, rng.uniform(-10, 22), aside)
@@ -142,8 +144,8 @@ class Turtle(PosedPlan):
             pair(ball((0.085, 0.045, 0.074), 0.021)),
             pair(mouth, carve=True, blend=0.004),
         ]
-        parts += carried(face, head, 1.15 * build["head"])
-        return parts + (_flippers if self.flippers else _turtle_legs)(radii, rim, build["legs"], pose, rng)
+        parts += carried(face, head, 1.15 * size)
+        return parts + (_flippers if self.flippers else _turtle_legs)(radii, rim, limbs, pose, rng)
 
 
 @dataclass(frozen=True)
