@@ -1,5 +1,6 @@
 """Wings, folded and open, and the tail: feathers are flat sweeps, laid over one another like slates."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -66,7 +67,7 @@ def folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]:
 
     Args:
         wing: the wings.
-        body: the bird's.
+        body: what they lie on.
         factor: on their length.
         young: stubs without flight feathers.
     """
@@ -115,17 +116,14 @@ def opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng
     flap = rng.uniform(0.0, 16.0)
     feathers = _feathers(wing, span)
     # The hand is turned up against the arm a little more.
-    wrist = np.array([0.0, 0.0, 0.5 * span])
-    hand = about(wrist, roll(flap))
+    hand = about((0.0, 0.0, 0.5 * span), roll(flap))
     whole = about(shoulder, pitch(-0.55 * tilt if pose != "soar" else 0.0) @ roll(lift) @ yaw(-sweep))
-    arm = _arm(wing, span)
     outer = [feather.placed(hand) for feather in feathers[: wing.primaries]]
-    flight = fuse(*outer, *feathers[wing.primaries :])
-    placed = []
-    for part, blend in ((flight, 0.0), (arm, 0.02)):
-        right = [shape.placed(Frame(shoulder, np.eye(3))).placed(whole) for shape in part.shapes]
-        placed.append(pair(*right, blend=blend))
-    return placed
+
+    def placed(shapes: Sequence[Sweep], blend: float) -> Part:
+        return pair(*(each.placed(Frame(shoulder, np.eye(3))).placed(whole) for each in shapes), blend=blend)
+
+    return [placed([*outer, *feathers[wing.primaries :]], 0.0), placed(_arm(wing, span), 0.02)]
 
 
 def _bones(span: float) -> Floats:
@@ -133,14 +131,14 @@ def _bones(span: float) -> Floats:
     return span * np.array([[0, 0, 0], [-0.05, 0.012, 0.26], [0.075, 0.018, 0.50], [0.045, 0.01, 0.66]])
 
 
-def _arm(wing: Wing, span: float) -> Part:
+def _arm(wing: Wing, span: float) -> list[Sweep]:
     """Return the arm with the short feathers that cover it, thick before and thin behind."""
     bones = _bones(span)
     back = np.array([[-0.42], [-0.34], [-0.26], [-0.12]]) * wing.chord * [1.0, 0.0, 0.0]
     wide = np.array([0.50, 0.42, 0.34, 0.16]) * wing.chord
     cover = tube(bones + back * 0.8, list(wide), [0.050, 0.036, 0.028, 0.018], (0.0, 1.0, 0.0))
     bone = tube(bones, [0.075, 0.055, 0.045, 0.02], [0.06, 0.045, 0.035, 0.02], (0.0, 1.0, 0.0))
-    return fuse(cover, bone)
+    return [cover, bone]
 
 
 def _feathers(wing: Wing, span: float) -> list[Sweep]:
@@ -189,12 +187,8 @@ def tail_fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Par
         start = np.array([0.16, 0.03, 0.0])
         over = turn @ np.array([0.0, _STEP * (1 - abs(t)) * 2.0 + _STEP * (i % 2), 0.0])
         end = start + way * (tail.length * factor + 0.16 - half) * (1 - 0.08 * t * t) + over
-        feathers.append(
-            tube([start + over, end], [0.7 * half, half], _THIN, turn @ np.array([0.0, 1.0, 0.0]))
-        )
-    rump = tube(
-        [(0.22, 0.03, 0.0), pitch(-raised) @ np.array([-0.12, 0.0, 0.0]) + [0.05, 0.03, 0.0]],
-        [0.10, 0.04],
-        [0.11, 0.05],
-    )
+        upward = turn @ np.array([0.0, 1.0, 0.0])
+        feathers.append(tube([start + over, end], [0.7 * half, half], _THIN, upward))
+    rear = pitch(-raised) @ np.array([-0.12, 0.0, 0.0]) + [0.05, 0.03, 0.0]
+    rump = tube([np.array([0.22, 0.03, 0.0]), rear], [0.10, 0.04], [0.11, 0.05])
     return [fuse(*feathers, blend=0.01), fuse(rump, blend=0.08)]

@@ -25,11 +25,9 @@ def _comb(rng: Rng, _: float) -> list[Part]:
     edge = [(-0.42, 0.28), (-0.46, 0.60), (-0.28, 0.52), (-0.20, 0.80), (-0.06, 0.56), (0.06, 0.84),
             (0.18, 0.54), (0.32, 0.68), (0.40, 0.40), (0.30, 0.20)]  # fmt: skip
     outline = rounded([(x, 0.3 + (y - 0.3) * size) for x, y in edge], 1)
-    lobes = both(tube([(0.34, -0.22, 0.10), (0.36, -0.22 - 0.36 * size, 0.14)], [0.08, 0.13], 0.05))
-    return [
-        fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, rim=0.055), blend=0.03),
-        fuse(*lobes, blend=0.03),
-    ]
+    lobe = tube([(0.34, -0.22, 0.10), (0.36, -0.22 - 0.36 * size, 0.14)], [0.08, 0.13], 0.05)
+    crest = Plate(Frame(np.zeros(3), np.eye(3)), outline, rim=0.055)
+    return [fuse(crest, blend=0.03), pair(lobe, blend=0.03)]
 
 
 def _sickles(rng: Rng, factor: float) -> list[Part]:
@@ -39,16 +37,9 @@ def _sickles(rng: Rng, factor: float) -> list[Part]:
     arcs: list[Shape] = []
     for i in range(4):
         z, reach = 0.02 + 0.03 * i, factor * (1.25 - 0.14 * i)
-        arc = np.array(
-            [
-                (0.1, 0.1, z),
-                (-0.12, 0.42, z),
-                (-0.40, 0.60, 1.4 * z),
-                (-0.66, 0.52, 1.8 * z),
-                (-0.80, 0.26, 2 * z),
-            ]
-        )
-        arcs += both(tube(arc * [reach, reach, 1], [0.05, 0.065, 0.06, 0.05, 0.02], 0.018))
+        arc = np.array([(0.1, 0.1), (-0.12, 0.42), (-0.40, 0.60), (-0.66, 0.52), (-0.80, 0.26)]) * reach
+        aside = np.array([1.0, 1.0, 1.4, 1.8, 2.0]) * z
+        arcs += both(tube(np.column_stack([arc, aside]), [0.05, 0.065, 0.06, 0.05, 0.02], 0.018))
     return [fuse(*arcs, blend=0.01)]
 
 
@@ -58,12 +49,8 @@ def _tufts(rng: Rng, _: float) -> list[Part]:
              pair(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18), blend=0.05, carve=True),
              pair(tube([(0.30, 0.08, 0.18), (0.31, 0.08, 0.185)], 0.155))]  # fmt: skip
     if rng.uniform() < 0.6:
-        ears = tube(
-            [(0.16, 0.34, 0.22), (0.10, 0.52, 0.33), (0.02, 0.72, 0.42)],
-            [0.12, 0.09, 0.02],
-            [0.07, 0.05, 0.02],
-        )
-        parts.append(pair(ears, blend=0.06))
+        line = [(0.16, 0.34, 0.22), (0.10, 0.52, 0.33), (0.02, 0.72, 0.42)]
+        parts.append(pair(tube(line, [0.12, 0.09, 0.02], [0.07, 0.05, 0.02]), blend=0.06))
     return parts
 
 
@@ -75,12 +62,8 @@ def _plume(_: Rng, factor: float) -> list[Part]:
 
 def _brow(_: Rng, __: float) -> list[Part]:
     """Return the ridge over an eagle's eye."""
-    return [
-        pair(
-            tube([(-0.02, 0.21, 0.34), (0.20, 0.22, 0.31), (0.36, 0.15, 0.21)], [0.05, 0.06, 0.04]),
-            blend=0.06,
-        )
-    ]
+    ridge = tube([(-0.02, 0.21, 0.34), (0.20, 0.22, 0.31), (0.36, 0.15, 0.21)], [0.05, 0.06, 0.04])
+    return [pair(ridge, blend=0.06)]
 
 
 _FACES: Mapping[str, _Extra] = {"brow": _brow, "comb": _comb, "plume": _plume, "tufts": _tufts}
@@ -159,19 +142,18 @@ class Bird(PosedPlan):
         parts += _head(self, build, head, rng, young)
         out = pose in {"soar", "spread", "land"}
         tail = self.tail
-        touching = (
-            2.2 * tail.half_width * (tail.feathers - 1) / (tail.length + 0.16)
-        )  # the ends of an open fan
         widest = {"soar": 40.0, "spread": 46.0, "land": 60.0}
+        # So that the ends of an open fan touch.
+        touching = 2.2 * tail.half_width * (tail.feathers - 1) / (tail.length + 0.16)
         spread = min(widest[pose], float(np.rad2deg(touching))) if out else tail.closed
-        fan = tail_fan(self.tail, build["tail"], spread * rng.uniform(0.8, 1.2), rng.normal(0, 5))
-        parts += carried(fan, body)
+        feathers = tail_fan(tail, build["tail"], spread * rng.uniform(0.8, 1.2), rng.normal(0, 5))
         if self.train is not None and not young:
-            parts += carried(_TRAINS[self.train](rng, build["tail"]), body)
+            feathers += _TRAINS[self.train](rng, build["tail"])
         if out:
-            parts += carried(opened(self.wing, rows, build["wing"], pose, tilt, rng), body)
+            feathers += opened(self.wing, rows, build["wing"], pose, tilt, rng)
         else:
-            parts += carried(folded(self.wing, rows, build["wing"], young), body)
+            feathers += folded(self.wing, rows, build["wing"], young)
+        parts += carried(feathers, body)
         if pose != "swim":
             parts += self.leg.grow(build["legs"], pose, body, rng)
         return parts

@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.animals.frames import Floats, spanned
 from normalgan.animals.parts import Part, ball, fuse, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
-from normalgan.animals.shapes import Plate, Sweep, rounded
+from normalgan.animals.shapes import MIRROR, Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.errors import InputError
 
@@ -191,42 +191,39 @@ def _spines(body: Profile, count: int, spine: Spine) -> list[Sweep]:
     return spines
 
 
+# From top to bottom of the right side, in the fish's length along it and across, in a slit's height upward.
+_SLIT = np.array([(0.010, 0.5, -0.012), (-0.004, 0.0, 0.0), (0.010, -0.5, -0.012)])
+_LID = np.array([(0.05, 0.50, -0.022), (0.012, 0.34, -0.008), (0.0, 0.0, 0.0), (0.02, -0.36, -0.012),
+                 (0.07, -0.55, -0.03)])  # fmt: skip
+
+
 def _grooves(kind: Fish, spine: Spine, stretch: Floats) -> list[Part]:
     """Return mouth and gills, to dig."""
     gills = kind.gills
     height = gills.height
-    lines = [tube(spine.place(half), 0.008) for half in _halves(np.array(kind.mouth) * stretch)]
+
+    def grooves(line: Floats, radius: float) -> list[Sweep]:
+        return [tube(spine.place(half), radius) for half in _halves(line)]
+
+    lines = grooves(np.array(kind.mouth) * stretch, 0.008)
     slits = []
     for i in range(gills.slits):
         at = np.array([gills.x - 0.022 * i, gills.y, gills.z]) * stretch
-        curve = np.array([[0.010, 0.5, -0.012], [-0.004, 0.0, 0.0], [0.010, -0.5, -0.012]])
-        slit = at + curve * [1, height, 1]
-        slits += [tube(spine.place(half), 0.007) for half in _halves(slit)]
+        slits += grooves(at + _SLIT * [1, height, 1], 0.007)
     if gills.lid:
-        at = np.array([gills.x, gills.y, gills.z]) * stretch
-        curve = np.array([[0.05, 0.50, -0.022], [0.012, 0.34, -0.008], [0.0, 0.0, 0.0], [0.02, -0.36, -0.012],
-                          [0.07, -0.55, -0.03]])  # fmt: skip
-        slits += [tube(spine.place(half), 0.009) for half in _halves(at + curve * [1, height, 1])]
+        slits += grooves(np.array([gills.x, gills.y, gills.z]) * stretch + _LID * [1, height, 1], 0.009)
     parts = [fuse(*lines, blend=0.006, carve=True)]
     return [*parts, fuse(*slits, blend=0.006, carve=True)] if slits else parts
 
 
 def _halves(points: Floats) -> tuple[Floats, Floats]:
-    return points, points * np.array([1.0, 1.0, -1.0])
+    return points, points * MIRROR
 
 
 def _plates(
     fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0
 ) -> list[Plate]:
-    """Return the plates of a fin.
-
-    Args:
-        fin: the fin.
-        spine: of the fish it grows on.
-        factor: on its height.
-        flare: degrees added to the spread of a pair.
-        flap: degrees added to its droop.
-    """
+    """Return the plates of a fin, ``factor`` as high; ``flare`` and ``flap`` turn a pair, in degrees."""
     corners = np.array(fin.outline)
     times = 1 if fin.sharp else 2
     if fin.root is None:

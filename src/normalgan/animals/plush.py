@@ -41,13 +41,9 @@ class _Toy:
 
 
 def _sewn(toy: _Toy, features: list[Part], pose: str, rng: Rng) -> list[Part]:
-    """Return the toy in a pose, its head with its features on top.
+    """Return the toy in a pose, its head on top; the unit of its features is half the height of the head.
 
-    Args:
-        toy: its sizes; an individual's differ.
-        features: parts of the face, the unit being half the height of the head.
-        pose: sit, stand, hug or cheer; the last two sit or stand.
-        rng: for the sizes and how it sits.
+    It hugs and cheers either sitting or standing.
     """
     stout, tall, size, limbs, long = around(rng, 0.12, 1.0, 1.0, toy.head, 1.0, 1.0)
     belly = np.array(toy.belly) * [stout, tall, stout]

@@ -474,15 +474,7 @@ def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Floats:
 
 
 def _leg(limb: Limb, build: _Build, angles: tuple[float, ...], stance: bool, body: Frame) -> Sweep:
-    """Return the right leg of a pair.
-
-    Args:
-        limb: the pair of legs of which it is one.
-        build: the individual.
-        angles: of its four joints, degrees from rest.
-        stance: stretch or shorten it so that its sole is on the ground.
-        body: where the torso is.
-    """
+    """Return a right leg; one that stands is stretched or shortened so that its sole is on the ground."""
     rows = limb.template.stations
     points = _hang(limb, build, angles)
     root = body.place([limb.x * build["length"], limb.y, limb.z * build["girth"]])
@@ -527,16 +519,7 @@ def _skull(head: Head, muzzle: float) -> Sweep:
 def _ornament(
     item: Ornament, size: float, build: _Build, frame: Frame, rng: Rng, muzzle: float = 1.0
 ) -> Part:
-    """Return an ornament, both sides of it if mirrored.
-
-    Args:
-        item: what it is.
-        size: the unit of its rows.
-        build: the individual.
-        frame: what it grows on.
-        rng: for its swivel, drawn once a side.
-        muzzle: how much the face is stretched; 1 on the body.
-    """
+    """Return an ornament, or a pair; its unit is ``size``, and ``muzzle`` stretches the face below it."""
     points, radii, widths = item.stations.points, item.stations.radius * size, item.stations.widths * size
     factor = 1.0 if item.scale is None else build[item.scale]
     pivot = points[0] if item.pivot is None else np.array(item.pivot)
@@ -557,11 +540,7 @@ def _on_skull(head: Head, x: float, degrees: float) -> Floats:
 
     The skull is the union of ellipsoids about all stations, so where it tapers steeply its surface lies
     outside the nearest station's section: the ray from the axis is cut with every ellipsoid near.
-
-    Args:
-        head: the head.
-        x: where along it.
-        degrees: 0 to the side, 90 to the crown, -90 under the jaw.
+    Degrees are 0 to the side, 90 to the crown, -90 under the jaw.
     """
     skull, count = head.skull, len(head.skull.x)
     at, top, bottom, widths = (

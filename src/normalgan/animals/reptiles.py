@@ -74,13 +74,14 @@ class Crawler(PosedPlan):
         head = Frame(at.place([0.0, self.neck[1], 0.0]), at.rotation @ yaw(turn) @ pitch(lift))
         gape = rng.uniform(20, 32) if pose == "gape" else rng.uniform(1, 4)
         parts += carried(_crawler_head(self, gape), head, self.head * build["head"])
-        for number, root in enumerate((self.shoulder, self.hip)):
+        for root, ahead in ((self.shoulder, 1), (self.hip, -1)):
             for sign in (1.0, -1.0):
                 swing = rng.normal(0, 6)
                 if pose == "crawl":  # diagonal legs go together
-                    swing += 26.0 * sign * (1 if number == 0 else -1) * rng.uniform(0.6, 1.0)
+                    swing += 26.0 * sign * ahead * rng.uniform(0.6, 1.0)
+                leg = _crawler_leg(root, self.reach * build["legs"], self.thick, ahead, swing)
                 parts.append(
-                    _crawler_leg(self, np.array(root), sign, number == 0, swing, build["legs"], spine)
+                    fuse(*(on_side(one, sign > 0).placed(spine.frame(root[0])) for one in leg), blend=0.05)
                 )
         if self.crest:
             parts.append(fuse(*_crest(rows, self.crest * build["crest"], spine), blend=0.015))
@@ -176,14 +177,13 @@ class Snake(PosedPlan):
         if self.hooded and pose == "rear":
             parts.append(fuse(_hood(line, fat, yaw(heading)[:, 2], rng), blend=0.03))
         eyes = ball((0.36, 0.20, 0.37), 0.115)
-        mouth = tube(
-            [(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)], 0.035
-        )
+        lips = [(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)]
         pits = tube([(0.95, 0.02, 0.14), (0.85, 0.05, 0.18)], 0.045)
         face = [
-            fuse(_SNAKE_HEAD.sweep(), blend=0.4), pair(eyes),
-            pair(mouth, pits, carve=True, blend=0.02),
-        ]  # fmt: skip
+            fuse(_SNAKE_HEAD.sweep(), blend=0.4),
+            pair(eyes),
+            pair(tube(lips, 0.035), pits, carve=True, blend=0.02),
+        ]
         return parts + carried(face, head, 1.75 * fat * rng.uniform(0.9, 1.2))
 
 
@@ -212,26 +212,26 @@ def _crawler_head(kind: Crawler, gape: float) -> list[Part]:
     ]
 
 
-def _crawler_leg(
-    kind: Crawler, root: Floats, sign: float, fore: bool, swing: float, factor: float, spine: Spine
-) -> Part:
-    """Return a leg: out from the flank, down from the elbow or knee, the foot flat on the ground."""
-    x, y, z = root
-    reach, r = kind.reach * factor, kind.thick
-    back = -1.0 if fore else 1.0  # elbows point backwards, knees forwards
-    ground = -r * 0.4
-    elbow = [0.22 * back * reach, y + 0.10 * reach, z + 0.44 * reach]
-    foot = [0.06 * reach, ground + 0.5 * r, z + 0.66 * reach]
+def _crawler_leg(root: Point, reach: float, thick: float, ahead: int, swing: float) -> list[Sweep]:
+    """Return a right leg: out from the flank, down from the elbow or knee, the foot flat on the ground.
+
+    Elbows point backwards, knees forwards: ``ahead`` is 1 for a foreleg, -1 for a hind leg.
+    """
+    _, y, z = root
+    ground = -thick * 0.4
+    elbow = [0.22 * -ahead * reach, y + 0.10 * reach, z + 0.44 * reach]
+    foot = [0.06 * reach, ground + 0.5 * thick, z + 0.66 * reach]
     joint, foot = about((0.0, 0.0, z), yaw(swing)).place([elbow, foot])
-    parts = [tube([(0, y, 0.7 * z), (0, y, z), joint, foot], [1.35 * r, 1.3 * r, 0.95 * r, 0.72 * r])]
+    bones = [(0, y, 0.7 * z), (0, y, z), joint, foot]
+    parts = [tube(bones, np.array([1.35, 1.3, 0.95, 0.72]) * thick)]
     for spread in (-58.0, -28.0, 0.0, 26.0, 52.0):
         length = (0.30 if abs(spread) < 40 else 0.22) * reach
         way = yaw(swing - 38.0 + spread) @ np.array([length, 0.0, 0.0])
         tip = foot + way
-        middle = foot + 0.55 * way + [0.0, 0.25 * r, 0.0]
-        tip[1], middle[1] = ground + 0.1 * r, max(middle[1], ground + 0.4 * r)
-        parts.append(tube([foot, middle, tip], [0.55 * r, 0.42 * r, 0.22 * r]))
-    return fuse(*(on_side(one, sign > 0).placed(spine.frame(x)) for one in parts), blend=0.05)
+        middle = foot + 0.55 * way + [0.0, 0.25 * thick, 0.0]
+        tip[1], middle[1] = ground + 0.1 * thick, max(middle[1], ground + 0.4 * thick)
+        parts.append(tube([foot, middle, tip], [0.55 * thick, 0.42 * thick, 0.22 * thick]))
+    return parts
 
 
 def _crest(rows: Profile, height: float, spine: Spine) -> list[Sweep]:

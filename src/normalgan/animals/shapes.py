@@ -273,7 +273,6 @@ class Ellipsoid(Solid):
     """An ellipsoid.
 
     Args:
-        frame: its middle and its own axes.
         radii: (3,) along these.
     """
 
@@ -313,7 +312,6 @@ class Box(Solid):
     """A box with rounded edges.
 
     Args:
-        frame: its middle and its own axes.
         half: (3,) half its lengths along these, rounding included.
         rounding: radius of its edges, at most the least of ``half``.
     """
@@ -354,7 +352,6 @@ class Ring(Solid):
     """A torus about its own second axis.
 
     Args:
-        frame: its middle and its own axes.
         major: radius of the circle in its middle.
         minor: radius of its section.
     """

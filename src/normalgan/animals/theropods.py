@@ -86,16 +86,15 @@ class Theropod(PosedPlan):
         points = whole.place(points[0] + (points - points[0]) * build["neck"])
         aside = float(np.clip(rng.normal(0, 13), -30, 30))
         bent, _ = bend(points, rng.uniform(-8, 8) + (10.0 if pose == "roar" else -0.3 * tilt), aside)
-        parts.append(
-            fuse(tube(bent, self.neck.radius * np.linspace(1, build["head"], len(bent))), blend=0.15)
-        )
+        radii = self.neck.radius * np.linspace(1, build["head"], len(bent))
+        parts.append(fuse(tube(bent, radii), blend=0.15))
         nod = rng.uniform(-14, 2) + (16.0 if pose == "roar" else 0.0)
         head = Frame(bent[-1], yaw(1.4 * aside) @ pitch(nod))
         gape = float(rng.uniform(24, 36) if pose == "roar" else rng.choice([4.0, 6.0, 18.0]))
         parts += carried(_head(self, gape), head, self.length * build["head"])
-        parts += carried(_arms(self, build["arm"], rng), whole)
-        if self.sail:
-            parts += carried(_sail(torso, self.sail * build["sail"]), whole)
+        arms = _arms(self, build["arm"], rng)
+        sail = [_sail(torso, self.sail * build["sail"])] if self.sail else []
+        parts += carried([*arms, *sail], whole)
         stride = "walk" if pose == "run" else "stand" if pose == "roar" else pose
         return parts + self.leg.grow(build["legs"], stride, whole, rng)
 
@@ -106,9 +105,8 @@ def _tail(rows: Profile, tilt: float, rng: Rng) -> Sweep:
     sway = rng.normal(0, 32) * behind + rng.normal(0, 24) * np.sin(2 * np.pi * behind)
     spine = Spine(xs, sway - sway[-1])
     # The root is turned with the trunk, the rest stays level or is carried a little high.
-    drop = np.tan(np.deg2rad(tilt)) * np.maximum(rows.x, -0.35) + rng.uniform(-0.1, 0.22) * (
-        np.minimum(rows.x + 0.5, 0) ** 2
-    )
+    drop = np.tan(np.deg2rad(tilt)) * np.maximum(rows.x, -0.35)
+    drop = drop + rng.uniform(-0.1, 0.22) * np.minimum(rows.x + 0.5, 0) ** 2
     sweep = spine.sweep(replace(rows, top=rows.top + drop, bottom=rows.bottom + drop))
     root = spine.frame(0.0).origin
     return replace(sweep, points=sweep.points - root)
@@ -147,12 +145,12 @@ def _arms(kind: Theropod, factor: float, rng: Rng) -> list[Part]:
     return parts
 
 
-def _sail(torso: Profile, height: float) -> list[Part]:
+def _sail(torso: Profile, height: float) -> Part:
     start, end = float(torso.x[0]), float(torso.x[-1])
     base = float(torso.top.min()) - 0.05
     share = np.linspace(0, 1, 9)
-    arch = zip(
-        start + (end - start) * share, base + 0.12 + height * np.sin(np.pi * share) ** 0.7, strict=True
+    arch = np.column_stack(
+        [start + (end - start) * share, base + 0.12 + height * np.sin(np.pi * share) ** 0.7]
     )
     outline = rounded([(start, base), *arch, (end, base)], 1)
-    return [fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, 0.018, 0.06, 0.05), blend=0.06)]
+    return fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, 0.018, 0.06, 0.05), blend=0.06)
