@@ -4,11 +4,9 @@ from scipy.spatial import cKDTree
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import Animal
-from normalgan.animals.blobs import BLOBS
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball
 from normalgan.animals.meshing import to_mesh
-from normalgan.animals.objects import turned
+from normalgan.animals.objects import BLOBS, turned
+from normalgan.animals.parts import Part, ball
 
 
 @pytest.mark.parametrize("species", BLOBS)
@@ -45,7 +43,7 @@ def test_a_turned_vessel_is_open_and_as_thick_as_its_wall() -> None:
 
 
 def test_hollow_and_nested_bodies_get_the_faces_asked_for() -> None:
-    nested = [Part((), 0.0, solids=tuple(ball([0.1 * i, 0, 0], 1.0) for i in range(6)))]
+    nested = [Part(tuple(ball([0.1 * i, 0, 0], 1.0) for i in range(6)), 0.0)]
     for parts in (turned([0.0, 0.05, 0.5, 1.0], [0.3, 0.3, 0.3, 0.3], 0.06), nested):
         assert 14_000 <= len(to_mesh("body", parts, 20_000).faces) <= 26_000
 

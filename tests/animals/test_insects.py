@@ -4,7 +4,7 @@ from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, c
 
 from normalgan.animals import Animal
 from normalgan.animals.insects import INSECTS, LegRow, legs, wing
-from normalgan.animals.solids import Plate
+from normalgan.animals.shapes import Plate, Sweep
 
 
 @pytest.mark.parametrize("species", INSECTS)
@@ -36,7 +36,7 @@ def test_legs_reach_their_ground_and_lift_in_a_walk() -> None:
     rows = [LegRow(x, z=0.1, azimuth=90 - 225 * x, reach=0.4) for x in (0.2, 0.0, -0.2)]
     for pose, lifted in (("stand", 0), ("walk", 3)):
         part = legs(rows, pose, np.random.default_rng(0), 0.3, 0.03)
-        toes = np.array([sweep.points[-1, 1] for sweep in part.sweeps])
+        toes = np.array([leg.points[-1, 1] for leg in part.shapes if isinstance(leg, Sweep)])
         assert len(toes) == 6
         assert np.sum(toes > -0.3 + 1e-9) == lifted
         np.testing.assert_allclose(toes.min(), -0.3)

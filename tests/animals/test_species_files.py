@@ -11,7 +11,7 @@ import pytest
 from normalgan.animals import GROUPS, SPECIES, read_species
 from normalgan.animals.meshing import to_mesh
 from normalgan.animals.quadruped import Quadruped
-from normalgan.animals.species_files import FOLDER, PLANS, SHARED
+from normalgan.animals.species import FOLDER, PLANS, SHARED
 from normalgan.errors import InputError
 
 HORSE = (FOLDER / "quadrupeds" / "horse.toml").read_text(encoding="utf-8")

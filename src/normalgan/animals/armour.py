@@ -5,16 +5,14 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import fuse, tube
-from normalgan.animals.frames import Frame, spanned
+from normalgan.animals.frames import Floats, Frame, spanned, way_along
+from normalgan.animals.parts import Part, fuse, tube
 from normalgan.animals.plan import Between, Rng
-from normalgan.animals.solids import Plate, rounded
-from normalgan.animals.sweep import Floats, Sweep, smoothed, way_along
+from normalgan.animals.shapes import Plate, Sweep, rounded
 
-__all__ = ["LEAF", "Armour", "back"]
+__all__ = ["Armour"]
 
-LEAF = ((-0.42, -0.15), (-0.50, 0.30), (-0.26, 0.72), (0.02, 1.0), (0.26, 0.70), (0.50, 0.28), (0.40, -0.15))
+_LEAF = ((-0.42, -0.15), (-0.50, 0.30), (-0.26, 0.72), (0.02, 1.0), (0.26, 0.70), (0.50, 0.28), (0.40, -0.15))
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class Armour:
         parts = []
         size = self.height * rng.uniform(0.85, 1.2)
         if self.plates:
-            parts += _rows(back(neck, torso, tail), self.plates, size)
+            parts += _rows(_back(neck, torso, tail), self.plates, size)
         if self.spikes:
             parts.append(fuse(*_spikes(tail, self.spikes, size), blend=0.03))
         if self.frill:
@@ -46,9 +44,9 @@ class Armour:
         return parts
 
 
-def back(neck: Sweep, torso: Sweep, tail: Sweep) -> Floats:
+def _back(neck: Sweep, torso: Sweep, tail: Sweep) -> Floats:
     """Return the line of the back from behind the head to the tip of the tail, (n, 3)."""
-    fine = [smoothed(each, 8) for each in (neck, torso, tail)]
+    fine = [each.smoothed(8) for each in (neck, torso, tail)]
     tops = [each.points + np.outer(each.radii, [0.0, 1.0, 0.0]) for each in fine]
     ahead = tops[0][tops[0][:, 0] > tops[1][-1, 0]][::-1]
     behind = tops[2][tops[2][:, 0] < tops[1][0, 0]]
@@ -74,11 +72,11 @@ def _plate(line: Floats, share: float, tall: float, side: float) -> Plate:
     )
     ahead = (before - after) / np.linalg.norm(before - after)
     frame = spanned(at + np.array([0.0, 0.0, 0.035 * side]), ahead, np.array([0.0, 1.0, 0.30 * side]))
-    return Plate(frame, rounded(LEAF, 1) * tall * [0.92, 1.0], 0.012, 0.12, 0.035)
+    return Plate(frame, rounded(_LEAF, 1) * tall * [0.92, 1.0], 0.012, 0.12, 0.035)
 
 
 def _spikes(tail: Sweep, pairs: int, size: float) -> list[Sweep]:
-    fine = smoothed(tail, 8)
+    fine = tail.smoothed(8)
     spikes: list[Sweep] = []
     for i in range(pairs):
         at = len(fine.points) - 3 - 4 * i

@@ -1,7 +1,8 @@
 """The bipeds' body plan: bones that a pose bends, and the flesh, or the metal, that goes round them."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -9,15 +10,14 @@ import numpy as np
 from normalgan.animals.bipeds_bones import STANCES, Limb, Measures, Skeleton, skeleton, vary
 from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import Shape, ball, block, both, carried, fuse, moved, on_side, tube
-from normalgan.animals.frames import Frame
+from normalgan.animals.frames import Floats, Frame
+from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
 from normalgan.animals.plan import Between, PosedPlan, Rng
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.shapes import Shape, Sweep
 
-__all__ = ["FLAT_HAND", "Biped", "Flesh", "Robot", "trunk"]
+__all__ = ["Biped", "Flesh", "Robot"]
 
-FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
+_FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
 
 
 @dataclass(frozen=True)
@@ -46,28 +46,17 @@ class Flesh:
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
         """Return the parts in the order in which they blend."""
         coat = self.coat
-        parts = [fuse(trunk(measures, bones), ripple=coat)]
+        parts = [fuse(_trunk(measures, bones), ripple=coat)]
         if measures.belly:
             parts.append(fuse(_belly(measures, bones), blend=0.05, ripple=coat))
         dressed = bool(rng.uniform() < self.skirt)
-        legs = [on_side(_leg(measures, limb), right) for right, limb in _sides(bones.legs)]
-        parts.append(fuse(*legs, blend=0.03, ripple=coat))
-        feet = [
-            on_side(one, right)
-            for right, limb in _sides(bones.legs)
-            for one in _foot(self.foot, measures, limb)
-        ]
-        parts.append(fuse(*feet, blend=0.012))
+        parts.append(fuse(*_each(bones.legs, partial(_leg, measures)), blend=0.03, ripple=coat))
+        parts.append(fuse(*_each(bones.legs, partial(_foot, self.foot, measures)), blend=0.012))
         if dressed and bones.legs[0].points[1, 0] - bones.legs[0].points[0, 0] < 0.3 * measures.leg:
             parts.append(fuse(_skirt(measures, bones), blend=0.006))
-        arms = [on_side(_arm(measures, limb), right) for right, limb in _sides(bones.arms)]
-        parts.append(fuse(*(moved(arm, bones.chest) for arm in arms), blend=0.022, ripple=coat))
-        hands = [
-            on_side(one, right)
-            for right, limb in _sides(bones.arms)
-            for one in _hand(self.hand, measures, limb)
-        ]
-        parts.append(fuse(*(moved(shape, bones.chest) for shape in hands), blend=0.010))
+        arms = fuse(*_each(bones.arms, partial(_arm, measures)), blend=0.022, ripple=coat)
+        hands = fuse(*_each(bones.arms, partial(_hand, self.hand, measures)), blend=0.010)
+        parts += carried([arms, hands], bones.chest)
         throat = bones.skull.place(np.array([0.08, 0.3, 0.0]) * measures.head)
         neck = tube([bones.chest.origin, bones.skull.origin, throat], self.neck)
         parts.append(fuse(neck, blend=0.045, ripple=coat))
@@ -95,18 +84,20 @@ class Robot:
             fuse(block(middle, [depth, 1.25 * half, width], edge, chest.rotation)),
             fuse(block(bones.spine[1], [measures.pelvis.half_depth, 0.04, measures.pelvis.half_width], edge)),
             fuse(tube([bones.spine[1], bones.spine[2], middle], 0.7 * measures.waist.half_depth)),
-            fuse(*(moved(one, chest) for one in _panel(depth, half, width, rng))),
+            fuse(*(one.placed(chest) for one in _panel(depth, half, width, rng))),
             fuse(tube([chest.origin, bones.skull.place(np.array([0.0, 0.1, 0.0]) * measures.head)], 0.035)),
         ]
-        limbs: list[Shape] = []
-        for right, limb in _sides(bones.legs):
-            leg = [*_pipes(limb, measures.thigh, measures.calf, edge, boxy), *_boot(limb, measures, edge)]
-            limbs += [on_side(shape, right) for shape in leg]
-        for right, limb in _sides(bones.arms):
-            arm = [*_pipes(limb, measures.upper_arm, measures.forearm, edge, boxy), *_claw(limb, measures)]
-            arm.append(tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm))
-            limbs += [moved(on_side(shape, right), chest) for shape in arm]
-        parts.append(fuse(*limbs))
+
+        def leg(limb: Limb) -> list[Shape]:
+            return [*_pipes(limb, measures.thigh, measures.calf, edge, boxy), *_boot(limb, measures, edge)]
+
+        def arm(limb: Limb) -> list[Shape]:
+            shoulder = tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm)
+            bones = _pipes(limb, measures.upper_arm, measures.forearm, edge, boxy)
+            return [*bones, *_claw(limb, measures), shoulder]
+
+        arms = [shape.placed(chest) for shape in _each(bones.arms, arm)]
+        parts.append(fuse(*_each(bones.legs, leg), *arms))
         return parts + carried(robot_head(rng), bones.skull, measures.head)
 
 
@@ -137,12 +128,13 @@ class Biped(PosedPlan):
         return self.body.parts(measures, skeleton(measures, STANCES[pose](rng)), rng)
 
 
-def _sides(limbs: tuple[Limb, Limb]) -> Iterator[tuple[bool, Limb]]:
-    """Go over the right and the left limb, each with whether it is the right one."""
-    return zip((True, False), limbs, strict=True)
+def _each(limbs: tuple[Limb, Limb], shapes: Callable[[Limb], list[Shape]]) -> list[Shape]:
+    """Return what goes round the right limb, and the images of what goes round the left."""
+    sides = zip((True, False), limbs, strict=True)
+    return [on_side(shape, right) for right, limb in sides for shape in shapes(limb)]
 
 
-def trunk(measures: Measures, bones: Skeleton) -> Sweep:
+def _trunk(measures: Measures, bones: Skeleton) -> Sweep:
     """Return the trunk, from the crotch to the base of the neck."""
     pelvis, waist, chest = (
         np.array([girth.half_depth, girth.half_width])
@@ -160,13 +152,13 @@ def _belly(measures: Measures, bones: Skeleton) -> Shape:
     return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size.tolist(), turn)
 
 
-def _leg(measures: Measures, limb: Limb) -> Shape:
+def _leg(measures: Measures, limb: Limb) -> list[Shape]:
     hip, knee, ankle = limb.points
     thigh, calf = measures.thigh, measures.calf
     shin = limb.end.origin - knee
     behind = np.cross([0.0, 0.0, 1.0], shin / np.linalg.norm(shin)) * -0.3 * calf
     rows = [hip, hip * 0.6 + knee * 0.4, knee, knee * 0.68 + ankle * 0.32 + behind, ankle]
-    return tube(rows, [1.12 * thigh, thigh, 0.5 * (thigh + calf) * 0.9, calf, 0.62 * calf])
+    return [tube(rows, [1.12 * thigh, thigh, 0.5 * (thigh + calf) * 0.9, calf, 0.62 * calf])]
 
 
 def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
@@ -179,37 +171,36 @@ def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
         rows = [[-0.20, -0.16, 0], [0.10, -0.14, 0], [0.42, -0.20, 0.01], [0.66, -0.23, 0.02]]
         thick, wide = [0.17, 0.19, 0.145, 0.11], [0.17, 0.18, 0.20, 0.16]
     sole = tube(np.array(rows) * size, np.array(thick) * size, np.array(wide) * size)
-    shank = tube([[0.0, low, 0.0], [0.0, -0.3 * low, 0.0]], 0.62 * measures.calf)
-    return [moved(sole, limb.end), moved(shank, limb.end)]
+    shank = tube([(0.0, low), (0.0, -0.3 * low)], 0.62 * measures.calf)
+    return [sole.placed(limb.end), shank.placed(limb.end)]
 
 
-def _arm(measures: Measures, limb: Limb) -> Shape:
+def _arm(measures: Measures, limb: Limb) -> list[Shape]:
     shoulder, elbow, wrist = limb.points
     upper, fore = measures.upper_arm, measures.forearm
     inner = shoulder + np.array([0.0, -0.1 * upper, -0.6 * upper])
     rows = [inner, shoulder, shoulder * 0.55 + elbow * 0.45, elbow, elbow * 0.7 + wrist * 0.3, wrist]
     radii = [1.15 * upper, 1.2 * upper, upper, 0.55 * (upper + fore) * 0.82, fore, 0.68 * fore]
-    return tube(rows, radii)
+    return [tube(rows, radii)]
 
 
 def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
     """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
-    size, flat = measures.hand, FLAT_HAND
+    size, flat = measures.hand, _FLAT_HAND
     if kind == "paw":
-        return [moved(ball([0.05 * size, -0.32 * size, 0.0], np.array([0.4, 0.5, 0.34]) * size), limb.end)]
-    palm = ball([0.02, -0.38, 0.0], [0.26, 0.44, flat])
+        return [ball((0.05 * size, -0.32 * size), np.array([0.4, 0.5, 0.34]) * size).placed(limb.end)]
+    palm = ball((0.02, -0.38), [0.26, 0.44, flat])
     thumb = tube([[0.16, -0.22, 0.0], [0.33, -0.42, -0.05], [0.36, -0.58, -0.08]], [0.1, 0.095, 0.075])
     shapes: list[Shape] = [palm, thumb]
     if kind == "mitt":
-        shapes.append(
-            tube([[0.02, -0.45, 0], [0.03, -0.78, -0.05]], [flat, 0.8 * flat], [0.24, 0.17], (1, 0, 0))
-        )
+        fingers = [[0.02, -0.45, 0], [0.03, -0.78, -0.05]]
+        shapes.append(tube(fingers, [flat, 0.8 * flat], [0.24, 0.17], (1, 0, 0)))
     else:
         for at, far in ((-0.2, 0.86), (-0.07, 1.0), (0.06, 1.03), (0.19, 0.95)):
             knuckle, tip = [at * 0.85, -0.6, 0.0], [at * 1.35, -far, -0.12]
             middle = [at * 1.1, -0.5 * (0.6 + far), -0.02]
             shapes.append(tube([knuckle, middle, tip], [0.085, 0.08, 0.065]))
-    return [moved(shape, limb.end, size) for shape in shapes]
+    return [shape.placed(limb.end, size) for shape in shapes]
 
 
 def _skirt(measures: Measures, bones: Skeleton) -> Shape:
@@ -229,17 +220,15 @@ def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
     rows = np.array([[0, 0, 0], [-0.25, -0.08, 0.1], [-0.55, 0.0, 0.4], [-0.72, 0.5, 0.7], [-0.6, 0.95, 1.0]])
     rows = rows * [1.0, lift, aside] * length
     start = Frame(bones.spine[1] + np.array([-0.04, 0.0, 0.0]), np.eye(3))
-    return moved(tube(rows, [0.026, 0.022, 0.019, 0.017, 0.016]), start)
+    return tube(rows, [0.026, 0.022, 0.019, 0.017, 0.016]).placed(start)
 
 
 def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
     """Return what is on the breast: a plate, or knobs."""
     if rng.uniform() < 0.5:
-        return [block([depth, -half, 0], [0.014, 0.6 * half, 0.6 * width], 0.01)]
-    knobs = both(
-        tube([[depth - 0.01, -0.5 * half, 0.4 * width], [depth + 0.014, -0.5 * half, 0.4 * width]], 0.02)
-    )
-    return [*knobs, block([depth, -1.2 * half, 0], [0.012, 0.3 * half, 0.6 * width], 0.01)]
+        return [block((depth, -half), [0.014, 0.6 * half, 0.6 * width], 0.01)]
+    knobs = both(tube([[x, -0.5 * half, 0.4 * width] for x in (depth - 0.01, depth + 0.014)], 0.02))
+    return [*knobs, block((depth, -1.2 * half), [0.012, 0.3 * half, 0.6 * width], 0.01)]
 
 
 def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> list[Shape]:
@@ -248,10 +237,8 @@ def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> l
     shapes: list[Shape] = [ball(first, 1.15 * upper), ball(second, 1.12 * lower), ball(third, 0.9 * lower)]
     for start, end, radius in ((first, second, upper), (second, third, lower)):
         if boxy:
-            length = float(np.linalg.norm(end - start))
-            shapes.append(
-                block((start + end) / 2, [radius, 0.42 * length, radius], edge, _upright(start - end))
-            )
+            half = [radius, 0.42 * float(np.linalg.norm(end - start)), radius]
+            shapes.append(block((start + end) / 2, half, edge, _upright(start - end)))
             shapes.append(tube([start, end], 0.55 * radius))
         else:
             shapes.append(tube([start, end], 0.85 * radius))
@@ -260,17 +247,17 @@ def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> l
 
 def _boot(limb: Limb, measures: Measures, edge: float) -> list[Shape]:
     size = measures.foot
-    boot = block([0.22 * size, -0.12 * size, 0], [0.55 * size, 0.2 * size, 0.28 * size], edge)
-    return [moved(boot, limb.end)]
+    boot = block((0.22 * size, -0.12 * size), [0.55 * size, 0.2 * size, 0.28 * size], edge)
+    return [boot.placed(limb.end)]
 
 
 def _claw(limb: Limb, measures: Measures) -> list[Shape]:
     """Return a gripper: an open ring."""
     size = measures.hand
     jaw = [[0.0, -0.2, 0], [0.38, -0.4, 0], [0.4, -0.75, 0], [0.16, -1.0, 0]]
-    cuff = tube([[0, 0.1, 0], [0, -0.25, 0]], 0.26)
+    cuff = tube([(0, 0.1), (0, -0.25)], 0.26)
     jaws = [tube(jaw, 0.13), tube(np.array(jaw) * [-1, 1, 1], 0.13), cuff]
-    return [moved(shape, limb.end, size) for shape in jaws]
+    return [shape.placed(limb.end, size) for shape in jaws]
 
 
 def _upright(axis: Floats) -> Floats:

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from normalgan.animals.frames import Frame, bend, pitch, roll, yaw
-from normalgan.animals.plan import Rng, factors
-from normalgan.animals.sweep import Floats
+from normalgan.animals.frames import Floats, Frame, bend, pitch, roll, yaw
+from normalgan.animals.plan import Rng, around
 
 __all__ = ["STANCES", "Arm", "Girth", "Leg", "Limb", "Measures", "Skeleton", "Stance", "skeleton", "vary"]
 
@@ -172,14 +172,6 @@ def _stride(rng: Rng, swing: float, knee: float, elbow: float, lean: float) -> S
     return _head(stance, rng)
 
 
-def _walk(rng: Rng) -> Stance:
-    return _stride(rng, 28.0, 26.0, 25.0, 4.0)
-
-
-def _run(rng: Rng) -> Stance:
-    return _stride(rng, 52.0, 85.0, 90.0, 14.0)
-
-
 def _sit(rng: Rng) -> Stance:
     """On a bench nobody sees, or on the ground with the legs ahead."""
     ground = rng.uniform() < 0.5
@@ -206,8 +198,8 @@ def _arms_out(rng: Rng) -> Stance:
 
 STANCES: Mapping[str, Callable[[Rng], Stance]] = {
     "stand": _stand,
-    "walk": _walk,
-    "run": _run,
+    "walk": partial(_stride, swing=28.0, knee=26.0, elbow=25.0, lean=4.0),
+    "run": partial(_stride, swing=52.0, knee=85.0, elbow=90.0, lean=14.0),
     "sit": _sit,
     "wave": _wave,
     "arms_out": _arms_out,
@@ -217,7 +209,8 @@ STANCES: Mapping[str, Callable[[Rng], Stance]] = {
 def vary(measures: Measures, spread: float, rng: Rng) -> Measures:
     """Return an individual's measures: lengths each on their own, all girths by one factor."""
     lengths = ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
-    long = {name: getattr(measures, name) * by for name, by in factors(rng, spread, *lengths).items()}
+    usual = (getattr(measures, name) for name in lengths)
+    long = dict(zip(lengths, around(rng, spread, *usual), strict=True))
     fat = rng.uniform(1 - 1.3 * spread, 1 + 1.8 * spread)
     thick = {n: getattr(measures, n) * fat for n in ("thigh", "calf", "upper_arm", "forearm", "belly")}
     chest, waist, pelvis = (

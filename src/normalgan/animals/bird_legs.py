@@ -4,16 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import fuse, tube
-from normalgan.animals.frames import Frame, hinge, yaw
+from normalgan.animals.frames import Floats, Frame, hinge, yaw
+from normalgan.animals.parts import Part, by, fuse, in_space, tube
 from normalgan.animals.plan import Point, Rng
-from normalgan.animals.solids import Plate, rounded
-from normalgan.animals.sweep import Floats, Sweep, smoothed
+from normalgan.animals.shapes import Plate, Sweep, rounded
 
-__all__ = ["TOES", "Legs"]
+__all__ = ["Legs"]
 
-TOES = (-34.0, 0.0, 34.0, 180.0)
+_TOES = (-34.0, 0.0, 34.0, 180.0)
 
 
 @dataclass(frozen=True)
@@ -53,34 +51,32 @@ class Legs:
         """
         thigh, shank = self.thigh * factor, self.shank * factor
         stretched = thigh + shank
-        middle = body.place(np.array([[*self.hip[:2], 0.0]]))[0]
+        x, y, z = self.hip
+        middle = body.place([x, y, 0.0])
         high = stretched * (0.62 * self.stance if pose == "perch" else self.stance)
         stride = {"walk": 0.34, "feed": 0.1, "land": 0.06}.get(pose, 0.05) * stretched * rng.uniform(0.6, 1.1)
         side = 1.0 if rng.uniform() < 0.5 else -1.0
         meat: list[Sweep] = []
         feet: list[Part] = []
         for sign in (1.0, -1.0):
-            hip = body.place(np.array([[*self.hip[:2], sign * self.hip[2]]]))[0]
-            foot = np.array(
-                [middle[0] * 0.5 + sign * side * stride, middle[1] - high, sign * self.hip[2] * 0.9]
-            )
-            heading, flat = 6.0 * sign, True
+            hip = body.place([x, y, sign * z])
+            foot = np.array([middle[0] * 0.5 + sign * side * stride, middle[1] - high, sign * z * 0.9])
+            heading = 6.0 * sign
+            raised = pose == "one_leg" and sign == side
+            flat = pose not in {"soar", "land"} and not raised
             if pose == "soar":
-                foot, flat = hip + stretched * np.array([-0.82, -0.14, 0.0]), False
+                foot = hip + stretched * np.array([-0.82, -0.14, 0.0])
             elif pose == "land":
-                foot, flat = hip + stretched * np.array([0.38, -0.72, 0.06 * sign]), False
-            elif pose == "one_leg" and sign == side:
-                foot, flat = (
-                    hip + np.array([0.55 * (shank - 0.4 * thigh), -0.55 * thigh, -0.03 * sign]),
-                    False,
-                )
+                foot = hip + stretched * np.array([0.38, -0.72, 0.06 * sign])
+            elif raised:
+                foot = by(hip, 0.55 * (shank - 0.4 * thigh), -0.55 * thigh, -0.03 * sign)
             elif pose == "one_leg":
                 foot[2] *= 0.35
             heel = hinge(hip, foot, thigh, shank, (-1.0, -0.25, 0.0))
             knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
             thigh_tube = tube([hip, knee, heel], [self.meat, 0.62 * self.meat, 1.15 * self.thick],
                               [0.8 * self.meat, 0.55 * self.meat, 1.15 * self.thick])  # fmt: skip
-            meat.append(smoothed(thigh_tube, 3))  # or its kinks would show as rings
+            meat.append(thigh_tube.smoothed(3))  # or its kinks would show as rings
             bone = tube([heel, foot], [1.05 * self.thick, 0.95 * self.thick])
             feet.append(fuse(bone, *_toes(self, foot, heading, flat, rng), blend=0.01))
             if self.web:
@@ -90,18 +86,13 @@ class Legs:
 
 def _toes(shape: Legs, foot: Floats, heading: float, flat: bool, rng: Rng) -> list[Sweep]:
     toes = []
-    for angle in TOES:
+    for angle in _TOES:
         length = shape.toe * {0.0: 1.0, 180.0: 0.55}.get(angle, 0.88)
         turn = yaw(heading + angle + rng.normal(0, 3))
         drop = 0.0 if flat else (-0.5 if abs(angle) < 90 else -0.8)
         r = shape.thick
-        bones = [
-            (0, 0, 0),
-            (0.35, 0.08 + 0.35 * drop, 0),
-            (0.75, 0.02 + 0.75 * drop, 0),
-            (1.0, drop - 0.03, 0),
-        ]
-        points = foot + np.array(bones) * length @ turn.T
+        bones = in_space([(0, 0), (0.35, 0.08 + 0.35 * drop), (0.75, 0.02 + 0.75 * drop), (1.0, drop - 0.03)])
+        points = foot + bones * length @ turn.T
         if flat:
             points[:, 1] = np.maximum(points[:, 1], foot[1] - 0.2 * r)
         toes.append(tube(points, [r, 0.85 * r, 0.75 * r, shape.claws * r]))

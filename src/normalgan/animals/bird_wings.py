@@ -1,21 +1,21 @@
 """Wings, folded and open, and the tail: feathers are flat sweeps, laid over one another like slates."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import carried, fuse, pair, tube
-from normalgan.animals.frames import Frame, about, pitch, roll, yaw
+from normalgan.animals.frames import Floats, Frame, about, pitch, roll, yaw
+from normalgan.animals.parts import Part, fuse, pair, tube
 from normalgan.animals.plan import Between, Rng
+from normalgan.animals.shapes import Sweep
 from normalgan.animals.stations import Profile
-from normalgan.animals.sweep import Floats, Sweep
 
-__all__ = ["STEP", "THIN", "Tail", "Wing", "folded", "opened", "tail_fan"]
+__all__ = ["Tail", "Wing", "folded", "opened", "tail_fan"]
 
-STEP = 0.010  # height by which a feather lies over its neighbour
-THIN = 0.012
+_STEP = 0.010  # height by which a feather lies over its neighbour
+_THIN = 0.012
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]:
 
     Args:
         wing: the wings.
-        body: the bird's.
+        body: what they lie on.
         factor: on their length.
         young: stubs without flight feathers.
     """
@@ -116,17 +116,14 @@ def opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng
     flap = rng.uniform(0.0, 16.0)
     feathers = _feathers(wing, span)
     # The hand is turned up against the arm a little more.
-    wrist = np.array([0.0, 0.0, 0.5 * span])
-    hand = about(wrist, roll(flap))
+    hand = about((0.0, 0.0, 0.5 * span), roll(flap))
     whole = about(shoulder, pitch(-0.55 * tilt if pose != "soar" else 0.0) @ roll(lift) @ yaw(-sweep))
-    arm = _arm(wing, span)
-    outer = carried([fuse(*feathers[: wing.primaries])], hand)[0].sweeps
-    flight = fuse(*outer, *feathers[wing.primaries :])
-    placed = []
-    for part, blend in ((flight, 0.0), (arm, 0.02)):
-        right = carried(carried([part], Frame(shoulder, np.eye(3))), whole)[0].sweeps
-        placed.append(pair(*right, blend=blend))
-    return placed
+    outer = [feather.placed(hand) for feather in feathers[: wing.primaries]]
+
+    def placed(shapes: Sequence[Sweep], blend: float) -> Part:
+        return pair(*(each.placed(Frame(shoulder, np.eye(3))).placed(whole) for each in shapes), blend=blend)
+
+    return [placed([*outer, *feathers[wing.primaries :]], 0.0), placed(_arm(wing, span), 0.02)]
 
 
 def _bones(span: float) -> Floats:
@@ -134,14 +131,14 @@ def _bones(span: float) -> Floats:
     return span * np.array([[0, 0, 0], [-0.05, 0.012, 0.26], [0.075, 0.018, 0.50], [0.045, 0.01, 0.66]])
 
 
-def _arm(wing: Wing, span: float) -> Part:
+def _arm(wing: Wing, span: float) -> list[Sweep]:
     """Return the arm with the short feathers that cover it, thick before and thin behind."""
     bones = _bones(span)
     back = np.array([[-0.42], [-0.34], [-0.26], [-0.12]]) * wing.chord * [1.0, 0.0, 0.0]
     wide = np.array([0.50, 0.42, 0.34, 0.16]) * wing.chord
     cover = tube(bones + back * 0.8, list(wide), [0.050, 0.036, 0.028, 0.018], (0.0, 1.0, 0.0))
     bone = tube(bones, [0.075, 0.055, 0.045, 0.02], [0.06, 0.045, 0.035, 0.02], (0.0, 1.0, 0.0))
-    return fuse(cover, bone)
+    return [cover, bone]
 
 
 def _feathers(wing: Wing, span: float) -> list[Sweep]:
@@ -168,8 +165,8 @@ def _feathers(wing: Wing, span: float) -> list[Sweep]:
 
 def _feather(base: Floats, way: Floats, length: float, wing: Wing, span: float, number: int) -> Sweep:
     half = wing.width * 0.075 * span
-    over = np.array([0.0, STEP * (number % 2), 0.0])
-    return tube([base + over, base + way * (length - half) + over], [half * 0.9, half], THIN, (0, 1, 0))
+    over = np.array([0.0, _STEP * (number % 2), 0.0])
+    return tube([base + over, base + way * (length - half) + over], [half * 0.9, half], _THIN, (0, 1, 0))
 
 
 def tail_fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Part]:
@@ -188,12 +185,10 @@ def tail_fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Par
         turn = pitch(-raised) @ yaw(aside + t * spread / 2)
         way = turn @ np.array([-1.0, 0.0, 0.0])
         start = np.array([0.16, 0.03, 0.0])
-        over = turn @ np.array([0.0, STEP * (1 - abs(t)) * 2.0 + STEP * (i % 2), 0.0])
+        over = turn @ np.array([0.0, _STEP * (1 - abs(t)) * 2.0 + _STEP * (i % 2), 0.0])
         end = start + way * (tail.length * factor + 0.16 - half) * (1 - 0.08 * t * t) + over
-        feathers.append(tube([start + over, end], [0.7 * half, half], THIN, turn @ np.array([0.0, 1.0, 0.0])))
-    rump = tube(
-        [(0.22, 0.03, 0.0), pitch(-raised) @ np.array([-0.12, 0.0, 0.0]) + [0.05, 0.03, 0.0]],
-        [0.10, 0.04],
-        [0.11, 0.05],
-    )
+        upward = turn @ np.array([0.0, 1.0, 0.0])
+        feathers.append(tube([start + over, end], [0.7 * half, half], _THIN, upward))
+    rear = pitch(-raised) @ np.array([-0.12, 0.0, 0.0]) + [0.05, 0.03, 0.0]
+    rump = tube([np.array([0.22, 0.03, 0.0]), rear], [0.10, 0.04], [0.11, 0.05])
     return [fuse(*feathers, blend=0.01), fuse(rump, blend=0.08)]

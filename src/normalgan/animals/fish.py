@@ -6,22 +6,20 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, fuse, tube
-from normalgan.animals.frames import spanned
+from normalgan.animals.frames import Floats, spanned
+from normalgan.animals.parts import Part, ball, fuse, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
-from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.shapes import MIRROR, Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
-from normalgan.animals.sweep import Floats, Sweep
 from normalgan.errors import InputError
 
-__all__ = ["POSES", "RANGES", "Fin", "Finlet", "Fish", "Gills", "plates"]
+__all__ = ["Fin", "Finlet", "Fish", "Gills"]
 
-RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Range] = {
     "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
     "eye": (0.85, 1.25),
 }  # fmt: skip
-POSES = ("glide", "swim", "turn")
+_POSES = ("glide", "swim", "turn")
 
 
 @dataclass(frozen=True)
@@ -118,7 +116,7 @@ class Fish(PosedPlan):
         InputError: if the mouth is no line.
     """
 
-    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    habits: tuple[Annotated[str, tuple(_POSES)], ...]
     body: Profile
     fins: tuple[Fin | Finlet, ...]
     eye: Eyeball
@@ -127,7 +125,7 @@ class Fish(PosedPlan):
     tail: Fin | None = None
     spines: Annotated[int, Between(0, 500)] = 0
     wave: float = 26.0
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the mouth."""
@@ -136,18 +134,18 @@ class Fish(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        build = proportions(RANGES, self.ranges, rng)
+        build = proportions(_RANGES, self.ranges, rng)
         spine = _spine(pose, self.wave, rng)
         depth, girth = build["depth"], build["girth"]
         stretch = np.array([1.0, depth, girth])
         body = replace(self.body, top=self.body.top * depth, bottom=self.body.bottom * depth).wider(girth)
         parts = [fuse(spine.sweep(body))]
         if self.tail is not None:
-            parts.append(fuse(*plates(self.tail, spine, build["tail"]), blend=0.03))
+            parts.append(fuse(*_plates(self.tail, spine, build["tail"]), blend=0.03))
         flare, flap = rng.normal(0, 7), rng.normal(0, 7)
         for each in self.fins:
             moved = _moved(each.fin(), stretch)
-            parts.append(fuse(*plates(moved, spine, build["fins"], flare, flap), blend=0.018))
+            parts.append(fuse(*_plates(moved, spine, build["fins"], flare, flap), blend=0.018))
         eyes = np.array(_halves(np.array(self.eye.at))) * stretch
         eyes[:, 2] -= 0.35 * self.eye.radius * np.sign(eyes[:, 2])
         parts.append(fuse(*(ball(at, self.eye.radius * build["eye"]) for at in spine.place(eyes))))
@@ -193,40 +191,39 @@ def _spines(body: Profile, count: int, spine: Spine) -> list[Sweep]:
     return spines
 
 
+# From top to bottom of the right side, in the fish's length along it and across, in a slit's height upward.
+_SLIT = np.array([(0.010, 0.5, -0.012), (-0.004, 0.0, 0.0), (0.010, -0.5, -0.012)])
+_LID = np.array([(0.05, 0.50, -0.022), (0.012, 0.34, -0.008), (0.0, 0.0, 0.0), (0.02, -0.36, -0.012),
+                 (0.07, -0.55, -0.03)])  # fmt: skip
+
+
 def _grooves(kind: Fish, spine: Spine, stretch: Floats) -> list[Part]:
     """Return mouth and gills, to dig."""
     gills = kind.gills
     height = gills.height
-    lines = [tube(spine.place(half), 0.008) for half in _halves(np.array(kind.mouth) * stretch)]
+
+    def grooves(line: Floats, radius: float) -> list[Sweep]:
+        return [tube(spine.place(half), radius) for half in _halves(line)]
+
+    lines = grooves(np.array(kind.mouth) * stretch, 0.008)
     slits = []
     for i in range(gills.slits):
         at = np.array([gills.x - 0.022 * i, gills.y, gills.z]) * stretch
-        curve = np.array([[0.010, 0.5, -0.012], [-0.004, 0.0, 0.0], [0.010, -0.5, -0.012]])
-        slit = at + curve * [1, height, 1]
-        slits += [tube(spine.place(half), 0.007) for half in _halves(slit)]
+        slits += grooves(at + _SLIT * [1, height, 1], 0.007)
     if gills.lid:
-        at = np.array([gills.x, gills.y, gills.z]) * stretch
-        curve = np.array([[0.05, 0.50, -0.022], [0.012, 0.34, -0.008], [0.0, 0.0, 0.0], [0.02, -0.36, -0.012],
-                          [0.07, -0.55, -0.03]])  # fmt: skip
-        slits += [tube(spine.place(half), 0.009) for half in _halves(at + curve * [1, height, 1])]
+        slits += grooves(np.array([gills.x, gills.y, gills.z]) * stretch + _LID * [1, height, 1], 0.009)
     parts = [fuse(*lines, blend=0.006, carve=True)]
     return [*parts, fuse(*slits, blend=0.006, carve=True)] if slits else parts
 
 
 def _halves(points: Floats) -> tuple[Floats, Floats]:
-    return points, points * np.array([1.0, 1.0, -1.0])
+    return points, points * MIRROR
 
 
-def plates(fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0) -> list[Plate]:
-    """Return the plates of a fin.
-
-    Args:
-        fin: the fin.
-        spine: of the fish it grows on.
-        factor: on its height.
-        flare: degrees added to the spread of a pair.
-        flap: degrees added to its droop.
-    """
+def _plates(
+    fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0
+) -> list[Plate]:
+    """Return the plates of a fin, ``factor`` as high; ``flare`` and ``flap`` turn a pair, in degrees."""
     corners = np.array(fin.outline)
     times = 1 if fin.sharp else 2
     if fin.root is None:
@@ -244,4 +241,4 @@ def plates(fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap
     frame = spanned(np.array([0.0, y, z]), first, np.array(fin.chord))
     outline = rounded([(a * factor, b) for a, b in corners], times)
     right = Plate(frame, outline, fin.thick, fin.swell, 4 * fin.thick)
-    return [each.placed(spine.frame(x), 1.0) for each in (right, right.mirrored())]
+    return [each.placed(spine.frame(x)) for each in (right, right.mirrored())]

@@ -4,10 +4,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from normalgan.animals.sweep import Floats
+__all__ = [
+    "Floats",
+    "Frame",
+    "Volume",
+    "about",
+    "bend",
+    "fold",
+    "hinge",
+    "pitch",
+    "ray",
+    "roll",
+    "spanned",
+    "way_along",
+    "yaw",
+]
 
-__all__ = ["Frame", "about", "bend", "fold", "hinge", "pitch", "roll", "spanned", "yaw"]
+Floats = NDArray[np.float64]
+Volume = NDArray[np.float32]
+"""Values on a grid, and its coordinates."""
 
 
 def pitch(degrees: float) -> Floats:
@@ -40,6 +57,16 @@ def roll(degrees: float) -> Floats:
     return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
 
+def ray(azimuth: float, elevation: float) -> Floats:
+    """Return the direction (3,) so many radians to the right of +x and above the level.
+
+    >>> ray(0.0, np.pi / 2).round(6).tolist()
+    [0.0, 1.0, 0.0]
+    """
+    level = np.cos(elevation)
+    return np.array([np.cos(azimuth) * level, np.sin(elevation), np.sin(azimuth) * level])
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """Where a part of the body is: ``world = origin + rotation @ local``.
@@ -52,9 +79,9 @@ class Frame:
     origin: Floats
     rotation: Floats
 
-    def place(self, points: Floats) -> Floats:
-        """Return (n, 3) local points in the world."""
-        placed: Floats = self.origin + points @ self.rotation.T
+    def place(self, points: ArrayLike) -> Floats:
+        """Return a local point (3,), or (n, 3) of them, in the world."""
+        placed: Floats = self.origin + np.asarray(points, float) @ self.rotation.T
         return placed
 
     def carried(self, frame: "Frame", size: float = 1.0) -> "Frame":
@@ -109,6 +136,15 @@ def fold(points: Floats, joints: tuple[int, ...], angles: tuple[float, ...]) -> 
     for joint, angle in zip(joints, angles, strict=True):
         moved[joint + 1 :] = moved[joint] + (moved[joint + 1 :] - moved[joint]) @ pitch(angle).T
     return moved
+
+
+def way_along(points: Floats) -> Floats:
+    """Return how far each of (n, 3) points is along the line through them, (n,), from 0.
+
+    >>> way_along(np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [3.0, 4.0, 1.0]])).tolist()
+    [0.0, 5.0, 6.0]
+    """
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
 def about(pivot: Sequence[float] | Floats, rotation: Floats) -> Frame:

@@ -1,39 +1,31 @@
-"""From parts to a closed, centred mesh by marching cubes."""
+"""From parts to a field, and from the field to a closed, centred mesh by marching cubes."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import marching_cubes, mesh_surface_area
 
-from normalgan.animals.field import MARGIN, Grid, Part, sample
-from normalgan.animals.sweep import Floats, Volume, area, smoothed
+from normalgan.animals.frames import Floats, Volume
+from normalgan.animals.parts import Part, Ripple
+from normalgan.animals.shapes import Sweep, smooth_minimum
 from normalgan.rendering.mesh import Mesh
 
-__all__ = [
-    "COARSER",
-    "CRUMB",
-    "FACES",
-    "OVERLAP",
-    "THINNEST",
-    "TRUSTED",
-    "drop_crumbs",
-    "fill_voids",
-    "to_mesh",
-    "unit_sphere",
-]
+__all__ = ["Grid", "Window", "drop_crumbs", "fill_voids", "sample", "to_mesh", "unit_sphere"]
 
-FACES = 32_000  # about the number aimed at
-THINNEST = 1.35  # grid cells: a thinner radius would break up into beads
-COARSER = 4  # times fewer faces than aimed at, when the skin is measured
-OVERLAP = 1.28  # how much more than their union's the surface of parts usually is
-TRUSTED = (0.7, 1.25)  # measured over estimated skin within which the estimate is kept
-CRUMB = 60  # grid cells: what is smaller and hangs on nothing was left over between a part and a hollow
+Window = tuple[slice, slice, slice]
+_FAR = np.float32(10.0)  # value of the field where no part is near
+_MARGIN = 4  # grid cells round a part in which its field is right
+_FACES = 32_000  # about the number aimed at
+_THINNEST = 1.35  # grid cells: a thinner radius would break up into beads
+_COARSER = 4  # times fewer faces than aimed at, when the skin is measured
+_OVERLAP = 1.28  # how much more than their union's the surface of parts usually is
+_TRUSTED = (0.7, 1.25)  # measured over estimated skin within which the estimate is kept
+_CRUMB = 60  # grid cells: what is smaller and hangs on nothing was left over between a part and a hollow
 
 
-def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
+def to_mesh(name: str, parts: Sequence[Part], count: int = _FACES) -> Mesh:
     """Return the surface of the blended parts, centred and scaled to a bounding sphere of radius 1.
 
     Args:
@@ -45,35 +37,35 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = FACES) -> Mesh:
     of faces whether lean or fat. Normals are the gradient of the field, smoother than those of the faces.
     """
     field = _field(parts, _spacing(parts, count))
-    surface = marching_cubes(field, 0.0, allow_degenerate=False)
-    vertices, faces, normals, _ = surface
-    normals = _unit(-normals.astype(np.float64))  # scikit-image's run inwards where the outside is positive
+    vertices, faces, normals, _ = marching_cubes(field, 0.0, allow_degenerate=False)
+    normals = -normals.astype(np.float64)  # scikit-image's run inwards where the outside is positive
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     centred = unit_sphere(vertices.astype(np.float64))
     return Mesh(name, centred.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
 
 
 def _spacing(parts: Sequence[Part], count: int) -> float:
     """Return the distance of grid points that gives about ``count`` faces."""
-    tubes = [sweep for part in parts if not part.carve for sweep in part.sweeps]
-    skin = sum(area(smoothed(tube)) for tube in tubes)
-    skin += sum(solid.area() for part in parts if not part.carve for solid in part.solids)
-    if any(part.solids for part in parts):
+    added = [shape for part in parts if not part.carve for shape in part.shapes]
+    skin = sum(shape.smoothed().area() for shape in added if isinstance(shape, Sweep))
+    skin += sum(shape.area() for shape in added if not isinstance(shape, Sweep))
+    if not all(isinstance(shape, Sweep) for part in parts for shape in part.shapes):
         # Solids may lie deep in one another, or be hollowed out: measured on a coarse grid, the skin may
         # turn out another. Not so with sweeps; and thin ones, which a coarse grid fattens, add up better.
-        coarse = float(np.sqrt(2.35 * skin * COARSER / count))
+        coarse = float(np.sqrt(2.35 * skin * _COARSER / count))
         vertices, faces, _, _ = marching_cubes(_field(parts, coarse), 0.0)
-        measured = OVERLAP * float(mesh_surface_area(vertices, faces)) * coarse**2
-        if not TRUSTED[0] < measured / skin < TRUSTED[1]:
+        measured = _OVERLAP * float(mesh_surface_area(vertices, faces)) * coarse**2
+        if not _TRUSTED[0] < measured / skin < _TRUSTED[1]:
             skin = measured
     return float(np.sqrt(2.35 * skin / count))
 
 
 def _field(parts: Sequence[Part], spacing: float) -> Volume:
     """Return the field of the parts on a grid round them all, its voids and crumbs gone."""
-    fine = [_fine(part, THINNEST * spacing) for part in parts]
+    fine = [part.thickened(_THINNEST * spacing) for part in parts]
     corners = [part.reach() for part in fine if not part.carve]
     # Blends swell the union by at most a sixth of their width: two cells more than the margin hold that.
-    pad = (MARGIN + 2) * spacing
+    pad = (_MARGIN + 2) * spacing
     low = np.min([corner[0] for corner in corners], axis=0) - pad
     high = np.max([corner[1] for corner in corners], axis=0) + pad
     nx, ny, nz = np.ceil((high - low) / spacing).astype(int) + 1
@@ -90,10 +82,10 @@ def fill_voids(field: Volume) -> Volume:
 
 
 def drop_crumbs(field: Volume) -> Volume:
-    """Return the field without what is inside but apart from the rest and smaller than `CRUMB` cells."""
+    """Return the field without what is inside but apart from the rest and smaller than `_CRUMB` cells."""
     labels, count = ndimage.label(field < 0)
     if count > 1:
-        small = np.bincount(labels.ravel()) < CRUMB
+        small = np.bincount(labels.ravel()) < _CRUMB
         small[0] = False
         field = np.where(small[labels], np.float32(1e-3), field)
     return field
@@ -115,17 +107,93 @@ def unit_sphere(points: Floats) -> Floats:
     return scaled
 
 
-def _fine(part: Part, thinnest: float) -> Part:
-    # On thick tubes the kinks between segments would show as rings.
-    sweeps = [
-        smoothed(each, 10 if max(each.radii.max(), each.widths.max()) > 8 * thinnest else 4, thinnest)
-        for each in part.sweeps
-    ]
-    solids = tuple(solid.thickened(thinnest) for solid in part.solids)
-    return replace(part, sweeps=tuple(sweeps), solids=solids)
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Where the field is sampled.
+
+    Args:
+        origin: (3,) the lowest corner.
+        spacing: distance between neighbours.
+        shape: number of samples along x, y, z.
+    """
+
+    origin: Floats
+    spacing: float
+    shape: tuple[int, int, int]
+
+    def window(self, low: Floats, high: Floats) -> Window:
+        """Return the slices of the samples in a box."""
+        first = np.clip(np.floor((low - self.origin) / self.spacing), 0, self.shape).astype(int)
+        last = np.clip(np.ceil((high - self.origin) / self.spacing) + 1, 0, self.shape).astype(int)
+        return slice(first[0], last[0]), slice(first[1], last[1]), slice(first[2], last[2])
+
+    def axes(self, window: Window) -> tuple[Volume, Volume, Volume]:
+        """Return the open coordinate grids of a window."""
+        x, y, z = (
+            (self.origin[i] + self.spacing * np.arange(part.start, part.stop)).astype(np.float32)
+            for i, part in enumerate(window)
+        )
+        return x[:, None, None], y[None, :, None], z[None, None, :]
 
 
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit: NDArray[np.float64] = vectors / np.maximum(lengths, 1e-12)
-    return unit
+def sample(parts: Sequence[Part], grid: Grid) -> Volume:
+    """Return the signed distance, negative inside, at every sample; right near the surface, `_FAR` elsewhere.
+
+    The blend has finite width, so a part matters only within that width of its own surface.
+
+    Returns:
+        grid.shape
+    """
+    field = np.full(grid.shape, _FAR, np.float32)
+    for part in parts:
+        margin = part.blend + _MARGIN * grid.spacing + (part.ripple.height if part.ripple else 0.0)
+        low, high = part.reach()
+        window = grid.window(low - margin, high + margin)
+        own = _part_field(part, grid, window, margin)
+        before = field[window]
+        if part.carve:
+            field[window] = -smooth_minimum(-before, own, part.blend)
+        else:
+            field[window] = smooth_minimum(before, own, part.blend)
+    return field
+
+
+def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume:
+    own = np.full([part.stop - part.start for part in window], _FAR, np.float32)
+    for shape in part.shapes:
+        for piece in shape.pieces(grid.spacing):
+            box = _overlap(grid.window(piece.low - margin, piece.high + margin), window)
+            inner = _within(box, window)
+            np.minimum(own[inner], piece.distance(*grid.axes(box)), out=own[inner])
+    if part.ripple is not None:
+        own += _ripple(grid.axes(window), part.ripple)
+    return own
+
+
+def _overlap(a: Window, b: Window) -> Window:
+    x, y, z = (slice(max(i.start, j.start), min(i.stop, j.stop)) for i, j in zip(a, b, strict=True))
+    return x, y, z
+
+
+def _within(box: Window, window: Window) -> Window:
+    x, y, z = (slice(a.start - b.start, a.stop - b.start) for a, b in zip(box, window, strict=True))
+    return x, y, z
+
+
+def _ripple(axes: tuple[Volume, Volume, Volume], ripple: Ripple) -> Volume:
+    """Return bumps without a grain: plane waves in directions spread evenly over the sphere, summed.
+
+    The directions follow the Fibonacci lattice, the wavelengths spread by half; the height is about the
+    largest.
+    """
+    turn, count = np.pi * (3 - np.sqrt(5)), 11
+    total = np.zeros([axis.size for axis in axes], np.float32)
+    for i in range(count):
+        up = 1 - (2 * i + 1) / count
+        level = np.sqrt(1 - up * up)
+        number = 2 * np.pi / ripple.wavelength * (0.8 + 0.5 * (i * 0.618 % 1))
+        wave = number * np.array([level * np.cos(i * turn), up, level * np.sin(i * turn)])
+        phase = sum(axis * np.float32(k) for axis, k in zip(axes, wave, strict=True))
+        total += np.cos(phase + np.float32(i * i))
+    scaled: Volume = total * np.float32(ripple.height / 4)
+    return scaled

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 
-from normalgan.animals.field import Part
+from normalgan.animals.parts import Part
 
 __all__ = [
     "RISING",
@@ -19,8 +19,8 @@ __all__ = [
     "PosedPlan",
     "Range",
     "Rng",
+    "around",
     "drawn_pose",
-    "factors",
     "proportions",
 ]
 
@@ -131,6 +131,6 @@ def proportions(
     return {name: value * (young or {}).get(name, 1.0) for name, value in drawn.items()}
 
 
-def factors(rng: Rng, spread: float, *names: str) -> dict[str, float]:
-    """Draw a factor from ``1 - spread`` to ``1 + spread`` for each name."""
-    return proportions(dict.fromkeys(names, (1 - spread, 1 + spread)), {}, rng)
+def around(rng: Rng, spread: float, *usual: float) -> list[float]:
+    """Draw a number about each usual one, off it by at most the part ``spread`` of itself."""
+    return [value * rng.uniform(1 - spread, 1 + spread) for value in usual]

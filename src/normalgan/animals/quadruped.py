@@ -7,114 +7,45 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from normalgan.animals.armour import Armour
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.forms import fuse, tube
-from normalgan.animals.frames import Frame, bend, fold, pitch, yaw
+from normalgan.animals.frames import Floats, Frame, bend, fold, pitch, yaw
+from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
 from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
 from normalgan.animals.quadruped_pose import POSES, Pose
+from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
-from normalgan.animals.sweep import Cut, Floats, Sweep
 from normalgan.errors import InputError
 
-__all__ = [
-    "BELOW_BELLY",
-    "FACE",
-    "LIP",
-    "NECK",
-    "PROUD",
-    "RANGES",
-    "SEATED",
-    "SKULL",
-    "TAIL",
-    "TORSO",
-    "YOUNG",
-    "YOUNG_SHARE",
-    "Build",
-    "Ears",
-    "Eye",
-    "Head",
-    "LegTemplate",
-    "Limb",
-    "Mane",
-    "Mouth",
-    "Nostrils",
-    "Ornament",
-    "Quadruped",
-    "assemble",
-    "eyes",
-    "ground",
-    "hang",
-    "leg",
-    "mouth",
-    "on_skull",
-    "ornament",
-    "shoulder_blade",
-    "skull",
-    "stretch",
-]
+__all__ = ["Ears", "Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Nostrils", "Ornament", "Quadruped"]
 
-SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
-YOUNG_SHARE = 0.12
-FACE = 0.4  # share of the head's length, from the poll, behind which the muzzle's length changes nothing
-BELOW_BELLY = 0.6  # share of the height that longer legs add to
-LIP = 0.02  # radius of the groove of the mouth, in units of the head's length
-PROUD = 0.007  # how far its middle lies outside the skull, so that it does not cut thin muzzles through
+_SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
+_FACE = 0.4  # share of the head's length, from the poll, behind which the muzzle's length changes nothing
+_BELOW_BELLY = 0.6  # share of the height that longer legs add to
+_LIP = 0.02  # radius of the groove of the mouth, in units of the head's length
+_PROUD = 0.007  # how far its middle lies outside the skull, so that it does not cut thin muzzles through
 
 
-@dataclass(frozen=True)
-class Build:
-    """Factors by which an individual differs from the drawing of its species; 1 is the drawing.
-
-    Args:
-        length: of the torso.
-        depth: of the belly, measured down from the back.
-        girth: width of the torso.
-        legs: length of the legs.
-        bone: thickness of the legs.
-        neck: length of the neck.
-        crest: thickness of the neck.
-        head: size of the head.
-        muzzle: length of the face before the eyes.
-        ears: length of the ears.
-        horns: length of horns, antlers, tusks.
-        tail: length of the tail.
-        humps: height of humps.
-    """
-
-    length: float = 1.0
-    depth: float = 1.0
-    girth: float = 1.0
-    legs: float = 1.0
-    bone: float = 1.0
-    neck: float = 1.0
-    crest: float = 1.0
-    head: float = 1.0
-    muzzle: float = 1.0
-    ears: float = 1.0
-    horns: float = 1.0
-    tail: float = 1.0
-    humps: float = 1.0
-
-
-RANGES: Mapping[str, Range] = {
-    "length": (0.93, 1.07),
-    "depth": (0.92, 1.08),
-    "girth": (0.9, 1.15),
-    "legs": (0.93, 1.07),
-    "bone": (0.9, 1.15),
-    "neck": (0.92, 1.1),
-    "crest": (0.92, 1.12),
-    "head": (0.94, 1.08),
-    "muzzle": (0.92, 1.08),
-    "ears": (0.85, 1.2),
-    "horns": (0.75, 1.25),
-    "tail": (0.85, 1.15),
-    "humps": (0.8, 1.2),
+_Build = Mapping[str, float]
+"""The factors of `_RANGES` by which an individual differs from the drawing of its species."""
+_RANGES: Mapping[str, Range] = {
+    "length": (0.93, 1.07),  # of the torso
+    "depth": (0.92, 1.08),  # of the belly, measured down from the back
+    "girth": (0.9, 1.15),  # width of the torso
+    "legs": (0.93, 1.07),  # their length
+    "bone": (0.9, 1.15),  # thickness of the legs
+    "neck": (0.92, 1.1),  # its length
+    "crest": (0.92, 1.12),  # thickness of the neck
+    "head": (0.94, 1.08),  # its size
+    "muzzle": (0.92, 1.08),  # length of the face before the eyes
+    "ears": (0.85, 1.2),  # their length
+    "horns": (0.75, 1.25),  # length of horns, antlers, tusks
+    "tail": (0.85, 1.15),  # its length
+    "humps": (0.8, 1.2),  # their height
 }
-YOUNG: Mapping[str, float] = {
+_YOUNG: Mapping[str, float] = {
     "legs": 1.08, "bone": 0.95, "girth": 0.88, "depth": 0.86, "length": 0.9, "head": 1.12, "muzzle": 0.88,
     "neck": 0.92, "ears": 1.1, "horns": 0.35, "tail": 0.8,
 }  # fmt: skip
+_YOUNG_SHARE = 0.12
 
 
 @dataclass(frozen=True)
@@ -167,7 +98,7 @@ class Ornament:
 
     Args:
         stations: in units of the height at the withers; on the head, of its length.
-        scale: the factor of `Build` that stretches it from its pivot; None on the head for one that only
+        scale: the factor of `_RANGES` that stretches it from its pivot; None on the head for one that only
             grows with it.
         side: direction of the width.
         mirror: whether there is another on the left.
@@ -182,7 +113,7 @@ class Ornament:
 
     kind: ClassVar[str] = "tube"
     stations: Stations
-    scale: Annotated[str, tuple(RANGES)] | None = None
+    scale: Annotated[str, tuple(_RANGES)] | None = None
     side: Point = (0.0, 0.0, 1.0)
     mirror: bool = True
     blend: float = 0.01
@@ -354,7 +285,7 @@ class Quadruped:
         ornaments: humps and udders, in the body's frame.
         mane: or None.
         armour: plates, spikes or a frill, or None.
-        ranges: those ranges of `Build` that differ from the general ones.
+        ranges: those of `_RANGES` that differ from the general ones.
         tail_lift: degrees between which the tail is raised.
         tail_ripple: bumps on the tail, or None.
         coat: bumps on torso and neck, or None.
@@ -372,7 +303,7 @@ class Quadruped:
     ornaments: tuple[Ornament, ...] = ()
     mane: Mane | None = None
     armour: Armour | None = None
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
     tail_lift: Range = (-10.0, 25.0)
     tail_ripple: Ripple | None = None
     coat: Ripple | None = None
@@ -386,47 +317,46 @@ class Quadruped:
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return one individual's parts."""
-        young = YOUNG if rng.uniform() < YOUNG_SHARE else None
-        build = Build(**proportions(RANGES, self.ranges, rng, young))
-        parts = assemble(self, build, POSES[drawn_pose(self.habits, pose, rng)](rng), rng)
-        if self.armour is not None:
-            neck, skull, torso, tail = (parts[i].sweeps[0] for i in (NECK, SKULL, TORSO, TAIL))
-            parts += self.armour.grow(neck, skull, torso, tail, rng)
-        return parts
+        young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
+        build = proportions(_RANGES, self.ranges, rng, young)
+        return _assemble(self, build, POSES[drawn_pose(self.habits, pose, rng)](rng), rng)
 
 
-TORSO, NECK, SKULL, TAIL = 0, 1, 2, 5  # where `assemble` puts them
-
-
-def assemble(species: Quadruped, build: Build, pose: Pose, rng: Rng) -> list[Part]:
+def _assemble(species: Quadruped, build: _Build, pose: Pose, rng: Rng) -> list[Part]:
     """Return the parts, in the order in which they blend.
 
     Legs are united sharply among themselves, so that they do not melt into one another, and softly with
     the torso; ``rng`` draws only small things: the swivel of ears, the presence of horns.
     """
     if pose.sit:
-        build = replace(build, length=SEATED * build.length)
+        build = {**build, "length": _SEATED * build["length"]}
     body = _body(species, build, pose)
     torso = _torso(species, build, body)
     neck, head = _neck(species, build, pose, body)
-    parts = [torso, neck, skull(species.head, build, head)]
-    blades = (shoulder_blade(species.fore, build, body, right) for right in (True, False))
-    parts.append(fuse(*blades, blend=0.06))
+    tail = _tail(species, build, pose, body)
+    size = species.head.length * build["head"]
+    skull = _skull(species.head, build["muzzle"]).placed(head, size)
     limbs = (species.fore, species.fore, species.hind, species.hind)
-    legs = (
-        leg(limb, build, angles, stance, body, right=i % 2 == 0)
+    legs = [
+        on_side(_leg(limb, build, angles, stance, body), right=i % 2 == 0)
         for i, (limb, angles, stance) in enumerate(zip(limbs, pose.legs, pose.stance, strict=True))
-    )
-    parts.append(fuse(*legs, blend=0.055))
-    parts.append(_tail(species, build, pose, body))
+    ]
+    parts = [
+        fuse(torso, ripple=species.coat),
+        fuse(neck, blend=0.12, ripple=species.ruff or species.coat),
+        fuse(skull, blend=0.1 * species.head.length),
+        pair(_shoulder_blade(species.fore, build, body), blend=0.06),
+        fuse(*legs, blend=0.055),
+        fuse(tail, blend=0.03, ripple=species.tail_ripple),
+    ]
     if species.mane is not None:
-        parts.append(_crest(neck.sweeps[0], species.mane, 1.0 if rng.uniform() < 0.5 else -1.0))
-    lips = mouth(species.head, build, head)
-    parts += eyes(species.head, build, head) if lips is None else [*eyes(species.head, build, head), lips]
-    parts += [ornament(item, 1.0, build, body, rng) for item in _chosen(species.ornaments, rng)]
-    size = species.head.length * build.head
+        parts.append(_crest(neck, species.mane, 1.0 if rng.uniform() < 0.5 else -1.0))
+    parts += _face(species.head, build["muzzle"], head, size)
+    parts += [_ornament(item, 1.0, build, body, rng) for item in _chosen(species.ornaments, rng)]
     for item in _chosen(species.head.ornaments, rng):
-        parts.append(ornament(item, size, build, head, rng, build.muzzle))
+        parts.append(_ornament(item, size, build, head, rng, build["muzzle"]))
+    if species.armour is not None:
+        parts += species.armour.grow(neck, skull, torso, tail, rng)
     return parts
 
 
@@ -440,33 +370,35 @@ def _chosen(items: Sequence[Ornament | Nostrils | Ears], rng: Rng) -> list[Ornam
     return chosen
 
 
-def _body(species: Quadruped, build: Build, pose: Pose) -> Frame:
-    hip = np.array([species.hind.x * build.length, species.hind.y, 0.0])
+def _body(species: Quadruped, build: _Build, pose: Pose) -> Frame:
+    hip = np.array([species.hind.x * build["length"], species.hind.y, 0.0])
     turn, up = pitch(pose.pitch), 0.0
     if pose.sit:
-        up = ground(build) - hang(species.hind, build, pose.legs[2])[-1, 1] - hip[1]
-        shoulder = np.array([species.fore.x * build.length, species.fore.y, 0.0]) - hip
+        up = _ground(build) - _hang(species.hind, build, pose.legs[2])[-1, 1] - hip[1]
+        shoulder = np.array([species.fore.x * build["length"], species.fore.y, 0.0]) - hip
         rise = species.fore.y - hip[1] - up  # the straight forelegs then reach the ground
         reach = float(np.hypot(shoulder[0], shoulder[1]))
-        turn = pitch(
-            float(np.rad2deg(np.arcsin(min(rise / reach, 0.85)) - np.arctan2(shoulder[1], shoulder[0])))
-        )
+        angle = np.arcsin(min(rise / reach, 0.85)) - np.arctan2(shoulder[1], shoulder[0])
+        turn = pitch(float(np.rad2deg(angle)))
     return Frame(hip + np.array([0.0, up, 0.0]) - turn @ hip, turn)
 
 
-def _torso(species: Quadruped, build: Build, body: Frame) -> Part:
+def _torso(species: Quadruped, build: _Build, body: Frame) -> Sweep:
     x, top, bottom = species.torso.x, species.torso.top, species.torso.bottom
     middle = np.sin(np.linspace(0, np.pi, len(x)))  # belly and waist change, breast and buttocks hardly
-    deeper = top - (top - bottom) * (1 + (build.depth - 1) * middle)
-    rows = Profile(x * build.length, top, deeper, species.torso.half_width * build.girth).stations
-    sweep = tube(body.place(rows.points), rows.radius, rows.widths, body.rotation[:, 2])
-    return fuse(sweep, ripple=species.coat)
+    deeper = top - (top - bottom) * (1 + (build["depth"] - 1) * middle)
+    return (
+        Profile(x * build["length"], top, deeper, species.torso.half_width * build["girth"])
+        .sweep()
+        .placed(body)
+    )
 
 
-def _neck(species: Quadruped, build: Build, pose: Pose, body: Frame) -> tuple[Part, Frame]:
+def _neck(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> tuple[Sweep, Frame]:
+    """Return the neck and the frame of the head."""
     rows, points = species.neck, species.neck.points
-    points[:, 0] += species.fore.x * (build.length - 1)
-    points = points[0] + (points - points[0]) * build.neck
+    points[:, 0] += species.fore.x * (build["length"] - 1)
+    points = points[0] + (points - points[0]) * build["neck"]
     low, high = species.neck_pitch
     up = low + (high - low) * pose.neck_pitch
     if pose.sit:
@@ -479,16 +411,16 @@ def _neck(species: Quadruped, build: Build, pose: Pose, body: Frame) -> tuple[Pa
     if pose.sit:
         rotation = yaw(pose.neck_yaw + pose.head_yaw) @ pitch(angle)
     placed = body.place(moved)
-    grow = np.linspace(1, build.head, len(points)) * build.crest
+    grow = np.linspace(1, build["head"], len(points)) * build["crest"]
     sweep = tube(placed, rows.radius * grow, rows.widths * grow, (body.rotation @ turns)[:, :, 2])
-    return fuse(sweep, blend=0.12, ripple=species.ruff or species.coat), Frame(placed[-1], rotation)
+    return sweep, Frame(placed[-1], rotation)
 
 
-def _lowered(species: Quadruped, build: Build, points: Floats, body: Frame) -> tuple[float, float]:
+def _lowered(species: Quadruped, build: _Build, points: Floats, body: Frame) -> tuple[float, float]:
     """Return pitch of neck and head, in degrees, that bring the muzzle near the ground, by bisection."""
     skull = species.head.skull
-    tip = np.array([stretch(skull.x[-1:], build.muzzle)[0], skull.bottom[-1], 0.0])
-    tip = tip * species.head.length * build.head
+    tip = np.array([_stretch(skull.x[-1:], build["muzzle"])[0], skull.bottom[-1], 0.0])
+    tip = tip * species.head.length * build["head"]
 
     def head_angle(up: float) -> float:
         return max(species.head.pitch + 0.35 * up, -72.0)
@@ -497,23 +429,22 @@ def _lowered(species: Quadruped, build: Build, points: Floats, body: Frame) -> t
     for _ in range(30):
         up = (high + low) / 2
         poll = bend(points, up, 0.0)[0][-1]
-        clearance = body.place((poll + pitch(head_angle(up)) @ tip)[None])[0, 1] - ground(build)
+        clearance = body.place(poll + pitch(head_angle(up)) @ tip)[1] - _ground(build)
         high, low = (up, low) if clearance > 0.03 else (high, up)
     return up, head_angle(up)
 
 
-def _tail(species: Quadruped, build: Build, pose: Pose, body: Frame) -> Part:
+def _tail(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> Sweep:
     rows, points = species.tail, species.tail.points
-    points[:, 0] *= build.length
-    points = points[0] + (points - points[0]) * build.tail
+    points[:, 0] *= build["length"]
+    points = points[0] + (points - points[0]) * build["tail"]
     low, high = species.tail_lift
     # Seen from behind: what lifts a tail is a pitch downwards of the chain that runs backwards.
     moved, turns = bend(points, -(low + (high - low) * pose.tail_lift), pose.tail_swing)
     placed = body.place(moved)
     if pose.sit:
-        placed[:, 1] = np.maximum(placed[:, 1], ground(build) + rows.radius)
-    sweep = tube(placed, rows.radius, side=(body.rotation @ turns)[:, :, 2])
-    return fuse(sweep, blend=0.03, ripple=species.tail_ripple)
+        placed[:, 1] = np.maximum(placed[:, 1], _ground(build) + rows.radius)
+    return tube(placed, rows.radius, side=(body.rotation @ turns)[:, :, 2])
 
 
 def _crest(neck: Sweep, mane: Mane, sign: float) -> Part:
@@ -526,15 +457,15 @@ def _crest(neck: Sweep, mane: Mane, sign: float) -> Part:
     return fuse(tube(points, mane.radius, mane.half_width, neck.sides), blend=0.01, ripple=ripple)
 
 
-def ground(build: Build) -> float:
+def _ground(build: _Build) -> float:
     """Return the height of the ground, 0 for legs of the drawn length."""
-    return BELOW_BELLY * (1 - build.legs)
+    return _BELOW_BELLY * (1 - build["legs"])
 
 
-def hang(limb: Limb, build: Build, angles: tuple[float, ...]) -> Floats:
+def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Floats:
     """Return the folded stations, (n + 1, 3), from the uppermost joint; the last one is the sole."""
     rows = limb.template.stations
-    length = limb.y - ground(build)
+    length = limb.y - _ground(build)
     forward = np.append(rows.x, rows.x[-1]) * length
     height = np.append(rows.y, 0.0)
     across = (limb.foot - limb.z) * (1 - height)
@@ -542,81 +473,58 @@ def hang(limb: Limb, build: Build, angles: tuple[float, ...]) -> Floats:
     return fold(points, limb.template.joints, angles)
 
 
-def leg(limb: Limb, build: Build, angles: tuple[float, ...], stance: bool, body: Frame, right: bool) -> Sweep:
-    """Return one leg.
-
-    Args:
-        limb: the pair of legs of which it is one.
-        build: the individual.
-        angles: of its four joints, degrees from rest.
-        stance: stretch or shorten it so that its sole is on the ground.
-        body: where the torso is.
-        right: on +z.
-    """
+def _leg(limb: Limb, build: _Build, angles: tuple[float, ...], stance: bool, body: Frame) -> Sweep:
+    """Return a right leg; one that stands is stretched or shortened so that its sole is on the ground."""
     rows = limb.template.stations
-    points = hang(limb, build, angles)
-    root = body.place(np.array([[limb.x * build.length, limb.y, limb.z * build.girth]]))[0]
+    points = _hang(limb, build, angles)
+    root = body.place([limb.x * build["length"], limb.y, limb.z * build["girth"]])
     if stance:
-        points[:, 1] *= (ground(build) - root[1]) / points[-1, 1]
+        points[:, 1] *= (_ground(build) - root[1]) / points[-1, 1]
     points += root
-    widen = np.interp(rows.y, [0.5, 0.9], [build.bone, build.bone**0.5])
+    widen = np.interp(rows.y, [0.5, 0.9], [build["bone"], build["bone"] ** 0.5])
     thick = limb.thick * limb.y * widen
-    mirror = np.array([1.0, 1.0, 1.0 if right else -1.0])
     sole = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
     if stance:
         sole = np.array([0.0, -1.0, 0.0])
-    cut = Cut(points[-1] * mirror, sole * mirror) if limb.template.sole else None
-    return replace(tube(points[:-1] * mirror, rows.radius * thick, rows.widths * thick), cut=cut)
+    cut = Cut(points[-1], sole) if limb.template.sole else None
+    return replace(tube(points[:-1], rows.radius * thick, rows.widths * thick), cut=cut)
 
 
-def shoulder_blade(limb: Limb, build: Build, body: Frame, right: bool) -> Sweep:
-    """Return the flat muscle that runs from the point of the shoulder up and back to the withers."""
-    x, size = limb.x * build.length, limb.y * limb.thick
-    sign = 1.0 if right else -1.0
-    points = np.array(
-        [
-            [x, limb.y, limb.z * build.girth * sign],
-            [x - 0.07, limb.y + 0.14, (0.85 * limb.z + 0.01) * build.girth * sign],
-            [x - 0.13, limb.y + 0.25, 0.52 * limb.z * build.girth * sign],
-        ]
-    )
+def _shoulder_blade(limb: Limb, build: _Build, body: Frame) -> Sweep:
+    """Return the flat muscle that runs from the point of the right shoulder up and back to the withers."""
+    x, size, girth = limb.x * build["length"], limb.y * limb.thick, build["girth"]
+    points = [
+        [x, limb.y, limb.z * girth],
+        [x - 0.07, limb.y + 0.14, (0.85 * limb.z + 0.01) * girth],
+        [x - 0.13, limb.y + 0.25, 0.52 * limb.z * girth],
+    ]
     radii, widths = np.array([0.13, 0.115, 0.075]) * size, np.array([0.085, 0.060, 0.040]) * size
-    return tube(body.place(points), radii, widths, body.rotation[:, 2])
+    return tube(points, radii, widths).placed(body)
 
 
-def stretch(x: Floats, muzzle: float) -> Floats:
+def _stretch(x: Floats, muzzle: float) -> Floats:
     """Return positions along the head with the face in front of the eyes stretched."""
-    stretched: Floats = x + (muzzle - 1) * np.maximum(x - FACE, 0)
+    stretched: Floats = x + (muzzle - 1) * np.maximum(x - _FACE, 0)
     return stretched
 
 
-def skull(head: Head, build: Build, frame: Frame) -> Part:
-    """Return the head without its ornaments; ``frame`` is that of the head, in the world."""
+def _skull(head: Head, muzzle: float) -> Sweep:
+    """Return the head without its ornaments, in its own frame and length."""
     rows = head.skull.stations
-    points = replace(rows, x=stretch(rows.x, build.muzzle)).points
-    size = head.length * build.head
-    placed = frame.place(points * size)
-    sweep = tube(placed, rows.radius * size, rows.widths * size, frame.rotation[:, 2])
-    cut = Cut(placed[-1], frame.rotation[:, 0]) if head.flat else None
-    return fuse(replace(sweep, cut=cut), blend=0.1 * head.length)
+    points = replace(rows, x=_stretch(rows.x, muzzle)).points
+    cut = Cut(points[-1], np.array([1.0, 0.0, 0.0])) if head.flat else None
+    return replace(tube(points, rows.radius, rows.widths), cut=cut)
 
 
-def ornament(item: Ornament, size: float, build: Build, frame: Frame, rng: Rng, muzzle: float = 1.0) -> Part:
-    """Return an ornament, both sides of it if mirrored.
-
-    Args:
-        item: what it is.
-        size: the unit of its rows.
-        build: the individual.
-        frame: what it grows on.
-        rng: for its swivel, drawn once a side.
-        muzzle: how much the face is stretched; 1 on the body.
-    """
+def _ornament(
+    item: Ornament, size: float, build: _Build, frame: Frame, rng: Rng, muzzle: float = 1.0
+) -> Part:
+    """Return an ornament, or a pair; its unit is ``size``, and ``muzzle`` stretches the face below it."""
     points, radii, widths = item.stations.points, item.stations.radius * size, item.stations.widths * size
-    factor = 1.0 if item.scale is None else float(getattr(build, item.scale))
+    factor = 1.0 if item.scale is None else build[item.scale]
     pivot = points[0] if item.pivot is None else np.array(item.pivot)
     points = pivot + (points - pivot) * factor
-    points = np.column_stack([stretch(points[:, 0], muzzle), points[:, 1:]])
+    points[:, 0] = _stretch(points[:, 0], muzzle)
     sweeps = []
     for sign in (1.0, -1.0) if item.mirror else (1.0,):
         turn = pitch(rng.normal(0, 0.5) * item.swivel) @ yaw(rng.normal(0, 0.5) * item.swivel)
@@ -627,16 +535,12 @@ def ornament(item: Ornament, size: float, build: Build, frame: Frame, rng: Rng, 
     return fuse(*sweeps, blend=item.blend, carve=item.carve, ripple=item.ripple)
 
 
-def on_skull(head: Head, x: float, degrees: float) -> Floats:
+def _on_skull(head: Head, x: float, degrees: float) -> Floats:
     """Return the point (3,) on the right half of the skull, in units of its length, seen from its axis.
 
     The skull is the union of ellipsoids about all stations, so where it tapers steeply its surface lies
     outside the nearest station's section: the ray from the axis is cut with every ellipsoid near.
-
-    Args:
-        head: the head.
-        x: where along it.
-        degrees: 0 to the side, 90 to the crown, -90 under the jaw.
+    Degrees are 0 to the side, 90 to the crown, -90 under the jaw.
     """
     skull, count = head.skull, len(head.skull.x)
     at, top, bottom, widths = (
@@ -654,39 +558,33 @@ def on_skull(head: Head, x: float, degrees: float) -> Floats:
     return np.array([x, start + far * up, far * out])
 
 
-def eyes(head: Head, build: Build, frame: Frame) -> list[Part]:
-    """Return shallow sockets to dig and balls to lay in them."""
+def _face(head: Head, muzzle: float, frame: Frame, size: float) -> list[Part]:
+    """Return shallow sockets to dig, eyeballs to lay in them, and the groove of the mouth, to dig, if any."""
     x, angle, radius = head.eye.x, head.eye.angle, head.eye.radius
-    at = np.array([on_skull(head, x, angle), on_skull(head, x + 0.02, angle)])
-    ahead = at + radius * np.array([0.5, 0.1, 0.35])
-    sockets = _both(head, build, frame, ahead, 1.15 * radius)
-    balls = _both(head, build, frame, at - radius * np.array([0.0, 0.0, 0.35]), radius)
-    size = head.length * build.head
-    return [fuse(*sockets, blend=0.05 * size, carve=True), fuse(*balls)]
+    at = np.array([_on_skull(head, x, angle), _on_skull(head, x + 0.02, angle)])
+    socket = tube(at + radius * np.array([0.5, 0.1, 0.35]), 1.15 * radius)
+    eyeball = tube(at - radius * np.array([0.0, 0.0, 0.35]), radius)
+
+    def placed(sweep: Sweep) -> tuple[Shape, ...]:
+        stretched = np.column_stack([_stretch(sweep.points[:, 0], muzzle), sweep.points[:, 1:]])
+        return tuple(each.placed(frame, size) for each in both(replace(sweep, points=stretched)))
+
+    parts = [fuse(*placed(socket), blend=0.05 * size, carve=True), fuse(*placed(eyeball))]
+    if head.mouth is not None:
+        lips = tube(_lips(head, head.mouth), _LIP)
+        parts.append(fuse(*placed(lips), blend=0.01 * head.length, carve=True))
+    return parts
 
 
-def mouth(head: Head, build: Build, frame: Frame) -> Part | None:
-    """Return the groove between the lips, to dig, or None if the head has none."""
-    if head.mouth is None:
-        return None
-    corner, degrees = head.mouth.x, head.mouth.angle
+def _lips(head: Head, mouth: Mouth) -> Floats:
+    """Return the points (7, 3) between the lips, from the right corner to the middle in front."""
     end = float(head.skull.x[-1])
-    along = zip(np.linspace(corner, end, 5), np.linspace(degrees - 12, degrees, 5), strict=True)
-    side = np.array([on_skull(head, float(x), float(angle)) for x, angle in along])
-    side[:, 2] += PROUD
+    along = zip(np.linspace(mouth.x, end, 5), np.linspace(mouth.angle - 12, mouth.angle, 5), strict=True)
+    side = np.array([_on_skull(head, float(x), float(angle)) for x, angle in along])
+    side[:, 2] += _PROUD
     rows = head.skull.stations
     # The muzzle ends in half an ellipsoid as deep as it is high.
-    ahead, up = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
-    cap = np.array([end + PROUD + rows.radius[-1] * ahead, rows.y[-1] + rows.radius[-1] * up, 0.0])
+    ahead, up = np.cos(np.deg2rad(mouth.angle)), np.sin(np.deg2rad(mouth.angle))
+    cap = np.array([end + _PROUD + rows.radius[-1] * ahead, rows.y[-1] + rows.radius[-1] * up, 0.0])
     bow = side[-1] * 0.3 + cap * 0.7 + np.array([0.0, 0.0, 0.25 * side[-1, 2]])
-    groove = _both(head, build, frame, np.vstack([side, bow, cap]), LIP)
-    return fuse(*groove, blend=0.01 * head.length, carve=True)
-
-
-def _both(head: Head, build: Build, frame: Frame, points: Floats, radius: float) -> tuple[Sweep, ...]:
-    size = head.length * build.head
-    stretched = np.column_stack([stretch(points[:, 0], build.muzzle), points[:, 1:]])
-    return tuple(
-        tube(frame.place(stretched * [1, 1, sign] * size), radius * size, side=frame.rotation[:, 2])
-        for sign in (1, -1)
-    )
+    return np.vstack([side, bow, cap])

@@ -2,10 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-__all__ = ["GALLOP", "POSES", "TROT", "WALK", "Angles", "Gait", "Pose"]
+from normalgan.animals.plan import Rng
+
+__all__ = ["POSES", "Angles", "Pose"]
 
 Angles = tuple[float, float, float, float]
 
@@ -42,7 +45,7 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Gait:
+class _Gait:
     """A way of going (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
 
     Args:
@@ -60,12 +63,12 @@ class Gait:
     grounded: bool = True
 
 
-WALK = Gait((0.75, 0.25, 0.5, 0.0), 0.64, 19.0, 42.0)
-TROT = Gait((0.0, 0.5, 0.5, 0.0), 0.48, 25.0, 62.0)
-GALLOP = Gait((0.62, 0.5, 0.12, 0.0), 0.3, 42.0, 70.0, grounded=False)
+_WALK = _Gait((0.75, 0.25, 0.5, 0.0), 0.64, 19.0, 42.0)
+_TROT = _Gait((0.0, 0.5, 0.5, 0.0), 0.48, 25.0, 62.0)
+_GALLOP = _Gait((0.62, 0.5, 0.12, 0.0), 0.3, 42.0, 70.0, grounded=False)
 
 
-def _leg(gait: Gait, phase: float, fore: bool) -> tuple[Angles, bool]:
+def _leg(gait: _Gait, phase: float, fore: bool) -> tuple[Angles, bool]:
     phase %= 1.0
     if phase < gait.duty:
         upper = gait.swing * (1 - 2 * phase / gait.duty)
@@ -78,7 +81,7 @@ def _leg(gait: Gait, phase: float, fore: bool) -> tuple[Angles, bool]:
     return (upper + 0.45 * fold, -0.85 * fold, 0.75 * fold, -0.8 * fold), False
 
 
-def _going(gait: Gait, rng: np.random.Generator) -> Pose:
+def _going(gait: _Gait, rng: Rng) -> Pose:
     start = rng.uniform()
     gait = replace(gait, swing=gait.swing * rng.uniform(0.75, 1.1), lift=gait.lift * rng.uniform(0.8, 1.15))
     drawn = [_leg(gait, start + phase, fore=i < 2) for i, phase in enumerate(gait.phases)]
@@ -93,7 +96,7 @@ def _going(gait: Gait, rng: np.random.Generator) -> Pose:
     )
 
 
-def _carriage(rng: np.random.Generator) -> Pose:
+def _carriage(rng: Rng) -> Pose:
     """Draw how neck, head and tail are carried, the legs at rest."""
     still: Angles = (0.0, 0.0, 0.0, 0.0)
     return Pose(
@@ -107,25 +110,17 @@ def _carriage(rng: np.random.Generator) -> Pose:
     )
 
 
-def _stand(rng: np.random.Generator) -> Pose:
+def _stand(rng: Rng) -> Pose:
     uppers = rng.normal(0, 4, 4).clip(-9, 9)
     rf, lf, rh, lh = ((float(a), 0.0, 0.0, -float(a)) for a in uppers)
     return replace(_carriage(rng), legs=(rf, lf, rh, lh))
 
 
-def _walk(rng: np.random.Generator) -> Pose:
-    return _going(WALK, rng)
+def _gallop(rng: Rng) -> Pose:
+    return replace(_going(_GALLOP, rng), tail_lift=rng.uniform(0.6, 1.0))
 
 
-def _trot(rng: np.random.Generator) -> Pose:
-    return _going(TROT, rng)
-
-
-def _gallop(rng: np.random.Generator) -> Pose:
-    return replace(_going(GALLOP, rng), tail_lift=rng.uniform(0.6, 1.0))
-
-
-def _graze(rng: np.random.Generator) -> Pose:
+def _graze(rng: Rng) -> Pose:
     ahead = rng.uniform(8, 17)
     back = rng.uniform(-9, 0)
     fronts = [(ahead, 0.0, 0.0, -ahead), (back, 0.0, 0.0, -back)]
@@ -135,7 +130,7 @@ def _graze(rng: np.random.Generator) -> Pose:
     return replace(pose, legs=legs, graze=True, neck_yaw=rng.normal(0, 10))
 
 
-def _sit(rng: np.random.Generator) -> Pose:
+def _sit(rng: Rng) -> Pose:
     front = rng.uniform(-2, 8)
     fold = rng.uniform(-4, 6)
     fore = (front, 0.0, 0.0, -front)
@@ -143,10 +138,10 @@ def _sit(rng: np.random.Generator) -> Pose:
     return replace(_carriage(rng), legs=(fore, fore, hind, hind), sit=True)
 
 
-POSES: Mapping[str, Callable[[np.random.Generator], Pose]] = {
+POSES: Mapping[str, Callable[[Rng], Pose]] = {
     "stand": _stand,
-    "walk": _walk,
-    "trot": _trot,
+    "walk": partial(_going, _WALK),
+    "trot": partial(_going, _TROT),
     "gallop": _gallop,
     "graze": _graze,
     "sit": _sit,

@@ -6,33 +6,21 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, by, carried, fuse, moved, on_side, pair, tube
-from normalgan.animals.frames import Frame, about, bend, pitch, spanned, yaw
-from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, factors, proportions
-from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.frames import Floats, Frame, about, bend, pitch, spanned, way_along, yaw
+from normalgan.animals.parts import Part, ball, by, carried, fuse, in_space, on_side, pair, tube
+from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, around, proportions
+from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
-from normalgan.animals.sweep import Floats, Sweep, way_along
 
-__all__ = [
-    "COILED",
-    "CRAWLING",
-    "RANGES",
-    "SHELLED",
-    "SNAKE_HEAD",
-    "TURTLE_HEAD",
-    "Crawler",
-    "Snake",
-    "Turtle",
-]
+__all__ = ["Crawler", "Snake", "Turtle"]
 
-RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Range] = {
     "girth": (0.88, 1.18), "tail": (0.8, 1.15), "head": (0.9, 1.18), "legs": (0.88, 1.15),
     "crest": (0.7, 1.3),
 }  # fmt: skip
-CRAWLING = ("crawl", "stand", "bask", "gape")
-SHELLED = ("stand", "walk", "hide", "swim", "glide")
-COILED = ("coil", "wind", "rear")
+_CRAWLING = ("crawl", "stand", "bask", "gape")
+_SHELLED = ("stand", "walk", "hide", "swim", "glide")
+_COILED = ("coil", "wind", "rear")
 
 
 @dataclass(frozen=True)
@@ -58,7 +46,7 @@ class Crawler(PosedPlan):
         ranges: ranges of proportions that differ from the general ones.
     """
 
-    habits: tuple[Annotated[str, CRAWLING], ...]
+    habits: tuple[Annotated[str, _CRAWLING], ...]
     trunk: Profile
     head: float
     skull: Profile
@@ -71,11 +59,11 @@ class Crawler(PosedPlan):
     thick: float
     crest: float = 0.0
     scutes: Annotated[int, Between(0, 10)] = 0
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        build = proportions(RANGES, self.ranges, rng)
+        build = proportions(_RANGES, self.ranges, rng)
         x = self.trunk.x
         rows = replace(self.trunk, x=np.where(x < 0, x * build["tail"], x)).wider(build["girth"])
         spine = _crawler_spine(rows, pose, rng)
@@ -83,16 +71,17 @@ class Crawler(PosedPlan):
         at = spine.frame(self.neck[0])
         lift = rng.uniform(0, 10) + (8.0 if pose == "gape" else 0.0)
         turn = float(np.clip(rng.normal(0, 14), -30, 30))
-        head = Frame(at.place(np.array([[0.0, self.neck[1], 0.0]]))[0], at.rotation @ yaw(turn) @ pitch(lift))
+        head = Frame(at.place([0.0, self.neck[1], 0.0]), at.rotation @ yaw(turn) @ pitch(lift))
         gape = rng.uniform(20, 32) if pose == "gape" else rng.uniform(1, 4)
         parts += carried(_crawler_head(self, gape), head, self.head * build["head"])
-        for number, root in enumerate((self.shoulder, self.hip)):
+        for root, ahead in ((self.shoulder, 1), (self.hip, -1)):
             for sign in (1.0, -1.0):
                 swing = rng.normal(0, 6)
                 if pose == "crawl":  # diagonal legs go together
-                    swing += 26.0 * sign * (1 if number == 0 else -1) * rng.uniform(0.6, 1.0)
+                    swing += 26.0 * sign * ahead * rng.uniform(0.6, 1.0)
+                leg = _crawler_leg(root, self.reach * build["legs"], self.thick, ahead, swing)
                 parts.append(
-                    _crawler_leg(self, np.array(root), sign, number == 0, swing, build["legs"], spine)
+                    fuse(*(on_side(one, sign > 0).placed(spine.frame(root[0])) for one in leg), blend=0.05)
                 )
         if self.crest:
             parts.append(fuse(*_crest(rows, self.crest * build["crest"], spine), blend=0.015))
@@ -115,7 +104,7 @@ class Turtle(PosedPlan):
         bumpy: how far the scutes bulge.
     """
 
-    habits: tuple[Annotated[str, SHELLED], ...]
+    habits: tuple[Annotated[str, _SHELLED], ...]
     dome: float
     half_width: float
     neck: float
@@ -125,39 +114,39 @@ class Turtle(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        build = factors(rng, 0.12, "dome", "wide", "clear", "neck", "head", "legs")
-        radii = np.array([0.50, self.dome * build["dome"], self.half_width * build["wide"]])
-        rim = 0.0 if self.flippers else self.clear * build["clear"]
+        dome, half_width, clear, neck, size, limbs = around(
+            rng, 0.12, self.dome, self.half_width, self.clear, self.neck, 1.0, 1.0
+        )
+        radii = np.array([0.50, dome, half_width])
+        rim = 0.0 if self.flippers else clear
         under = 0.28 if self.flippers else 0.34
         shell = [
-            fuse(ball((0, rim, 0), radii)),
+            fuse(ball((0, rim), radii)),
             # The dome alone: what lies below its rim is cut off, and a flatter belly set in its place.
             fuse(_slab(rim, radii), carve=True, blend=0.02),
-            fuse(ball((0, rim + 0.005, 0), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
-            fuse(ball((0, rim, 0), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
+            fuse(ball((0, rim + 0.005), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
+            fuse(ball((0, rim), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
             *([fuse(*_scutes(radii, rim, self.bumpy), blend=0.25 * radii[1])] if self.bumpy else []),
             fuse(*_grooves(radii, rim), carve=True, blend=0.008),
         ]
-        tail = tube([(-0.40, rim, 0), (-0.52, rim - 0.03, 0), (-0.62, rim - 0.07, 0)], [0.06, 0.04, 0.012])
+        tail = tube([(-0.40, rim), (-0.52, rim - 0.03), (-0.62, rim - 0.07)], [0.06, 0.04, 0.012])
         parts = [*shell, fuse(tail, blend=0.03)]
-        out = self.neck * build["neck"] * {"hide": 0.35}.get(pose, 1.0)
-        stretch = np.array(
-            [[0.36, rim - 0.01, 0], [0.48, rim + 0.01, 0], [0.50 + out, rim + 0.10 * (out > 0.1), 0]]
-        )
+        out = neck * (0.35 if pose == "hide" else 1.0)
+        stretch = in_space([(0.36, rim - 0.01), (0.48, rim + 0.01), (0.50 + out, rim + 0.10 * (out > 0.1))])
         aside = float(np.clip(rng.normal(0, 16), -35, 35))
         bent, _ = bend(stretch, rng.uniform(-10, 22), aside)
         parts.append(fuse(tube(bent, [0.11, 0.085, 0.07]), blend=0.05))
         head = Frame(bent[-1], yaw(aside) @ pitch(rng.uniform(-12, 14)))
-        beak = tube([(0.15, 0.0, 0), (0.20, -0.02, 0), (0.205, -0.06, 0)], [0.05, 0.035, 0.012])
+        beak = tube([(0.15, 0.0), (0.20, -0.02), (0.205, -0.06)], [0.05, 0.035, 0.012])
         mouth = tube([(0.06, -0.045, 0.092), (0.13, -0.045, 0.066), (0.18, -0.05, 0.028)], 0.007)
         face = [
-            fuse(TURTLE_HEAD.sweep(), blend=0.03),
+            fuse(_TURTLE_HEAD.sweep(), blend=0.03),
             fuse(beak, blend=0.02),
             pair(ball((0.085, 0.045, 0.074), 0.021)),
             pair(mouth, carve=True, blend=0.004),
         ]
-        parts += carried(face, head, 1.15 * build["head"])
-        return parts + (_flippers if self.flippers else _turtle_legs)(radii, rim, build["legs"], pose, rng)
+        parts += carried(face, head, 1.15 * size)
+        return parts + (_flippers if self.flippers else _turtle_legs)(radii, rim, limbs, pose, rng)
 
 
 @dataclass(frozen=True)
@@ -169,7 +158,7 @@ class Snake(PosedPlan):
         hooded: whether it spreads its neck, as a cobra does.
     """
 
-    habits: tuple[Annotated[str, COILED], ...]
+    habits: tuple[Annotated[str, _COILED], ...]
     hooded: bool = False
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
@@ -188,14 +177,13 @@ class Snake(PosedPlan):
         if self.hooded and pose == "rear":
             parts.append(fuse(_hood(line, fat, yaw(heading)[:, 2], rng), blend=0.03))
         eyes = ball((0.36, 0.20, 0.37), 0.115)
-        mouth = tube(
-            [(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)], 0.035
-        )
+        lips = [(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)]
         pits = tube([(0.95, 0.02, 0.14), (0.85, 0.05, 0.18)], 0.045)
         face = [
-            fuse(SNAKE_HEAD.sweep(), blend=0.4), pair(eyes),
-            pair(mouth, pits, carve=True, blend=0.02),
-        ]  # fmt: skip
+            fuse(_SNAKE_HEAD.sweep(), blend=0.4),
+            pair(eyes),
+            pair(tube(lips, 0.035), pits, carve=True, blend=0.02),
+        ]
         return parts + carried(face, head, 1.75 * fat * rng.uniform(0.9, 1.2))
 
 
@@ -224,28 +212,26 @@ def _crawler_head(kind: Crawler, gape: float) -> list[Part]:
     ]
 
 
-def _crawler_leg(
-    kind: Crawler, root: Floats, sign: float, fore: bool, swing: float, factor: float, spine: Spine
-) -> Part:
-    """Return a leg: out from the flank, down from the elbow or knee, the foot flat on the ground."""
-    x, y, z = root
-    reach, r = kind.reach * factor, kind.thick
-    back = -1.0 if fore else 1.0  # elbows point backwards, knees forwards
-    ground = -r * 0.4
-    elbow = np.array([0.22 * back * reach, y + 0.10 * reach, z + 0.44 * reach])
-    foot = np.array([0.06 * reach, ground + 0.5 * r, z + 0.66 * reach])
-    pivot = np.array([0.0, 0.0, z])
-    turn = about(pivot, yaw(swing))
-    joint, foot = turn.place(np.array([elbow, foot]))
-    parts = [tube([(0, y, 0.7 * z), (0, y, z), joint, foot], [1.35 * r, 1.3 * r, 0.95 * r, 0.72 * r])]
+def _crawler_leg(root: Point, reach: float, thick: float, ahead: int, swing: float) -> list[Sweep]:
+    """Return a right leg: out from the flank, down from the elbow or knee, the foot flat on the ground.
+
+    Elbows point backwards, knees forwards: ``ahead`` is 1 for a foreleg, -1 for a hind leg.
+    """
+    _, y, z = root
+    ground = -thick * 0.4
+    elbow = [0.22 * -ahead * reach, y + 0.10 * reach, z + 0.44 * reach]
+    foot = [0.06 * reach, ground + 0.5 * thick, z + 0.66 * reach]
+    joint, foot = about((0.0, 0.0, z), yaw(swing)).place([elbow, foot])
+    bones = [(0, y, 0.7 * z), (0, y, z), joint, foot]
+    parts = [tube(bones, np.array([1.35, 1.3, 0.95, 0.72]) * thick)]
     for spread in (-58.0, -28.0, 0.0, 26.0, 52.0):
         length = (0.30 if abs(spread) < 40 else 0.22) * reach
         way = yaw(swing - 38.0 + spread) @ np.array([length, 0.0, 0.0])
         tip = foot + way
-        middle = foot + 0.55 * way + [0.0, 0.25 * r, 0.0]
-        tip[1], middle[1] = ground + 0.1 * r, max(middle[1], ground + 0.4 * r)
-        parts.append(tube([foot, middle, tip], [0.55 * r, 0.42 * r, 0.22 * r]))
-    return fuse(*(moved(on_side(one, sign > 0), spine.frame(x)) for one in parts), blend=0.05)
+        middle = foot + 0.55 * way + [0.0, 0.25 * thick, 0.0]
+        tip[1], middle[1] = ground + 0.1 * thick, max(middle[1], ground + 0.4 * thick)
+        parts.append(tube([foot, middle, tip], [0.55 * thick, 0.42 * thick, 0.22 * thick]))
+    return parts
 
 
 def _crest(rows: Profile, height: float, spine: Spine) -> list[Sweep]:
@@ -253,7 +239,7 @@ def _crest(rows: Profile, height: float, spine: Spine) -> list[Sweep]:
     for x in np.arange(rows.x[-1] - 0.02, 0.45 * tail, -0.055):
         top = rows.at(x)[0]
         tall = height * float(np.interp(x, [0.4 * tail, 0.0, 0.7], [0.3, 0.7, 1.0]))
-        points = np.array([[x + 0.02, top - 0.02, 0.0], [x - 0.03, top + tall, 0.0]])
+        points = [(x + 0.02, top - 0.02), (x - 0.03, top + tall)]
         spikes.append(tube(spine.place(points), [0.030, 0.010], [0.014, 0.008]))
     return spikes
 
@@ -269,12 +255,12 @@ def _bumps(rows: Profile, pairs: int, spine: Spine) -> list[Sweep]:
             y = (top + bottom) / 2 + (top - bottom) / 2 * np.sqrt(1 - share**2)
             for sign in (1.0,) if tail else (1.0, -1.0):
                 z = sign * share * wide
-                points = np.array([[x + 0.018, y - 0.006, z], [x - 0.018, y + (0.028 if tail else 0.012), z]])
+                points = [[x + 0.018, y - 0.006, z], [x - 0.018, y + (0.028 if tail else 0.012), z]]
                 bumps.append(tube(spine.place(points), [0.020, 0.012], [0.015, 0.010]))
     return bumps
 
 
-TURTLE_HEAD = Profile(
+_TURTLE_HEAD = Profile(
     np.array([-0.1, -0.02, 0.07, 0.15, 0.185]),
     np.array([0.07, 0.105, 0.1, 0.055, 0.01]),
     np.array([-0.07, -0.09, -0.085, -0.065, -0.06]),
@@ -285,7 +271,7 @@ TURTLE_HEAD = Profile(
 def _slab(rim: float, radii: Floats) -> Sweep:
     """Return what lies below the rim of the dome, to be taken away."""
     deep = float(radii[1]) + 0.1
-    points = [(-0.8, rim - deep - 0.01, 0.0), (0.8, rim - deep - 0.01, 0.0)]
+    points = [(-0.8, rim - deep - 0.01), (0.8, rim - deep - 0.01)]
     return tube(points, deep, 8.0)
 
 
@@ -298,17 +284,13 @@ def _on(radii: Floats, rim: float, x: float, z: float, out: float = 0.0) -> Floa
 
 def _scutes(radii: Floats, rim: float, bumpy: float) -> list[Sweep]:
     """Return bulges in the middle of the scutes."""
+    middles = [(x, 0.0) for x in (-0.62, -0.22, 0.20, 0.58)]
+    middles += [(x, z) for x in (-0.50, -0.02, 0.44) for z in (0.56, -0.56)]
     bulges = []
-    for x in (-0.62, -0.22, 0.20, 0.58):
-        bulges.append(_bulge(radii, rim, x, 0.0, bumpy))
-    for x in (-0.50, -0.02, 0.44):
-        bulges += [_bulge(radii, rim, x, sign * 0.56, bumpy) for sign in (1, -1)]
+    for x, z in middles:
+        inner, outer = _on(radii, rim, x, z, -0.10), _on(radii, rim, x, z, bumpy - 0.14)
+        bulges.append(tube([inner, outer], [0.14, 0.07]))
     return bulges
-
-
-def _bulge(radii: Floats, rim: float, x: float, z: float, bumpy: float) -> Sweep:
-    inner, outer = _on(radii, rim, x, z, -0.10), _on(radii, rim, x, z, bumpy - 0.14)
-    return tube([inner, outer], [0.14, 0.07])
 
 
 def _grooves(radii: Floats, rim: float) -> list[Sweep]:
@@ -335,32 +317,35 @@ def _turtle_legs(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) 
             z = sign * radii[2] * 0.66
             foot = np.array([x + step + (0.07 if fore else -0.05), 0.06, 1.16 * z])
             knee = np.array([x + 0.5 * step + (0.05 if fore else -0.06), 0.5 * rim + 0.04, 1.14 * z])
-            legs.append(
-                tube(np.array([[x, rim, z * 0.8], knee, foot]), [0.12, 0.10 * factor, 0.085 * factor])
-            )
+            hip = np.array([x, rim, z * 0.8])
+            legs.append(tube([hip, knee, foot], [0.12, 0.10 * factor, 0.085 * factor]))
             for spread in (-0.05, 0.0, 0.05):
                 tip = by(foot, 0.085, -0.035, spread)
                 toes.append(tube([by(foot, 0.04, -0.03, spread), tip], [0.035, 0.022]))
     return [fuse(*legs, blend=0.03), fuse(*toes, blend=0.03)]
 
 
+# Outlines of right flippers: out, ahead.
+_FORE_FLIPPER = [(0.0, 0.08), (0.20, 0.11), (0.42, 0.0), (0.66, -0.24), (0.68, -0.30), (0.44, -0.20),
+                 (0.16, -0.09), (0.0, -0.08)]  # fmt: skip
+_HIND_FLIPPER = [(0.0, 0.06), (0.16, 0.05), (0.28, -0.06), (0.26, -0.12), (0.12, -0.10), (0.0, -0.06)]
+
+
 def _flippers(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
     parts = []
     lift = rng.uniform(-28, 34) if pose == "swim" else rng.uniform(-8, 6)
-    fore = rounded([(0.0, 0.08), (0.20, 0.11), (0.42, 0.0), (0.66, -0.24), (0.68, -0.30), (0.44, -0.20),
-        (0.16, -0.09),
-                    (0.0, -0.08)])  # fmt: skip
-    hind = rounded([(0.0, 0.06), (0.16, 0.05), (0.28, -0.06), (0.26, -0.12), (0.12, -0.10), (0.0, -0.06)])
-    for outline, x, sweep, up in ((fore, 0.30, 8.0, lift), (hind, -0.36, 52.0, -0.4 * lift)):
+    for corners, x, sweep, up in (
+        (_FORE_FLIPPER, 0.30, 8.0, lift),
+        (_HIND_FLIPPER, -0.36, 52.0, -0.4 * lift),
+    ):
         out, rise = np.deg2rad(sweep), np.deg2rad(up)
         first = np.array([-np.sin(out) * np.cos(rise), np.sin(rise), np.cos(out) * np.cos(rise)])
         frame = spanned(np.array([x, rim - 0.02, 0.74 * radii[2]]), first, np.array([1.0, 0.0, 0.0]))
-        right = Plate(frame, outline * factor, 0.016, 0.25, 0.05)
-        parts.append(fuse(right, right.mirrored(), blend=0.05))
+        parts.append(pair(Plate(frame, rounded(corners) * factor, 0.016, 0.25, 0.05), blend=0.05))
     return parts
 
 
-SNAKE_HEAD = Profile(
+_SNAKE_HEAD = Profile(
     np.array([-0.55, -0.25, 0.1, 0.45, 0.75, 0.88]),
     np.array([0.26, 0.34, 0.34, 0.24, 0.1, 0.02]),
     np.array([-0.26, -0.3, -0.3, -0.26, -0.22, -0.16]),
@@ -368,23 +353,33 @@ SNAKE_HEAD = Profile(
 )
 
 
-def _coil(fat: float, rng: Rng) -> Floats:
-    """Return a spiral from the tip of the tail outside to the head raised in the middle."""
-    turns, gap = rng.uniform(2.2, 3.0), 1.9 * fat
+def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, side: float) -> Floats:
+    """Return a flat coil from the tip of the tail, outside, inwards.
+
+    Args:
+        fat: radius of the snake.
+        turns: how often it goes round.
+        inner: radius in the middle.
+        rise: of each turn over the one outside it, in units of ``fat``.
+        end: radians at which it ends.
+        side: 1 or -1, which way round.
+    """
     angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
-    radius = 0.16 + gap * (angle[-1] - angle) / (2 * np.pi)
-    rise = fat + 0.75 * fat * angle / (2 * np.pi)  # each turn lies half on the one outside it
+    radius = inner + 1.9 * fat * (angle[-1] - angle) / (2 * np.pi)
+    phase = angle + (-angle[-1] + end)
+    height = fat + rise * fat * angle / (2 * np.pi)
+    return np.column_stack([radius * np.cos(phase), height, side * radius * np.sin(phase)])
+
+
+def _coil(fat: float, rng: Rng) -> Floats:
+    """Return a coil with the head raised in the middle."""
+    turns = rng.uniform(2.2, 3.0)
     side = 1.0 if rng.uniform() < 0.5 else -1.0
-    phase = -angle[-1] - np.pi / 2
-    spiral = np.column_stack([radius * np.cos(angle + phase), rise, side * radius * np.sin(angle + phase)])
-    tall = rng.uniform(0.10, 0.30)
-    end = spiral[-1]
-    neck = np.array(
-        [[0.12, 0.05, 0.02], [0.16, 0.45, 0.0], [0.04, 0.9, 0.0], [0.10, 1.15, 0.0], [0.26, 1.18, 0.0]]
-    )
-    raised = np.array([end[0], end[1], 0.6 * end[2]]) + neck * [1.0, tall + 0.08, side]
-    raised[:, 2] = np.linspace(end[2], 0.0, 6)[1:]
-    return np.vstack([spiral, raised])
+    spiral = _spiral(fat, turns, 0.16, 0.75, -np.pi / 2, side)
+    tall, end = rng.uniform(0.10, 0.30), spiral[-1]
+    neck = np.array([[0.12, 0.05], [0.16, 0.45], [0.04, 0.9], [0.10, 1.15], [0.26, 1.18]])
+    raised = end[:2] + neck * [1.0, tall + 0.08]
+    return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0.0, 6)[1:]])])
 
 
 def _wind(fat: float, rng: Rng) -> Floats:
@@ -400,16 +395,11 @@ def _wind(fat: float, rng: Rng) -> Floats:
 def _rear(fat: float, rng: Rng) -> Floats:
     """Return a coil from which the front third stands up."""
     turns = rng.uniform(1.3, 1.9)
-    angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
-    radius = 0.20 + 1.9 * fat * (angle[-1] - angle) / (2 * np.pi)
-    side = 1.0 if rng.uniform() < 0.5 else -1.0
-    phase = -angle[-1] - 0.75 * np.pi
-    rise = fat + 0.5 * fat * angle / (2 * np.pi)
-    spiral = np.column_stack([radius * np.cos(angle + phase), rise, side * radius * np.sin(angle + phase)])
+    spiral = _spiral(fat, turns, 0.20, 0.5, -0.75 * np.pi, 1.0 if rng.uniform() < 0.5 else -1.0)
     end, tall = spiral[-1], rng.uniform(0.55, 0.85)
     up = np.array([[0.15, 0.06], [0.20, 0.26], [0.14, 0.52], [0.10, 0.78], [0.13, 0.94], [0.24, 1.0]])
-    stand = np.column_stack([end[0] + up[:, 0], end[1] + tall * up[:, 1], np.linspace(end[2], 0, 7)[1:]])
-    return np.vstack([spiral, stand])
+    raised = end[:2] + up * [1.0, tall]
+    return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0, 7)[1:]])])
 
 
 def _hood(line: Floats, fat: float, side: Floats, rng: Rng) -> Sweep:

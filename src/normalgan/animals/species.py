@@ -1,17 +1,42 @@
-"""The species by name and group: files of the folder beside, read when asked for, and functions."""
+"""The species by name and group: files of the folder beside, read when asked for, and functions.
 
+A file is TOML, read into the fields of a body plan, whose docstring says what each means.
+"""
+
+import inspect
+import tomllib
 from collections.abc import Iterator, Mapping
 from functools import cache
-from types import MappingProxyType
+from importlib import import_module
+from pathlib import Path
+from types import MappingProxyType, NoneType
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from normalgan.animals.blobs import BLOBS
+import numpy as np
+
 from normalgan.animals.insects import INSECTS
-from normalgan.animals.plan import BodyPlan
+from normalgan.animals.objects import BLOBS
+from normalgan.animals.plan import RISING, Between, BodyPlan
 from normalgan.animals.plush import PLUSH
-from normalgan.animals.species_files import FOLDER, read_species
+from normalgan.errors import InputError, brief, did_you_mean
 
-__all__ = ["GROUPS", "SPECIES"]
+__all__ = ["FOLDER", "GROUPS", "PLANS", "SHARED", "SPECIES", "read_species"]
 
+FOLDER = Path(__file__).with_name("species")
+SHARED = FOLDER / "shared.toml"
+PLANS = {
+    "biped": "normalgan.animals.bipeds.Biped",
+    "bird": "normalgan.animals.birds.Bird",
+    "crawler": "normalgan.animals.reptiles.Crawler",
+    "fish": "normalgan.animals.fish.Fish",
+    "quadruped": "normalgan.animals.quadruped.Quadruped",
+    "snake": "normalgan.animals.reptiles.Snake",
+    "theropod": "normalgan.animals.theropods.Theropod",
+    "turtle": "normalgan.animals.reptiles.Turtle",
+}
+"""What a file may name as its ``plan``, and where that is; imported when a species of it is read."""
+_GREATEST = 10_000  # sizes are about 1, angles in degrees: what is greater would only overflow
+_WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 # What a herd of a given seed holds follows from the order: new names go last.
 _FILES: Mapping[str, tuple[str, ...]] = {
     "quadrupeds": (
@@ -63,3 +88,150 @@ def _read(group: str, name: str) -> BodyPlan:
 
 SPECIES: Mapping[str, BodyPlan] = _Species()
 """All species by name; no two groups share one."""
+
+
+def read_species(path: str | Path) -> BodyPlan:
+    """Return the species that a TOML file describes.
+
+    The file's ``plan`` names a body plan; its other keys are the fields of that class, tables those of the
+    classes within. A text in place of a table stands for one of `SHARED`; where several classes fit, the
+    table's ``kind`` says which.
+
+    Args:
+        path: of the file; those of the package, in `FOLDER`, are examples.
+
+    Raises:
+        InputError: if the file cannot be read, is no TOML, or a field is missing, unknown or of a wrong kind.
+
+    Example:
+        >>> read_species(FOLDER / "quadrupeds" / "horse.toml").poses
+        ('stand', 'walk', 'trot', 'gallop', 'graze', 'sit')
+    """
+    table = _toml(Path(path))
+    try:
+        if "plan" not in table:
+            raise InputError(f"plan is missing. Known: {', '.join(PLANS)}.")
+        name = _value(table.pop("plan"), Annotated[str, tuple(PLANS)], "plan")
+        module, _, cls = PLANS[name].rpartition(".")
+        plan: BodyPlan = _record(table, getattr(import_module(module), cls), "")
+        if not table.get("habits", True):
+            raise InputError("habits name one pose or more.")
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    return plan
+
+
+@cache
+def _shared() -> dict[str, Any]:
+    return _toml(SHARED)
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    except ValueError as error:  # tomllib's, or of bytes that are no UTF-8
+        raise InputError(f"{path} is not a species file, which is TOML: {brief(error)}.") from error
+
+
+def _value(given: object, hint: Any, where: str) -> Any:
+    """Return what was given as what the annotation asks for."""
+    if get_origin(hint) is Annotated:
+        value = _value(given, get_args(hint)[0], where)
+        for allowed in hint.__metadata__:
+            _check(value, allowed, where)
+        return value
+    classes = [each for each in get_args(hint) if each is not NoneType]
+    if get_origin(hint) is None:
+        return _plain(given, hint, where) if hint in _WORDS else _record(given, hint, where)
+    if get_origin(hint) is np.ndarray:
+        return _column(given, where)
+    if get_origin(hint) is tuple:
+        return _tuple(given, get_args(hint), where)
+    if get_origin(hint) is Mapping:
+        if not isinstance(given, dict):
+            raise InputError(f"{where} is a table, not {_shown(given)}.")
+        key, item = get_args(hint)
+        return {_value(k, key, where): _value(v, item, f"{where}.{k}") for k, v in given.items()}
+    return _value(given, classes[0] if len(classes) == 1 else _of_kind(given, classes, where), where)
+
+
+def _check(value: Any, allowed: tuple[str, ...] | Between, where: str) -> None:
+    if allowed == RISING:
+        if value[0] > value[1]:
+            raise InputError(f"{where} is {_shown(list(value))}; the least comes first, then the greatest.")
+    elif isinstance(allowed, Between):
+        if not allowed.low <= value <= allowed.high:
+            raise InputError(f"{where} is {allowed.low:g} to {allowed.high:g}, not {value}.")
+    elif value not in allowed:
+        known = ", ".join(sorted(allowed))
+        raise InputError(f"{where} is {_shown(value)}.{did_you_mean(value, allowed)} Known: {known}.")
+
+
+def _plain(given: object, kind: type, where: str) -> Any:
+    right = isinstance(given, int | float if kind is float else kind)
+    if not right or (isinstance(given, bool) and kind is not bool):
+        raise InputError(f"{where} is {_WORDS[kind]}, not {_shown(given)}.")
+    if isinstance(given, int | float) and not abs(given) <= _GREATEST:
+        raise InputError(f"{where} is a number from -{_GREATEST} to {_GREATEST}, not {_shown(given)}.")
+    return kind(given)
+
+
+def _column(given: object, where: str) -> Any:
+    numbers = _tuple(given, (float, ...), where)
+    column = np.array(numbers, dtype=np.float64)
+    column.flags.writeable = False  # all individuals share it
+    return column
+
+
+def _tuple(given: object, hints: tuple[Any, ...], where: str) -> tuple[Any, ...]:
+    if not isinstance(given, list):
+        raise InputError(f"{where} is a list, not {_shown(given)}.")
+    if hints[-1] is Ellipsis:
+        hints = hints[:1] * len(given)
+    if len(given) != len(hints):
+        raise InputError(f"{where} is a list of {len(hints)}, not of {len(given)}.")
+    items = enumerate(zip(given, hints, strict=True), start=1)
+    return tuple(_value(item, hint, f"{where}[{i}]") for i, (item, hint) in items)
+
+
+def _of_kind(given: object, classes: list[Any], where: str) -> Any:
+    """Return that class whose name the table gives as its kind, the key taken out; or else the first."""
+    kinds = {each.kind: each for each in classes}
+    named = given.pop("kind", classes[0].kind) if isinstance(given, dict) else classes[0].kind
+    return kinds[_value(named, Annotated[str, tuple(kinds)], f"{where}.kind")]
+
+
+def _record(given: object, cls: Any, where: str) -> Any:
+    """Return an instance of a class made of a table, or of a shared one by its name."""
+    if isinstance(given, str):
+        shared = _shared().get(cls.__name__, {})
+        given = shared[_value(given, Annotated[str, tuple(shared)], where)]
+    if not isinstance(given, dict):
+        raise InputError(f"{where} is a table, not {_shown(given)}.")
+    dot = f"{where}." if where else ""
+    parameters, hints = _fields(cls)
+    for name in given:
+        if name not in parameters:
+            hint = did_you_mean(name, parameters)
+            raise InputError(f"{dot}{name} is not known.{hint} Known: {', '.join(parameters)}.")
+    required = [each.name for each in parameters.values() if each.default is each.empty]
+    missing = [name for name in required if name not in given]
+    if missing:
+        raise InputError(f"{dot}{missing[0]} is missing.")
+    values = {name: _value(value, hints[name], f"{dot}{name}") for name, value in given.items()}
+    try:
+        return cls(**values)
+    except InputError as error:
+        raise InputError(f"{where}: {error}" if where else str(error)) from error
+
+
+@cache
+def _fields(cls: Any) -> tuple[Mapping[str, inspect.Parameter], dict[str, Any]]:
+    return inspect.signature(cls).parameters, get_type_hints(cls, include_extras=True)
+
+
+def _shown(given: object) -> str:
+    text = repr(given) if not isinstance(given, dict) else "a table"
+    return text if len(text) < 60 else f"{text[:56]}…"

@@ -3,10 +3,11 @@
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from normalgan.animals.forms import Shape, moved, tube
-from normalgan.animals.frames import Frame, about, pitch, yaw
-from normalgan.animals.sweep import Floats, Sweep
+from normalgan.animals.frames import Floats, Frame, about, pitch, yaw
+from normalgan.animals.parts import in_space, tube
+from normalgan.animals.shapes import Sweep
 from normalgan.errors import InputError
 
 __all__ = ["Profile", "Spine", "Stations"]
@@ -97,10 +98,10 @@ class Profile:
         stations = self.stations
         return tube(stations.points, stations.radius, stations.widths)
 
-    def opened(self, degrees: float) -> Shape:
+    def opened(self, degrees: float) -> Sweep:
         """Return the straight body, a lower jaw, turned down about its first station."""
         hinge = (float(self.x[0]), float(self.top[0] + self.bottom[0]) / 2, 0.0)
-        return moved(self.sweep(), about(hinge, pitch(-degrees)))
+        return self.sweep().placed(about(hinge, pitch(-degrees)))
 
 
 class Spine:
@@ -129,9 +130,9 @@ class Spine:
         ])  # fmt: skip
         return Frame(origin, yaw(float(np.rad2deg(angle))))
 
-    def place(self, points: Floats) -> Floats:
-        """Return (n, 3) points of the straight body where the bent one has them."""
-        return np.array([self.frame(float(x)).place(np.array([[0.0, y, z]]))[0] for x, y, z in points])
+    def place(self, points: ArrayLike) -> Floats:
+        """Return (n, 3) or (n, 2) points of the straight body where the bent one has them, (n, 3)."""
+        return np.array([self.frame(float(x)).place([0.0, y, z]) for x, y, z in in_space(points)])
 
     def sweep(self, profile: Profile) -> Sweep:
         """Return the body of a profile, bent with the spine."""

@@ -7,23 +7,21 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.bird_legs import Legs
-from normalgan.animals.field import Part
-from normalgan.animals.forms import ball, carried, fuse, moved, on_side, pair, tube
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
+from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
-from normalgan.animals.solids import Plate, rounded
+from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
-from normalgan.animals.sweep import Sweep
 
-__all__ = ["POSES", "RANGES", "YOUNG", "YOUNG_SHARE", "Arm", "Theropod"]
+__all__ = ["Arm", "Theropod"]
 
-RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Range] = {
     "girth": (0.88, 1.15), "tail": (0.85, 1.12), "neck": (0.88, 1.12), "head": (0.88, 1.15),
     "arm": (0.85, 1.2), "legs": (0.9, 1.08), "sail": (0.75, 1.2),
 }  # fmt: skip
-YOUNG: Mapping[str, float] = {"head": 1.3, "neck": 0.85, "tail": 0.85, "girth": 0.95, "legs": 1.08}
-YOUNG_SHARE = 0.12
-POSES = ("stand", "walk", "run", "roar")
+_YOUNG: Mapping[str, float] = {"head": 1.3, "neck": 0.85, "tail": 0.85, "girth": 0.95, "legs": 1.08}
+_YOUNG_SHARE = 0.12
+_POSES = ("stand", "walk", "run", "roar")
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ class Theropod(PosedPlan):
         ranges: ranges of proportions that differ from the general ones.
     """
 
-    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    habits: tuple[Annotated[str, tuple(_POSES)], ...]
     torso: Profile
     tail: Profile
     neck: Stations
@@ -73,31 +71,30 @@ class Theropod(PosedPlan):
     leg: Legs
     sail: float = 0.0
     pitch: Range = (-4.0, 16.0)
-    ranges: Mapping[Annotated[str, tuple(RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        young = YOUNG if rng.uniform() < YOUNG_SHARE else None
-        build = proportions(RANGES, self.ranges, rng, young)
+        young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
+        build = proportions(_RANGES, self.ranges, rng, young)
         tilt = rng.uniform(*self.pitch) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
         whole = about((0, 0, 0), pitch(tilt))
         torso = self.torso.wider(build["girth"])
         tail = replace(self.tail, x=self.tail.x * build["tail"])
-        parts = [fuse(moved(torso.sweep(), whole)), fuse(_tail(tail, tilt, rng), blend=0.12)]
+        parts = [fuse(torso.sweep().placed(whole)), fuse(_tail(tail, tilt, rng), blend=0.12)]
         points = self.neck.points
         points = whole.place(points[0] + (points - points[0]) * build["neck"])
         aside = float(np.clip(rng.normal(0, 13), -30, 30))
         bent, _ = bend(points, rng.uniform(-8, 8) + (10.0 if pose == "roar" else -0.3 * tilt), aside)
-        parts.append(
-            fuse(tube(bent, self.neck.radius * np.linspace(1, build["head"], len(bent))), blend=0.15)
-        )
+        radii = self.neck.radius * np.linspace(1, build["head"], len(bent))
+        parts.append(fuse(tube(bent, radii), blend=0.15))
         nod = rng.uniform(-14, 2) + (16.0 if pose == "roar" else 0.0)
         head = Frame(bent[-1], yaw(1.4 * aside) @ pitch(nod))
         gape = float(rng.uniform(24, 36) if pose == "roar" else rng.choice([4.0, 6.0, 18.0]))
         parts += carried(_head(self, gape), head, self.length * build["head"])
-        parts += carried(_arms(self, build["arm"], rng), whole)
-        if self.sail:
-            parts += carried(_sail(torso, self.sail * build["sail"]), whole)
+        arms = _arms(self, build["arm"], rng)
+        sail = [_sail(torso, self.sail * build["sail"])] if self.sail else []
+        parts += carried([*arms, *sail], whole)
         stride = "walk" if pose == "run" else "stand" if pose == "roar" else pose
         return parts + self.leg.grow(build["legs"], stride, whole, rng)
 
@@ -108,9 +105,8 @@ def _tail(rows: Profile, tilt: float, rng: Rng) -> Sweep:
     sway = rng.normal(0, 32) * behind + rng.normal(0, 24) * np.sin(2 * np.pi * behind)
     spine = Spine(xs, sway - sway[-1])
     # The root is turned with the trunk, the rest stays level or is carried a little high.
-    drop = np.tan(np.deg2rad(tilt)) * np.maximum(rows.x, -0.35) + rng.uniform(-0.1, 0.22) * (
-        np.minimum(rows.x + 0.5, 0) ** 2
-    )
+    drop = np.tan(np.deg2rad(tilt)) * np.maximum(rows.x, -0.35)
+    drop = drop + rng.uniform(-0.1, 0.22) * np.minimum(rows.x + 0.5, 0) ** 2
     sweep = spine.sweep(replace(rows, top=rows.top + drop, bottom=rows.bottom + drop))
     root = spine.frame(0.0).origin
     return replace(sweep, points=sweep.points - root)
@@ -149,12 +145,12 @@ def _arms(kind: Theropod, factor: float, rng: Rng) -> list[Part]:
     return parts
 
 
-def _sail(torso: Profile, height: float) -> list[Part]:
+def _sail(torso: Profile, height: float) -> Part:
     start, end = float(torso.x[0]), float(torso.x[-1])
     base = float(torso.top.min()) - 0.05
     share = np.linspace(0, 1, 9)
-    arch = zip(
-        start + (end - start) * share, base + 0.12 + height * np.sin(np.pi * share) ** 0.7, strict=True
+    arch = np.column_stack(
+        [start + (end - start) * share, base + 0.12 + height * np.sin(np.pi * share) ** 0.7]
     )
     outline = rounded([(start, base), *arch, (end, base)], 1)
-    return [fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, 0.018, 0.06, 0.05), blend=0.06)]
+    return fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, 0.018, 0.06, 0.05), blend=0.06)

@@ -1,34 +1,76 @@
-"""Shorthand for those that model: balls, blocks, tubes, both sides of a body, parts carried by a frame."""
+"""Parts, of which a body is blended, and shorthand for those that model: balls, blocks, tubes, both sides."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.field import Part, Ripple
-from normalgan.animals.frames import Frame
-from normalgan.animals.solids import MIRROR, Box, Ellipsoid, Ring, Solid
-from normalgan.animals.sweep import Cut, Floats, Sweep
+from normalgan.animals.frames import Floats, Frame
+from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
 
 __all__ = [
-    "SIDE",
-    "Shape",
+    "Part",
+    "Ripple",
     "ball",
     "block",
     "both",
     "by",
     "carried",
     "fuse",
-    "mirrored",
-    "moved",
+    "in_space",
     "on_side",
     "pair",
     "ring",
     "tube",
 ]
 
-Shape = Sweep | Solid
-SIDE = (0.0, 0.0, 1.0)
+_SIDE = (0.0, 0.0, 1.0)
+
+
+class Ripple(NamedTuple):
+    """Bumps on a surface: fleece, fur, leaves.
+
+    Args:
+        height: of the highest.
+        wavelength: about the distance from one to the next.
+    """
+
+    height: float
+    wavelength: float
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Shapes united sharply, which then flow into what was there before.
+
+    Args:
+        shapes: that make it up.
+        blend: width of the zone in which the part and the rest flow together; 0 for a sharp seam.
+        carve: take the part away instead of adding it.
+        ripple: bumps on the surface, or None.
+    """
+
+    shapes: tuple[Shape, ...]
+    blend: float
+    carve: bool = False
+    ripple: Ripple | None = None
+
+    def reach(self) -> tuple[Floats, Floats]:
+        """Return the lowest and highest corner, (3,) each, of a box that holds it."""
+        boxes = [shape.reach() for shape in self.shapes]
+        return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+    def thickened(self, thinnest: float) -> Self:
+        """Return it with no radius below ``thinnest``."""
+        return replace(self, shapes=tuple(shape.thickened(thinnest) for shape in self.shapes))
+
+    def placed(self, frame: Frame, size: float = 1.0) -> Self:
+        """Return it scaled by ``size``, its blend too, and carried along with a frame."""
+        shapes = tuple(shape.placed(frame, size) for shape in self.shapes)
+        ripple = None if self.ripple is None else Ripple(*(size * length for length in self.ripple))
+        return replace(self, shapes=shapes, blend=self.blend * size, ripple=ripple)
 
 
 def by(start: Floats, x: float, y: float, z: float) -> Floats:
@@ -39,6 +81,16 @@ def by(start: Floats, x: float, y: float, z: float) -> Floats:
     """
     moved_on: Floats = start + np.array([x, y, z])
     return moved_on
+
+
+def in_space(points: ArrayLike) -> Floats:
+    """Return points (..., 3); those given by x and y alone lie in the middle plane, z = 0.
+
+    >>> in_space((1, 2)).tolist()
+    [1.0, 2.0, 0.0]
+    """
+    given = np.array(points, float)
+    return given if given.shape[-1] == 3 else np.insert(given, 2, 0.0, axis=-1)
 
 
 def ball(at: ArrayLike, radii: ArrayLike, turn: Floats | None = None) -> Ellipsoid:
@@ -58,22 +110,22 @@ def ring(at: ArrayLike, major: float, minor: float, turn: Floats | None = None) 
 
 
 def tube(
-    points: ArrayLike | Sequence[ArrayLike],
+    points: ArrayLike,
     radii: ArrayLike,
     widths: ArrayLike | None = None,
-    side: ArrayLike = SIDE,
+    side: ArrayLike = _SIDE,
     flat: bool = False,
 ) -> Sweep:
-    """Return a sweep through (n, 3) points.
+    """Return a sweep.
 
     Args:
-        points: the curve.
+        points: (n, 3) the curve, or (n, 2) for one in the middle plane.
         radii: of the section across ``side``, one or n.
         widths: along ``side``; None for round ones.
         side: (3,) or (n, 3) direction of the widths.
         flat: whether the end is cut off at its last point.
     """
-    curve = np.array(points, float)
+    curve = in_space(points)
     count = len(curve)
     thick = np.broadcast_to(np.array(radii, float), count)
     wide = thick if widths is None else np.broadcast_to(np.array(widths, float), count)
@@ -89,27 +141,17 @@ def tube(
 
 def fuse(*shapes: Shape, blend: float = 0.0, carve: bool = False, ripple: Ripple | None = None) -> Part:
     """Return the part made of these shapes."""
-    sweeps = tuple(shape for shape in shapes if isinstance(shape, Sweep))
-    solids = tuple(shape for shape in shapes if not isinstance(shape, Sweep))
-    return Part(sweeps, blend, carve, ripple, solids)
-
-
-def mirrored(shape: Shape) -> Shape:
-    """Return its image on the animal's other side."""
-    if not isinstance(shape, Sweep):
-        return shape.mirrored()
-    cut = None if shape.cut is None else Cut(shape.cut.point * MIRROR, shape.cut.normal * MIRROR)
-    return Sweep(shape.points * MIRROR, shape.radii, shape.widths, shape.sides * MIRROR, cut)
+    return Part(shapes, blend, carve, ripple)
 
 
 def on_side(shape: Shape, right: bool) -> Shape:
     """Return a shape of the right side, or its image on the left."""
-    return shape if right else mirrored(shape)
+    return shape if right else shape.mirrored()
 
 
 def both(*shapes: Shape) -> tuple[Shape, ...]:
     """Return the shapes and their images."""
-    return (*shapes, *(mirrored(shape) for shape in shapes))
+    return (*shapes, *(shape.mirrored() for shape in shapes))
 
 
 def pair(*shapes: Shape, blend: float = 0.0, carve: bool = False) -> Part:
@@ -117,32 +159,10 @@ def pair(*shapes: Shape, blend: float = 0.0, carve: bool = False) -> Part:
     return fuse(*both(*shapes), blend=blend, carve=carve)
 
 
-def moved(shape: Shape, frame: Frame, size: float = 1.0) -> Shape:
-    """Return a shape scaled by ``size`` and carried along with a frame."""
-    return _moved_sweep(shape, frame, size) if isinstance(shape, Sweep) else shape.placed(frame, size)
-
-
 def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part]:
     """Return parts scaled by ``size``, their blends too, and carried along with a frame."""
-    return [
-        Part(
-            tuple(_moved_sweep(sweep, frame, size) for sweep in part.sweeps),
-            part.blend * size,
-            part.carve,
-            None if part.ripple is None else Ripple(part.ripple.height * size, part.ripple.wavelength * size),
-            tuple(solid.placed(frame, size) for solid in part.solids),
-        )
-        for part in parts
-    ]
-
-
-def _moved_sweep(sweep: Sweep, frame: Frame, size: float) -> Sweep:
-    cut = None
-    if sweep.cut is not None:
-        cut = Cut(frame.place(sweep.cut.point * size), frame.rotation @ sweep.cut.normal)
-    sides = sweep.sides @ frame.rotation.T
-    return Sweep(frame.place(sweep.points * size), sweep.radii * size, sweep.widths * size, sides, cut)
+    return [part.placed(frame, size) for part in parts]
 
 
 def _frame(at: ArrayLike, turn: Floats | None) -> Frame:
-    return Frame(np.array(at, float), np.eye(3) if turn is None else turn)
+    return Frame(in_space(at), np.eye(3) if turn is None else turn)

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from normalgan.animals.field import Part
 from normalgan.animals.frames import Frame, pitch, yaw
 from normalgan.animals.meshing import to_mesh
-from normalgan.animals.solids import Box, Ellipsoid, Plate, Ring, Solid, outline_distance, rounded
+from normalgan.animals.parts import Part
+from normalgan.animals.shapes import Box, Ellipsoid, Plate, Ring, Solid, outline_distance, rounded
 
 FRAME = Frame(np.array([0.3, -0.2, 0.5]), yaw(35) @ pitch(-50))
 SOLIDS = [
@@ -32,7 +32,7 @@ def sampled(solid: Solid, points: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("solid", "volume"), SOLIDS, ids=["ellipsoid", "box", "ring"])
 def test_a_meshed_solid_has_its_volume_and_lies_in_its_box(solid: Solid, volume: float) -> None:
-    mesh = to_mesh("solid", [Part((), 0.0, solids=(solid,))], 12_000)
+    mesh = to_mesh("solid", [Part((solid,), 0.0)], 12_000)
     body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     low, high = solid.reach()
     # The mesh is scaled to unit radius; its extent against that of the box gives the scale back.
@@ -103,9 +103,7 @@ def test_the_box_of_a_plate_holds_its_inside() -> None:
 
 
 def test_a_thin_plate_is_meshed_whole() -> None:
-    mesh = to_mesh(
-        "leaf", [Part((), 0.0, solids=(Plate(PLANE, rounded([(0, 0), (2, 0.3), (0.4, 1)]), rim=1e-4),))]
-    )
+    mesh = to_mesh("leaf", [Part((Plate(PLANE, rounded([(0, 0), (2, 0.3), (0.4, 1)]), rim=1e-4),), 0.0)])
     body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     assert body.is_watertight
     assert body.body_count == 1

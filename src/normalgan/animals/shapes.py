@@ -1,42 +1,52 @@
-"""Solids: ellipsoids, rounded boxes, rings and plates, what sweeps are clumsy at."""
+"""The shapes of which animals are made: sweeps along a curve, and solids where sweeps are clumsy."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from functools import partial
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from normalgan.animals.frames import Frame
-from normalgan.animals.sweep import Floats, Volume
+from normalgan.animals.frames import Floats, Frame, Volume
 
 __all__ = [
-    "BAND",
     "MIRROR",
-    "TINY",
     "Box",
+    "Cut",
     "Ellipsoid",
+    "Piece",
     "Plate",
     "Ring",
+    "Shape",
     "Solid",
+    "Sweep",
     "outline_distance",
     "rounded",
+    "smooth_minimum",
 ]
 
-TINY = np.float32(1e-9)
 MIRROR = np.array([1.0, 1.0, -1.0])  # what a point is multiplied by to get its image
-BAND = 0.15
+_TINY = np.float32(1e-9)
+_BAND = 0.15
 
 
-@dataclass(frozen=True, eq=False)
-class Solid(ABC):
-    """A closed body that knows about how far any point is from it.
+class Piece(NamedTuple):
+    """What of a shape is sampled at a time.
 
     Args:
-        frame: its middle and its own axes.
+        low: (3,) the lowest corner of a box that holds it.
+        high: (3,) its highest corner.
+        distance: of points to it; see `Solid.distance`.
     """
 
-    frame: Frame
+    low: Floats
+    high: Floats
+    distance: Callable[[Volume, Volume, Volume], Volume]
+
+
+class Shape(ABC):
+    """A closed body that knows about how far any point is from it."""
 
     @abstractmethod
     def reach(self) -> tuple[Floats, Floats]:
@@ -45,6 +55,177 @@ class Solid(ABC):
     @abstractmethod
     def area(self) -> float:
         """Return about how much surface it has."""
+
+    @abstractmethod
+    def thickened(self, thinnest: float) -> Self:
+        """Return it as it is sampled, with no radius below ``thinnest``: the grid would lose it."""
+
+    @abstractmethod
+    def placed(self, frame: Frame, size: float = 1.0) -> Self:
+        """Return it scaled by ``size`` and carried along with a frame."""
+
+    @abstractmethod
+    def mirrored(self) -> Self:
+        """Return its image on the other side of the plane z = 0."""
+
+    @abstractmethod
+    def pieces(self, spacing: float) -> Iterator[Piece]:
+        """Go over the pieces that make it up; ``spacing`` is that of the grid."""
+
+
+class Cut(NamedTuple):
+    """A plane beyond which there is nothing.
+
+    Args:
+        point: (3,) on it.
+        normal: (3,) outwards, of unit length.
+    """
+
+    point: Floats
+    normal: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep(Shape):
+    """A tube with elliptical sections and rounded ends.
+
+    Args:
+        points: (n, 3) the curve, n ≥ 2.
+        radii: (n,) radius of the section across ``sides``.
+        widths: (n,) radius of the section along ``sides``.
+        sides: (n, 3) direction of the second axis of each section; its part along the curve is ignored.
+        cut: a plane beyond which the last third ends flat (soles, snouts); it may well run through the rest,
+            as that of a folded leg does.
+    """
+
+    points: Floats
+    radii: Floats
+    widths: Floats
+    sides: Floats
+    cut: Cut | None = None
+
+    def reach(self) -> tuple[Floats, Floats]:
+        """Return the corners of a box that holds it."""
+        fat = np.maximum(self.radii, self.widths)[:, None]
+        return (self.points - fat).min(axis=0), (self.points + fat).max(axis=0)
+
+    def area(self) -> float:
+        """Return about how much surface it has, its ends left out."""
+        lengths = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+        mean = np.sqrt((self.radii**2 + self.widths**2) / 2)
+        return float(np.sum(np.pi * (mean[1:] + mean[:-1]) * lengths))
+
+    def smoothed(self, pieces: int = 4, thinnest: float = 0.0) -> Self:
+        """Return it with ``pieces`` segments per span along a smooth curve, no radius below ``thinnest``.
+
+        Akima's interpolation goes through the stations and hardly overshoots beside steep steps.
+        """
+        from scipy.interpolate import Akima1DInterpolator  # as slow to import as all that is here
+
+        rows = np.column_stack([self.points, self.radii, self.widths, self.sides])
+        count = len(rows)
+        if count > 2:
+            knots = np.arange(count, dtype=float)
+            rows = Akima1DInterpolator(knots, rows)(np.linspace(0, count - 1, (count - 1) * pieces + 1))
+        radii, widths = np.maximum(rows[:, 3], thinnest), np.maximum(rows[:, 4], thinnest)
+        return replace(self, points=rows[:, :3], radii=radii, widths=widths, sides=rows[:, 5:])
+
+    def thickened(self, thinnest: float) -> Self:
+        """Return it smoothed; on thick tubes the kinks between segments would show as rings."""
+        thick = max(self.radii.max(), self.widths.max()) > 8 * thinnest
+        return self.smoothed(10 if thick else 4, thinnest)
+
+    def placed(self, frame: Frame, size: float = 1.0) -> Self:
+        """Return it scaled by ``size`` and carried along with a frame."""
+        points, sides, cut = frame.place(self.points * size), self.sides @ frame.rotation.T, self.cut
+        if cut is not None:
+            cut = Cut(frame.place(cut.point * size), frame.rotation @ cut.normal)
+        return replace(
+            self, points=points, radii=self.radii * size, widths=self.widths * size, sides=sides, cut=cut
+        )
+
+    def mirrored(self) -> Self:
+        """Return its image on the other side of the plane z = 0."""
+        cut = None if self.cut is None else Cut(self.cut.point * MIRROR, self.cut.normal * MIRROR)
+        return replace(self, points=self.points * MIRROR, sides=self.sides * MIRROR, cut=cut)
+
+    def pieces(self, spacing: float) -> Iterator[Piece]:
+        """Go over its segments."""
+        fat = np.maximum(self.radii, self.widths)
+        for i in range(len(self.points) - 1):
+            pad, ends = max(fat[i], fat[i + 1]), self.points[i : i + 2]
+            distance = partial(self.distance, i)
+            if self.cut is not None and 3 * i >= 2 * len(self.points):
+                distance = partial(self._cut_distance, i, self.cut, 1.5 * spacing)
+            yield Piece(ends.min(axis=0) - pad, ends.max(axis=0) + pad, distance)
+
+    def distance(self, index: int, x: Volume, y: Volume, z: Volume) -> Volume:
+        """Return the approximate signed distance to segment ``index`` on an open grid, negative inside.
+
+        The section is scaled to a circle along its side axis; dividing the scaled distance by the length of
+        its gradient makes it true to first order near the surface (Quilez, "Ellipsoid SDF", 2008).
+
+        Args:
+            index: the segment from station ``index`` to the next.
+            x: (nx, 1, 1) grid coordinates.
+            y: (1, ny, 1) grid coordinates.
+            z: (1, 1, nz) grid coordinates.
+
+        Returns:
+            (nx, ny, nz)
+        """
+        start = self.points[index]
+        along = self.points[index + 1] - start
+        square = max(float(along @ along), 1e-12)
+        side = self.sides[index] + self.sides[index + 1]
+        side = side - (side @ along) / square * along
+        side = (side / max(float(np.linalg.norm(side)), 1e-9)).astype(np.float32)
+        ax, ay, az = along.astype(np.float32)
+        px, py, pz = x - np.float32(start[0]), y - np.float32(start[1]), z - np.float32(start[2])
+        t = np.clip((px * ax + py * ay + pz * az) / np.float32(square), 0, 1)
+        dx, dy, dz = px - t * ax, py - t * ay, pz - t * az
+        across = dx * side[0] + dy * side[1] + dz * side[2]
+        across *= across
+        length = dx * dx + dy * dy + dz * dz
+        r0, r1 = self.radii[index], self.radii[index + 1]
+        m0, m1 = self.widths[index] / r0, self.widths[index + 1] / r1
+        ratio = np.float32(m0) + t * np.float32(m1 - m0)
+        ratio = 1 / (ratio * ratio)
+        scaled = length + across * (ratio - 1)
+        slope = np.sqrt(length + across * (ratio * ratio - 1) + np.float32(1e-12))
+        reached = np.sqrt(scaled + np.float32(1e-12))
+        radius = np.float32(r0) + t * np.float32(r1 - r0)
+        distance: Volume = (reached - radius) * reached / slope
+        return distance
+
+    def _cut_distance(self, index: int, cut: Cut, soft: float, x: Volume, y: Volume, z: Volume) -> Volume:
+        point, normal = cut
+        plane = (x - point[0]) * normal[0] + (y - point[1]) * normal[1] + (z - point[2]) * normal[2]
+        return -smooth_minimum(-self.distance(index, x, y, z), -plane.astype(np.float32), soft)
+
+
+def smooth_minimum(a: Volume, b: Volume, width: float) -> Volume:
+    """Return min(a, b), rounded where they differ by less than ``width`` (Quilez, cubic polynomial).
+
+    >>> float(smooth_minimum(np.float32([1]), np.float32([3]), 1.0)[0])
+    1.0
+    """
+    if width <= 0:
+        return np.minimum(a, b)
+    near = np.maximum(np.float32(width) - np.abs(a - b), 0) / np.float32(width)
+    rounded: Volume = np.minimum(a, b) - near * near * near * np.float32(width / 6)
+    return rounded
+
+
+@dataclass(frozen=True, eq=False)
+class Solid(Shape):
+    """A shape with axes of its own, sampled in one piece.
+
+    Args:
+        frame: its middle and its own axes.
+    """
+
+    frame: Frame
 
     @abstractmethod
     def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
@@ -60,14 +241,10 @@ class Solid(ABC):
         """
 
     @abstractmethod
-    def thickened(self, thinnest: float) -> Self:
-        """Return it with no radius below ``thinnest``, under which the grid would lose it."""
-
-    @abstractmethod
     def scaled(self, size: float) -> Self:
         """Return it with its lengths, but not its frame, multiplied by ``size``."""
 
-    def placed(self, frame: Frame, size: float) -> Self:
+    def placed(self, frame: Frame, size: float = 1.0) -> Self:
         """Return it scaled by ``size`` and carried along with a frame."""
         return replace(self.scaled(size), frame=self.frame.carried(frame, size))
 
@@ -76,6 +253,10 @@ class Solid(ABC):
         # A body that is its own image in its own planes: a rotation remains of the reflection.
         rotation = self.frame.rotation * MIRROR[:, None] * MIRROR
         return replace(self, frame=Frame(self.frame.origin * MIRROR, rotation))
+
+    def pieces(self, spacing: float) -> Iterator[Piece]:
+        """Give itself."""
+        yield Piece(*self.reach(), self.distance)
 
     def _local(self, x: Volume, y: Volume, z: Volume) -> tuple[Volume, Volume, Volume]:
         """Return the coordinates, (nx, ny, nz) each or open, along the axes of the body."""
@@ -92,7 +273,6 @@ class Ellipsoid(Solid):
     """An ellipsoid.
 
     Args:
-        frame: its middle and its own axes.
         radii: (3,) along these.
     """
 
@@ -113,9 +293,9 @@ class Ellipsoid(Solid):
         u, v, w = self._local(x, y, z)
         a, b, c = (np.float32(1 / radius) for radius in self.radii)
         u, v, w = u * a, v * b, w * c
-        level = np.sqrt(u * u + v * v + w * w + TINY)
+        level = np.sqrt(u * u + v * v + w * w + _TINY)
         u, v, w = u * a, v * b, w * c
-        distance: Volume = level * (level - 1) / np.sqrt(u * u + v * v + w * w + TINY)
+        distance: Volume = level * (level - 1) / np.sqrt(u * u + v * v + w * w + _TINY)
         return distance
 
     def thickened(self, thinnest: float) -> Self:
@@ -132,7 +312,6 @@ class Box(Solid):
     """A box with rounded edges.
 
     Args:
-        frame: its middle and its own axes.
         half: (3,) half its lengths along these, rounding included.
         rounding: radius of its edges, at most the least of ``half``.
     """
@@ -173,7 +352,6 @@ class Ring(Solid):
     """A torus about its own second axis.
 
     Args:
-        frame: its middle and its own axes.
         major: radius of the circle in its middle.
         minor: radius of its section.
     """
@@ -261,7 +439,7 @@ class Plate(Solid):
     def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
         """Return the signed distance, true near the surface.
 
-        Farther than `BAND` times the outline's extent from the plane it is only the distance to the
+        Farther than `_BAND` times the outline's extent from the plane it is only the distance to the
         plane, so nothing may blend over more than that.
         """
         u, v, w = np.broadcast_arrays(*self._local(x, y, z))
@@ -269,7 +447,7 @@ class Plate(Solid):
         steep = np.sqrt(1 + (bu * u) ** 2 + (bv * v) ** 2)
         across = np.abs(w - (bu * u * u + bv * v * v) / 2) / steep
         distance: Volume = across - np.float32(self.thickness())
-        near = distance < BAND * float(np.ptp(self.outline, axis=0).max())
+        near = distance < _BAND * float(np.ptp(self.outline, axis=0).max())
         flat = outline_distance(self.outline, u[near], v[near])
         half = np.minimum(self.rim - self.swell * np.minimum(flat + self.rim, 0), self.most)
         # The outline shrunk by the rim and then rounded: as if a ball of that radius were moved over it.
