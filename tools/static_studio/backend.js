@@ -70,13 +70,13 @@ function take(key, fields, number, pixels) {
   return planes;
 }
 
-/** @param {import("./worker.js").Layer[]} layers @param {Record<string, any>} fields @param {number | null} longest @returns {Promise<Painted>} */
-async function painted(layers, { source = null }, longest) {
+/** @param {import("./worker.js").Layer[]} layers @param {number | null} longest @returns {Promise<Painted>} */
+async function painted(layers, longest) {
   await size;
   const id = ++asked;
   return new Promise((resolve, reject) => {
     waiting.set(id, { resolve, reject });
-    worker.postMessage({ id, layers, source, longest });
+    worker.postMessage({ id, layers, longest });
   });
 }
 
@@ -88,16 +88,16 @@ async function drawing(path, body) {
   let at = 4 + length;
   // A drawing of one layer may be without a list of them.
   for (const layer of fields.layers ?? [{ ...fields, id: 0, name: "", bytes: body.length - at }]) {
-    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [] } = layer;
+    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [], source = fields.source ?? null } = layer;
     const planes = take(`${fields.tab} ${id}`, layer, fields.number, body.subarray(at, at + bytes));
     at += bytes;
     const ink = planes?.get("ink");
     if (!ink) return refused("send all of the drawing", 409);
-    layers.push({ name, ink, strokes, hints, areas });
+    layers.push({ name, ink, strokes, hints, areas, source });
   }
   if (path === "/api/paint") {
     try {
-      const { rgba, width, height, warning } = await painted(layers, fields, fields.longest ?? null);
+      const { rgba, width, height, warning } = await painted(layers, fields.longest ?? null);
       const headers = { "X-Width": String(width), "X-Height": String(height), "X-Warning": encodeURIComponent(warning) };
       return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (rgba), { headers });
     } catch (error) {
@@ -106,7 +106,7 @@ async function drawing(path, body) {
     }
   }
   if (path === "/api/export" && fields.what === "map" && fields.format === "png8") {
-    const file = await png(await painted(layers, fields, fields.size ?? null), fields.y === "down", fields.alpha !== false);
+    const file = await png(await painted(layers, fields.size ?? null), fields.y === "down", fields.alpha !== false);
     const name = encodeURIComponent(`${fields.name}_normal.png`);
     return new Response(file, { headers: { "Content-Disposition": `attachment; filename*=UTF-8''${name}` } });
   }
@@ -137,7 +137,7 @@ async function picture(file) {
   try {
     await image.decode();
   } catch {
-    return refused("this browser cannot read that picture; PNG, JPEG, WebP and SVG go everywhere", 400);
+    return refused("this browser cannot read that picture; PNG, JPEG, WebP and SVG go everywhere, and files of paint programs where Python is: install normalgan and run `normalgan studio`", 400);
   } finally {
     URL.revokeObjectURL(image.src);
   }

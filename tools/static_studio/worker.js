@@ -17,8 +17,9 @@ ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
  * @property {import("./hold.js").MaskStroke[]} strokes of the mask brush
  * @property {import("./document.js").Hint[]} hints
  * @property {import("./document.js").Area[]} areas
+ * @property {import("./document.js").Source} source
  */
-/** @typedef {{id: number, layers: Layer[], source: null | "outline" | "model", longest: number | null}} Wish layers: the hindmost first */
+/** @typedef {{id: number, layers: Layer[], longest: number | null}} Wish layers: the hindmost first */
 /** @typedef {import("./compose.js").LayerMap & {warning: string}} Painted */
 
 /** Pixels of what is kept: of several layers only one is painted again. */
@@ -67,8 +68,8 @@ async function recalled(kept, key, make) {
   return found;
 }
 
-/** @param {Layer} layer @param {Wish["source"]} source @param {number | null} longest @returns {Promise<Painted>} */
-async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
+/** @param {Layer} layer @param {number | null} longest @returns {Promise<Painted>} */
+async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
   const { session, refiner, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
   return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
@@ -85,7 +86,7 @@ async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
 }
 
 /** @param {Wish} wish */
-async function paint({ layers, source, longest }) {
+async function paint({ layers, longest }) {
   /** @type {Painted[]} */
   const maps = [];
   /** @type {string[]} */
@@ -96,7 +97,7 @@ async function paint({ layers, source, longest }) {
     // Of one layer it is clear which is meant.
     const name = layers.length > 1 ? `${layer.name}: ` : "";
     try {
-      const found = await paintLayer(layer, source, longest);
+      const found = await paintLayer(layer, longest);
       maps.push(found);
       if (found.warning) said.push(`${name}${found.warning}`);
     } catch (error) {
