@@ -213,6 +213,46 @@ def test_each_layer_says_for_itself_where_its_object_is(studio: Studio) -> None:
     assert page.evaluate("asked.at(-1)") == [None, "model"]
 
 
+@pytest.mark.parametrize("size", [(1440, 900), (1280, 800), (1024, 768), (390, 844), (3840, 2160)])
+def test_beside_the_layers_every_control_has_its_room(
+    opened: "Browser", server: Server, size: tuple[int, int]
+) -> None:
+    cramped = """() => {
+      const found = [];
+      const pen = document.createElement("canvas").getContext("2d");
+      const controls = "button, select, summary, input, #layers .name";
+      const named = (each) => each.id || each.className;
+      for (const each of document.querySelectorAll("header *, main *")) {
+        if (!each.matches(controls) || !each.checkVisibility()) continue;
+        const box = each.getBoundingClientRect();
+        for (let around = each.parentElement; around; around = around.parentElement) {
+          if (getComputedStyle(around).overflow === "visible") continue;
+          const limits = around.getBoundingClientRect();
+          const beyond = box.left < limits.left - 1 || box.right > limits.right + 1;
+          if (beyond) found.push(`${named(each)} is cut off in ${named(around)}`);
+        }
+        if (each.matches("select")) {
+          pen.font = getComputedStyle(each).font;
+          // Beside its words there is the arrow.
+          const room = box.width - 24 - pen.measureText(each.selectedOptions[0].text).width;
+          if (room < 0) found.push(`${each.id} lacks ${-room} pixels`);
+        }
+        if (each.matches(".name") && each.scrollWidth > each.clientWidth) found.push(each.textContent);
+      }
+      return found;
+    }"""
+    server.begin_anew()
+    with open_studio(opened, server.url, width=size[0], height=size[1]) as studio:
+        page = studio.page
+        if size[0] >= 1280:
+            assert page.evaluate(cramped) == []
+        page.locator("#layers-toggle").click()
+        add(studio)
+        for tool in ("pen", "mask", "hint"):
+            page.locator(f"#tool-{tool}").click()
+            assert page.evaluate(cramped) == [], tool
+
+
 def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
     page = studio.page
     two(studio)
