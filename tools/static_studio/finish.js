@@ -65,7 +65,7 @@ function chosen({ mask, closed, guessed }, present) {
 }
 
 /** Brings a square of the network to the drawing's place and size. @param {Float32Array} square @param {Prepared} prepared @param {number} channels */
-function restored(square, { width, height, frame: { left, top, side, size } }, channels) {
+export function restored(square, { width, height, frame: { left, top, side, size } }, channels) {
   const scale = side / size;
   const out = new Float32Array(width * height * channels);
   const ways = [{ count: width, start: left }, { count: height, start: top }].map(({ count, start }) =>
