@@ -21,6 +21,7 @@ import normalgan
 from chromium import browser
 from chromium import page as open_page
 from needs import NPM
+from normalgan.normals import Bits
 from normalgan.painting.composition import compose
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.onnx_backend import SHIPPED
@@ -170,7 +171,8 @@ def test_an_exported_png_of_16_bits_has_the_levels_that_python_writes(studio: "P
     mask = chance.random((40, 56)) > 0.3
     alpha = np.rint(255 * np.where(mask, chance.random((40, 56)), 0)).astype(np.float32) / np.float32(255)
     painted = NormalMap(normals, mask, alpha, np.zeros((8, 8), np.float32), None, "")
-    for bits, down, transparent in itertools.product((8, 16), (False, True), (False, True)):
+    depths: tuple[Bits, Bits] = (8, 16)
+    for bits, down, transparent in itertools.product(depths, (False, True), (False, True)):
         answer = studio.evaluate(
             """async ([normals, mask, alpha, width, height, down, bits]) => {
               const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -193,7 +195,7 @@ def test_an_exported_png_of_16_bits_has_the_levels_that_python_writes(studio: "P
             ],
         )
         files = base64.b64decode(answer), painted.encode("png", bits, "down" if down else "up", transparent)
-        found, wanted = (cv2.imdecode(np.frombuffer(file, np.uint8), cv2.IMREAD_UNCHANGED) for file in files)
+        found, wanted = map(levels, files)
         assert found.dtype == (np.uint8 if bits == 8 else np.uint16)
         assert np.array_equal(found, wanted), (bits, down, transparent)
 
@@ -203,13 +205,9 @@ def test_a_map_is_exported_with_16_bits(studio: "Page") -> None:
     wish = {"what": "map", "format": "png16", "name": "fox", "alpha": True, "y": "up"}
     answer = studio.evaluate(ASK, [*encoded(grey), wish, "/api/export"])
     assert answer["status"] == 200
-    file = base64.b64decode(answer["rgba"])
-    found = cv2.imdecode(np.frombuffer(file, np.uint8), cv2.IMREAD_UNCHANGED)
+    found = levels(base64.b64decode(answer["rgba"]))
     assert found.dtype == np.uint16
-    wanted = cv2.imdecode(
-        np.frombuffer(normalgan.load(SHIPPED)(grey).encode("png", 16, "up", alpha=True), np.uint8),
-        cv2.IMREAD_UNCHANGED,
-    )
+    wanted = levels(normalgan.load(SHIPPED)(grey).encode("png", 16, "up", alpha=True))
     inside = (found[..., 3] > 64000) & (wanted[..., 3] > 64000)
     assert inside.sum() > 5000
     assert np.abs(found.astype(int) - wanted)[..., :3][inside].mean() < 2 * 257
@@ -275,6 +273,13 @@ def encoded(*layers: NDArray[np.uint8]) -> list[Any]:
     """Return a drawing as the page is given it, the hindmost layer first."""
     whole = b"".join(each.tobytes() for each in layers)
     return [base64.b64encode(whole).decode(), layers[0].shape[1], layers[0].shape[0]]
+
+
+def levels(file: bytes) -> NDArray[Any]:
+    """Return what a PNG holds, blue first."""
+    found = cv2.imdecode(np.frombuffer(file, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert found is not None
+    return found
 
 
 def decoded(answer: dict[str, Any], shape: tuple[int, ...]) -> NDArray[np.uint8]:
