@@ -192,14 +192,22 @@ def memory(hand: Hand, session: CDPSession, renderers: list[int], count: int) ->
 
     session.send("Performance.enable")
     before: dict[str, float] = {}
+    halfway: dict[str, float] = {}
     for number in range(count):
         if number == 20:
             before = measured()
+        if number == (count + 20) // 2:
+            halfway = measured()
         hand.stroke(hand.arc(12))
         time.sleep(0.05)
     hand.rest()
     after = measured()
-    return {"strokes": count, "growth_mb": {key: round(after[key] - before[key], 1) for key in after}}
+    return {
+        "strokes": count,
+        "at_20_mb": {key: round(value, 1) for key, value in before.items()},
+        "growth_mb": {key: round(after[key] - before[key], 1) for key in after},
+        "of_which_in_the_first_half_mb": {key: round(halfway[key] - before[key], 1) for key in after},
+    }
 
 
 def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 import base64
 import io
+import itertools
+import json
 import runpy
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,10 +21,12 @@ import normalgan
 from chromium import browser
 from chromium import page as open_page
 from needs import NPM
+from normalgan.normals import Bits
 from normalgan.painting.composition import compose
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.onnx_backend import SHIPPED
 from normalgan.painting.picture import read_picture
+from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.drawing import Drawing
 from pens import blob, outline
 from web_folder import serve
@@ -75,6 +79,7 @@ def studio(built: Path) -> Iterator["Page"]:
         page.on("request", lambda each: requested.append(each.url))
         page.goto(f"{address}/{built.name}/")
         page.wait_for_selector("html[data-ready]", timeout=120_000)
+        page.evaluate("import('./page/suggest.js')")  # a module of the worker, which a test calls alone
         page.context.set_offline(True)
         yield page
     assert [url for url in requested if not url.startswith((address, "data:", "blob:"))] == []
@@ -165,6 +170,108 @@ def test_an_exported_png_is_the_map_with_a_soft_edge(studio: "Page", down: bool)
     assert np.abs(found[..., :3].astype(int) - file[..., :3])[inside].mean() < 2
 
 
+def test_an_exported_png_of_16_bits_has_the_levels_that_python_writes(studio: "Page") -> None:
+    chance = np.random.default_rng(0)
+    normals = chance.normal(size=(40, 56, 3)).astype(np.float32)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    normals[0, :2] = [[0, 0, 1], [1, 0, 0]]
+    mask = chance.random((40, 56)) > 0.3
+    alpha = np.rint(255 * np.where(mask, chance.random((40, 56)), 0)).astype(np.float32) / np.float32(255)
+    painted = NormalMap(normals, mask, alpha, np.zeros((8, 8), np.float32), None, "")
+    depths: tuple[Bits, Bits] = (8, 16)
+    for bits, down, transparent in itertools.product(depths, (False, True), (False, True)):
+        answer = studio.evaluate(
+            """async ([normals, mask, alpha, width, height, down, bits]) => {
+              const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+              const floats = (text) => new Float32Array(bytes(text).buffer);
+              const { encodePng, levelsOf } = await import("./page/png.js");
+              const levels = levelsOf(floats(normals), bytes(mask), alpha && floats(alpha), down, bits);
+              const file = await encodePng(levels, width, height, bits);
+              let text = "";
+              for (const byte of new Uint8Array(await file.arrayBuffer())) text += String.fromCharCode(byte);
+              return btoa(text);
+            }""",
+            [
+                base64.b64encode(normals.tobytes()).decode(),
+                base64.b64encode(mask.astype(np.uint8).tobytes()).decode(),
+                base64.b64encode(alpha.tobytes()).decode() if transparent else None,
+                56,
+                40,
+                down,
+                bits,
+            ],
+        )
+        files = base64.b64decode(answer), painted.encode("png", bits, "down" if down else "up", transparent)
+        found, wanted = map(levels, files)
+        assert found.dtype == (np.uint8 if bits == 8 else np.uint16)
+        assert np.array_equal(found, wanted), (bits, down, transparent)
+
+
+def test_a_map_is_exported_with_16_bits(studio: "Page") -> None:
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    wish = {"what": "map", "format": "png16", "name": "fox", "alpha": True, "y": "up"}
+    answer = studio.evaluate(ASK, [*encoded(grey), wish, "/api/export"])
+    assert answer["status"] == 200
+    found = levels(base64.b64decode(answer["rgba"]))
+    assert found.dtype == np.uint16
+    wanted = levels(normalgan.load(SHIPPED)(grey).encode("png", 16, "up", alpha=True))
+    inside = (found[..., 3] > 64000) & (wanted[..., 3] > 64000)
+    assert inside.sum() > 5000
+    assert np.abs(found.astype(int) - wanted)[..., :3][inside].mean() < 2 * 257
+    assert len(np.unique(found[..., :3])) > 5000  # and not 256 levels, widened
+
+
+@pytest.mark.parametrize("count", [1, 6])
+def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: int) -> None:
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    painted = normalgan.load(SHIPPED)(grey)
+    taken = [{"x": 170, "y": 90, "normal": [0, 0, 1]}]
+    assert painted.confidence is not None
+    # On the same map, the same points.
+    given = [painted.extended, painted.confidence]
+    found = studio.evaluate(
+        """async ([normals, confidence, mask, width, height, taken, count]) => {
+          const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+          const floats = (text) => new Float32Array(bytes(text).buffer);
+          const { suggest } = await import("./page/suggest.js");
+          const map = { normals: floats(normals), mask: bytes(mask), width, height };
+          return suggest(map, floats(confidence), taken, count);
+        }""",
+        [
+            *(base64.b64encode(np.ascontiguousarray(each, np.float32).tobytes()).decode() for each in given),
+            base64.b64encode(painted.mask.astype(np.uint8).tobytes()).decode(),
+            grey.shape[1],
+            grey.shape[0],
+            taken,
+            count,
+        ],
+    )
+    where = np.array([[170, 90]], np.float32)
+    wanted = suggest(painted.extended, painted.mask, painted.confidence, where, count)
+    assert len(found) == len(wanted) == count
+    for one, other in zip(found, wanted, strict=True):
+        assert np.hypot(one["x"] - other.x, one["y"] - other.y) < 3
+        assert one["gain"] == pytest.approx(other.gain, abs=0.02)
+        assert np.abs(np.subtract(one["normal"], other.normal)).max() < 0.1
+    # And of a drawing, points on its object, the best first.
+    answer = studio.evaluate(ASK, [*encoded(grey), {"count": count, "hints": taken}, "/api/suggest"])
+    points = json.loads(base64.b64decode(answer["rgba"]))["points"]
+    assert len(points) == count
+    assert all(painted.mask[int(each["y"]), int(each["x"])] for each in points)
+    assert points[0]["gain"] == max(each["gain"] for each in points)
+
+
+def test_where_the_model_is_unsure_is_told(studio: "Page") -> None:
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    answer = studio.evaluate(ASK, [*encoded(grey), {}, "/api/doubt"])
+    shares = np.frombuffer(base64.b64decode(answer["rgba"]), np.uint8).reshape(grey.shape)
+    painted = normalgan.load(SHIPPED)(grey)
+    assert painted.confidence is not None
+    wanted = np.where(painted.mask, 255 * doubt(painted.confidence), 0)
+    assert np.abs(shares - wanted)[painted.mask].mean() < 3
+    assert shares[painted.mask].std() > 1
+
+
 def test_painted_areas_have_their_outline(studio: "Page") -> None:
     assert_alike(studio, np.rint(255 * (1 - blob())).astype(np.uint8), [], share=0.95, degrees=6)
 
@@ -173,6 +280,13 @@ def encoded(*layers: NDArray[np.uint8]) -> list[Any]:
     """Return a drawing as the page is given it, the hindmost layer first."""
     whole = b"".join(each.tobytes() for each in layers)
     return [base64.b64encode(whole).decode(), layers[0].shape[1], layers[0].shape[0]]
+
+
+def levels(file: bytes) -> NDArray[Any]:
+    """Return what a PNG holds, blue first."""
+    found = cv2.imdecode(np.frombuffer(file, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert found is not None
+    return found
 
 
 def decoded(answer: dict[str, Any], shape: tuple[int, ...]) -> NDArray[np.uint8]:
@@ -226,7 +340,7 @@ def test_a_drawing_is_painted_saved_and_exported(studio: "Page") -> None:
     assert [each["name"] for each in studio.evaluate("fetch('/api/projects').then((a) => a.json())")] == [
         "ring"
     ]
-    refused = studio.evaluate("fetch('/api/suggest', {method: 'POST'}).then((a) => a.json())")
+    refused = studio.evaluate("fetch('/api/height', {method: 'POST'}).then((a) => a.json())")
     assert "needs Python" in refused["error"]
 
 

@@ -115,7 +115,8 @@ def film(page: Page, path: Path) -> None:
     page.locator("#export-format").select_option("unity")
     shot(painted=False)
     page.keyboard.press("Escape")
-    tiled(frames).quantize(256, kmeans=4, dither=Image.Dither.NONE).save(path, optimize=True)
+    # Maps have more colours than a palette, which would show bands in them.
+    tiled(frames).save(path, optimize=True)
 
 
 def layers(page: Page, path: Path) -> None:

@@ -29,6 +29,8 @@ RADIUS = 80
 AWAY = r"ERR_(CONNECTION_REFUSED|CONNECTION_RESET|SOCKET_NOT_CONNECTED|EMPTY_RESPONSE|INCOMPLETE_CHUNKED)"
 """What Chromium says of a server that is away, whatever the page does about it."""
 
+Point = tuple[float, float]
+
 
 class Server:
     """A studio's process.
@@ -221,6 +223,33 @@ class Studio:
         self.page.wait_for_function(
             "words => document.getElementById('status').textContent.includes(words)", arg=words
         )
+
+
+class Hand:
+    """Fingers on the screen, as Chromium gets them from a touch screen.
+
+    Args:
+        studio: what they touch; all points are in pixels of the window.
+    """
+
+    def __init__(self, studio: Studio) -> None:
+        self._session = studio.page.context.new_cdp_session(studio.page)
+
+    def put(self, *fingers: Point) -> None:
+        """Lay further fingers down; name those that lie there already first."""
+        self._tell("touchStart", fingers)
+
+    def move(self, *fingers: Point) -> None:
+        """Move the fingers that lie there."""
+        self._tell("touchMove", fingers)
+
+    def lift(self) -> None:
+        """Take all away."""
+        self._tell("touchEnd", ())
+
+    def _tell(self, kind: str, fingers: tuple[Point, ...]) -> None:
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
+        self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
 
 @contextmanager

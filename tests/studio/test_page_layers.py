@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, Hand, Point, Server, Studio, open_studio
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -108,6 +108,149 @@ def test_marks_and_erasing_belong_to_the_layer_that_is_worked_on(studio: Studio)
     page.keyboard.press("PageUp")
     page.wait_for_timeout(200)
     assert studio.inked(MIDDLE - 40, MIDDLE)
+
+
+def grip(studio: Studio, name: str) -> Point:
+    """Return where a layer is taken to be dragged."""
+    box = studio.page.locator("#layer-list li", has_text=name).locator(".grip").bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+@pytest.mark.parametrize("way", ["mouse", "touch"])
+def test_layers_are_dragged_to_their_place(studio: Studio, way: str) -> None:
+    page = studio.page
+    two(studio)
+    add(studio)
+    front = studio.shown(MIDDLE, MIDDLE)
+    start, end = grip(studio, "Layer 1"), grip(studio, "Layer 3")
+    above = end[0], end[1] - 4
+    with studio.repainting():
+        if way == "mouse":
+            page.mouse.move(*start)
+            page.mouse.down()
+            page.mouse.move(*above, steps=5)
+            assert names(studio) == ["Layer 3", "Layer 2", "Layer 1"]  # not before it is let go
+            page.mouse.up()
+        else:
+            hand = Hand(studio)
+            hand.put(start)
+            for step in range(1, 6):
+                hand.move((start[0], start[1] + (above[1] - start[1]) * step / 5))
+            hand.lift()
+    assert names(studio) == ["Layer 1", "Layer 3", "Layer 2"]
+    assert np.abs(studio.shown(MIDDLE, MIDDLE) - front).max() > 0.1
+    with studio.repainting():
+        page.keyboard.press("Control+z")
+    assert names(studio) == ["Layer 3", "Layer 2", "Layer 1"]
+    np.testing.assert_allclose(studio.shown(MIDDLE, MIDDLE), front, atol=0.01)
+
+
+def test_dragging_that_is_given_up_moves_nothing_and_a_click_chooses(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    start, end = grip(studio, "Layer 1"), grip(studio, "Layer 2")
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(*end, steps=5)
+    page.keyboard.press("Escape")
+    page.mouse.up()
+    assert names(studio) == ["Layer 2", "Layer 1"]
+    assert page.locator("#layer-list .dragged").count() == 0
+    page.locator("#layer-list li", has_text="Layer 1").locator(".small").click()
+    assert page.locator("#layer-list [aria-current] .name").inner_text() == "Layer 1"
+
+
+def test_arrow_keys_move_a_layer_and_keep_it_in_hand(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    add(studio)
+    page.locator("#layer-list li", has_text="Layer 1").locator(".grip").focus()
+    with studio.repainting():
+        page.keyboard.press("ArrowUp")
+    assert names(studio) == ["Layer 3", "Layer 1", "Layer 2"]
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowUp")  # it is the front one already
+    assert names(studio) == ["Layer 1", "Layer 3", "Layer 2"]
+    assert studio.status() == "“Layer 1” is 1 of 3, counted from the front."
+    page.keyboard.press("ArrowDown")
+    assert names(studio) == ["Layer 3", "Layer 1", "Layer 2"]
+    # The cursor on the drawing, which has the same keys, stays away.
+    assert page.evaluate("document.activeElement.className") == "grip"
+
+
+def test_each_layer_says_for_itself_where_its_object_is(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    source = page.locator("#source")
+    assert source.get_attribute("aria-label") == "Where the object is on “Layer 2”"
+    page.evaluate("() => { window.asked = []; }")
+    page.evaluate(
+        """() => {
+          const ask = window.fetch;
+          window.fetch = (path, options) => {
+            if (path === "/api/paint") {
+              const length = new DataView(options.body.buffer).getUint32(0, true);
+              const text = new TextDecoder().decode(options.body.subarray(4, 4 + length));
+              asked.push(JSON.parse(text).layers.map(({ source }) => source));
+            }
+            return ask(path, options);
+          };
+        }"""
+    )
+    with studio.repainting():
+        source.select_option("model")
+    assert page.evaluate("asked.at(-1)") == [None, "model"]
+    page.keyboard.press("PageDown")
+    assert source.input_value() == ""
+    with studio.repainting():
+        source.select_option("outline")
+    assert page.evaluate("asked.at(-1)") == ["outline", "model"]
+    page.keyboard.press("PageUp")
+    assert source.input_value() == "model"
+    with studio.repainting():
+        page.keyboard.press("Control+z")
+    assert page.evaluate("asked.at(-1)") == [None, "model"]
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1280, 800), (1024, 768), (390, 844), (3840, 2160)])
+def test_beside_the_layers_every_control_has_its_room(
+    opened: "Browser", server: Server, size: tuple[int, int]
+) -> None:
+    cramped = """() => {
+      const found = [];
+      const pen = document.createElement("canvas").getContext("2d");
+      const controls = "button, select, summary, input, #layers .name";
+      const named = (each) => each.id || each.className;
+      for (const each of document.querySelectorAll("header *, main *")) {
+        if (!each.matches(controls) || !each.checkVisibility()) continue;
+        const box = each.getBoundingClientRect();
+        for (let around = each.parentElement; around; around = around.parentElement) {
+          if (getComputedStyle(around).overflow === "visible") continue;
+          const limits = around.getBoundingClientRect();
+          const beyond = box.left < limits.left - 1 || box.right > limits.right + 1;
+          if (beyond) found.push(`${named(each)} is cut off in ${named(around)}`);
+        }
+        if (each.matches("select")) {
+          pen.font = getComputedStyle(each).font;
+          // Beside its words there is the arrow.
+          const room = box.width - 24 - pen.measureText(each.selectedOptions[0].text).width;
+          if (room < 0) found.push(`${each.id} lacks ${-room} pixels`);
+        }
+        if (each.matches(".name") && each.scrollWidth > each.clientWidth) found.push(each.textContent);
+      }
+      return found;
+    }"""
+    server.begin_anew()
+    with open_studio(opened, server.url, width=size[0], height=size[1]) as studio:
+        page = studio.page
+        if size[0] >= 1280:
+            assert page.evaluate(cramped) == []
+        page.locator("#layers-toggle").click()
+        add(studio)
+        for tool in ("pen", "mask", "hint"):
+            page.locator(f"#tool-{tool}").click()
+            assert page.evaluate(cramped) == [], tool
 
 
 def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
@@ -244,7 +387,7 @@ def test_a_project_of_an_older_version_is_one_layer(studio: Studio, tmp_path: Pa
         "areas": [],
         "mask": [],
         "layers": [],
-        "settings": {"source": None, "name": "old"},
+        "settings": {"source": "outline", "name": "old"},
     }
     file = tmp_path / "old.normalgan"
     file.write_text(json.dumps(older), encoding="utf-8")
@@ -253,8 +396,9 @@ def test_a_project_of_an_older_version_is_one_layer(studio: Studio, tmp_path: Pa
         page.set_input_files("#open-file", files=file)
     assert names(studio) == ["Layer 1"]
     assert page.locator("#chips .chip").count() == 1
+    assert page.locator("#source").input_value() == "outline"
     assert studio.inked(190, 120)
-    file.write_text(json.dumps({**older, "version": 5}), encoding="utf-8")
+    file.write_text(json.dumps({**older, "version": 6}), encoding="utf-8")
     page.set_input_files("#open-file", files=file)
     page.locator("#choose button[value=drop]").click()
     studio.wait_for_status("newer studio")

@@ -1,41 +1,13 @@
 """The studio's page under fingers: one draws, two move and enlarge the paper, and beside a pen none draws."""
 
 import pytest
-from studio_page import SIDE, Studio
+from studio_page import SIDE, Hand, Point, Studio
 
 # A server and a browser take seconds to start; every test begins with a circle, painted.
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("ball")]
 MIDDLE = SIDE / 2
 LEFT, RIGHT = (MIDDLE - 80, MIDDLE), (MIDDLE + 80, MIDDLE)
 """Of the circle."""
-Point = tuple[float, float]
-
-
-class Hand:
-    """Fingers on the screen, as Chromium gets them from a touch screen.
-
-    Args:
-        studio: what they touch; all points are in pixels of the window.
-    """
-
-    def __init__(self, studio: Studio) -> None:
-        self._session = studio.page.context.new_cdp_session(studio.page)
-
-    def put(self, *fingers: Point) -> None:
-        """Lay further fingers down; name those that lie there already first."""
-        self._tell("touchStart", fingers)
-
-    def move(self, *fingers: Point) -> None:
-        """Move the fingers that lie there."""
-        self._tell("touchMove", fingers)
-
-    def lift(self) -> None:
-        """Take all away."""
-        self._tell("touchEnd", ())
-
-    def _tell(self, kind: str, fingers: tuple[Point, ...]) -> None:
-        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
-        self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
 
 def dark(studio: Studio, at: Point) -> bool:

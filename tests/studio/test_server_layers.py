@@ -83,6 +83,22 @@ def test_each_is_painted_for_itself_and_the_front_hides_the_back(model: Path, tm
     assert (back[far] != front[far]).any()
 
 
+def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: Path) -> None:
+    def mask(client: TestClient, number: int, *layers: dict[str, Any], **more: Any) -> Any:
+        return pixels(client.post("/api/paint", json=ask(number, *layers, **more)))[..., 3]
+
+    with serving(model, tmp_path) as client:
+        sources = ("outline", "model")
+        back = {source: mask(client, 1, layer(1, "a", BACK), source=source) for source in sources}
+        front = {source: mask(client, 2, layer(2, "b", FRONT), source=source) for source in sources}
+        assert (front["outline"] != front["model"]).any()
+        for number, (one, other) in enumerate((("outline", "model"), ("model", "outline")), 3):
+            # That of the request is for layers that have none of their own.
+            own = layer(1, "a", BACK, source=one), layer(2, "b", FRONT)
+            both = mask(client, number, *own, source=other)
+            assert np.array_equal(both, np.maximum(back[one], front[other]))
+
+
 def test_only_the_layer_that_changed_is_painted_again(
     model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -90,6 +90,25 @@ def test_the_map_is_shown_as_it_is_on_a_checker(viewer: Viewer) -> None:
     assert (np.abs(shown[:8, 8:16] - half_grey) <= 2).all()
 
 
+def test_a_large_map_is_shaded_whole_when_the_light_rests(viewer: Viewer) -> None:
+    # More pixels than are shaded at once while the light moves, where there is no WebGL.
+    rgba = references.ball(1024)
+    viewer.set_map(rgba)
+    viewer.set_view("lit")
+    viewer.set_light(LIGHT)
+    viewer.page.wait_for_timeout(400)
+    whole = viewer.screen()
+    for light in ((1, 0, 0.2), (0, 1, 0.2)):
+        viewer.set_light(light)
+        moving = viewer.screen()
+    assert np.abs(moving.astype(int) - whole).max() > 50
+    viewer.set_light(LIGHT)
+    near = viewer.screen().astype(int)
+    viewer.page.wait_for_timeout(400)
+    assert np.array_equal(viewer.screen(), whole)
+    assert np.abs(near - whole).mean() < 3  # what is shown meanwhile is the same light
+
+
 def test_light_from_the_right_and_from_above_lights_the_right_and_the_top(viewer: Viewer) -> None:
     viewer.set_map(references.ball(SIDE))
     for view in ("lit", "matcap", "flat"):

@@ -32,8 +32,8 @@ RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs", "ort-wasm-simd-thre
 FOLDER = "draw"
 _ABOUT = (
     "<p>This studio runs in your browser alone; nothing you draw leaves it, and projects stay in its store. "
-    "The relief, suggestions of points, exports but for PNG of 8 bits, and the cleaning of photos need "
-    "Python: install normalgan and run <code>normalgan studio</code>.</p>"
+    "The relief, exports but for PNG, files of paint programs, and the cleaning of photos need Python: "
+    "install normalgan and run <code>normalgan studio</code>.</p>"
 )
 _LEFT_OUT = (
     "<!doctype html><html lang='en'><meta charset='utf-8'><title>normalgan studio</title>"

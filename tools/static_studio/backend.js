@@ -4,6 +4,7 @@
  */
 
 import { documents } from "./documents.js";
+import { encodePng, levelsOf } from "./png.js";
 import { blurred } from "./raster.js";
 
 const MOST = 2048;
@@ -11,7 +12,7 @@ const MOST = 2048;
 const MOST_KEPT = 64;
 const LACKS = "this needs Python: install normalgan and run `normalgan studio`, which opens what you save here with Open a file";
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
-/** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
+/** @typedef {import("./worker.js").Answer} Painted */
 
 /** @type {Map<string, {number: number, planes: Map<string, Plane>}>} what was sent last, of each layer of each tab */
 const kept = new Map();
@@ -70,13 +71,17 @@ function take(key, fields, number, pixels) {
   return planes;
 }
 
-/** @param {import("./worker.js").Layer[]} layers @param {Record<string, any>} fields @param {number | null} longest @returns {Promise<Painted>} */
-async function painted(layers, { source = null }, longest) {
+/**
+ * @param {import("./worker.js").Layer[]} layers @param {number | null} longest
+ * @param {import("./worker.js").Wish["what"]} [what] @param {number} [count] of points
+ * @returns {Promise<Painted>}
+ */
+async function painted(layers, longest, what = "map", count = 0) {
   await size;
   const id = ++asked;
   return new Promise((resolve, reject) => {
     waiting.set(id, { resolve, reject });
-    worker.postMessage({ id, layers, source, longest });
+    worker.postMessage({ id, layers, longest, what, count });
   });
 }
 
@@ -88,16 +93,16 @@ async function drawing(path, body) {
   let at = 4 + length;
   // A drawing of one layer may be without a list of them.
   for (const layer of fields.layers ?? [{ ...fields, id: 0, name: "", bytes: body.length - at }]) {
-    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [] } = layer;
+    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [], source = fields.source ?? null } = layer;
     const planes = take(`${fields.tab} ${id}`, layer, fields.number, body.subarray(at, at + bytes));
     at += bytes;
     const ink = planes?.get("ink");
     if (!ink) return refused("send all of the drawing", 409);
-    layers.push({ name, ink, strokes, hints, areas });
+    layers.push({ name, ink, strokes, hints, areas, source });
   }
   if (path === "/api/paint") {
     try {
-      const { rgba, width, height, warning } = await painted(layers, fields, fields.longest ?? null);
+      const { rgba, width, height, warning } = await painted(layers, fields.longest ?? null);
       const headers = { "X-Width": String(width), "X-Height": String(height), "X-Warning": encodeURIComponent(warning) };
       return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (rgba), { headers });
     } catch (error) {
@@ -105,29 +110,25 @@ async function drawing(path, body) {
       throw error;
     }
   }
-  if (path === "/api/export" && fields.what === "map" && fields.format === "png8") {
-    const file = await png(await painted(layers, fields, fields.size ?? null), fields.y === "down", fields.alpha !== false);
+  const bits = { png8: /** @type {const} */ (8), png16: /** @type {const} */ (16) }[String(fields.format)];
+  if (path === "/api/export" && fields.what === "map" && bits) {
+    const file = await png(await painted(layers, fields.size ?? null, "exact"), bits, fields.y === "down", fields.alpha !== false);
     const name = encodeURIComponent(`${fields.name}_normal.png`);
     return new Response(file, { headers: { "Content-Disposition": `attachment; filename*=UTF-8''${name}` } });
+  }
+  if (path === "/api/suggest") return json({ points: (await painted(layers, null, "points", fields.count ?? 5)).points });
+  if (path === "/api/doubt") {
+    const { shares, width, height } = await painted(layers, null, "doubt");
+    return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (shares), { headers: { "X-Width": String(width), "X-Height": String(height) } });
   }
   return refused(LACKS, 501);
 }
 
-/** Returns a map as a file. @param {Painted} map @param {boolean} down whether green is turned over @param {boolean} alpha */
-async function png({ rgba, width, height }, down, alpha) {
-  const pixels = new Uint8ClampedArray(rgba);
+/** Returns a map as a file. @param {Painted} map @param {8 | 16} bits @param {boolean} down whether green is turned over @param {boolean} transparent */
+function png({ width, height, normals = new Float32Array(), mask = new Uint8Array() }, bits, down, transparent) {
   // The staircase of the mask becomes an edge of a pixel, as normalgan.painting.pipeline has it.
-  const mask = Float32Array.from({ length: width * height }, (_, i) => rgba[4 * i + 3] / 255);
-  const soft = alpha ? blurred(mask, width, height, 1).map((value) => Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5))) : mask;
-  for (let i = 0; i < pixels.length; i += 4) {
-    const opacity = Math.round(255 * soft[i / 4]);
-    if (!opacity) pixels.set([128, 128, 255], i);
-    if (down && opacity) pixels[i + 1] = 255 - pixels[i + 1];
-    pixels[i + 3] = alpha ? opacity : 255;
-  }
-  const canvas = new OffscreenCanvas(width, height);
-  canvas.getContext("2d")?.putImageData(new ImageData(pixels, width), 0, 0);
-  return canvas.convertToBlob({ type: "image/png" });
+  const alpha = transparent ? blurred(mask, width, height, 1).map((value) => Math.round(255 * Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5))) / 255) : null;
+  return encodePng(levelsOf(normals, mask, alpha, down, bits), width, height, bits);
 }
 
 /** Reads a picture as the browser can. @param {Blob} file */
@@ -137,7 +138,7 @@ async function picture(file) {
   try {
     await image.decode();
   } catch {
-    return refused("this browser cannot read that picture; PNG, JPEG, WebP and SVG go everywhere", 400);
+    return refused("this browser cannot read that picture; PNG, JPEG, WebP and SVG go everywhere, and files of paint programs where Python is: install normalgan and run `normalgan studio`", 400);
   } finally {
     URL.revokeObjectURL(image.src);
   }
@@ -156,7 +157,7 @@ async function answer(path, { method = "GET", body, headers }) {
     const stored = /^\/api\/(projects|autosave)(?:\/(.+))?$/.exec(path);
     if (stored) return await documents(stored[1], stored[2] && decodeURIComponent(stored[2]), method, new Headers(headers), String(body ?? ""));
     if (path === "/api/about") {
-      return json({ version: "in the browser", model: { name: "ours.onnx", size: await size, confidence: false }, limits: { side: MOST } });
+      return json({ version: "in the browser", model: { name: "ours.onnx", size: await size, confidence: true }, limits: { side: MOST } });
     }
     if (path === "/api/open") return json(null);
     if (path === "/api/import" && body instanceof Blob) return await picture(body);

@@ -57,15 +57,15 @@ const sum = (values) => values.reduce((total, value) => total + value, 0);
 /** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present */
 function chosen({ mask, closed, guessed }, present) {
   if (!mask) return { mask: present, said: "" };
-  if (closed >= CLOSED) return { mask, said: guessed ? "its outline has a wide gap, which was closed by a straight line; draw on there, or choose another Object above, if the object goes on" : "" };
+  if (closed >= CLOSED) return { mask, said: guessed ? "its outline has a wide gap, which was closed by a straight line; draw on there, or choose another Object, if the object goes on" : "" };
   return {
     mask: mask.map((value, i) => value | present[i]),
-    said: `its outline is not closed, only ${Math.round(100 * closed)}% of its lines enclose anything; where they do not, the mask is the model's guess (close the gaps, or choose another Object above)`,
+    said: `its outline is not closed, only ${Math.round(100 * closed)}% of its lines enclose anything; where they do not, the mask is the model's guess (close the gaps, or choose another Object)`,
   };
 }
 
 /** Brings a square of the network to the drawing's place and size. @param {Float32Array} square @param {Prepared} prepared @param {number} channels */
-function restored(square, { width, height, frame: { left, top, side, size } }, channels) {
+export function restored(square, { width, height, frame: { left, top, side, size } }, channels) {
   const scale = side / size;
   const out = new Float32Array(width * height * channels);
   const ways = [{ count: width, start: left }, { count: height, start: top }].map(({ count, start }) =>

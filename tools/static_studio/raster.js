@@ -5,39 +5,40 @@
 
 const FAR = 1e6;
 /** Lengths of steps to the side, across a corner, and of a knight (Borgefors 1986). */
-const [SIDE, CORNER, KNIGHT] = [1, 1.4, 2.1969];
+const FIVE = /** @type {[number, number, number]} */ ([1, 1.4, 2.1969]);
 
 /**
- * Returns how far each pixel is from the nearest one that is 0, by chamfers of 5 × 5.
+ * Returns how far each pixel is from the nearest one that is 0, by chamfers, of 5 × 5 unless other lengths are given.
  * @param {Plane} marked @param {number} width @param {number} height
  * @param {boolean} [bounded] whether what lies beyond the picture is 0 too
+ * @param {[number, number, number]} [lengths] of steps to the side, across a corner, and of a knight
  */
-export function distance(marked, width, height, bounded = false) {
+export function distance(marked, width, height, bounded = false, lengths = FIVE) {
   const stride = width + 4;
   const away = new Float32Array(stride * (height + 4)).fill(bounded ? 0 : FAR);
   for (let y = 0; y < height; y++) {
     for (let x = 0, at = (y + 2) * stride + 2, from = y * width; x < width; x++, at++, from++) {
-      away[at] = marked[from] ? nearer(away, at, stride, 1) : 0;
+      away[at] = marked[from] ? nearer(away, at, stride, 1, lengths) : 0;
     }
   }
   const out = new Float32Array(width * height);
   for (let y = height - 1; y >= 0; y--) {
     for (let x = width - 1, at = (y + 2) * stride + 2 + x, to = y * width + x; x >= 0; x--, at--, to--) {
       const found = away[at];
-      if (found > 0) away[at] = Math.min(found, nearer(away, at, stride, -1));
+      if (found > 0) away[at] = Math.min(found, nearer(away, at, stride, -1, lengths));
       out[to] = away[at];
     }
   }
   return out;
 }
 
-/** Returns the least way to a pixel past those before it, or after it. @param {Float32Array} away @param {number} at @param {number} stride @param {1 | -1} way */
-function nearer(away, at, stride, way) {
+/** Returns the least way to a pixel past those before it, or after it. @param {Float32Array} away @param {number} at @param {number} stride @param {1 | -1} way @param {[number, number, number]} lengths */
+function nearer(away, at, stride, way, [side, corner, knight]) {
   const [line, two, one] = [way * stride, way * 2, way];
-  const beside = Math.min(away[at - one], away[at - line]) + SIDE;
-  const across = Math.min(away[at - line - one], away[at - line + one]) + CORNER;
-  const knight = Math.min(away[at - line - two], away[at - line + two], away[at - 2 * line - one], away[at - 2 * line + one]) + KNIGHT;
-  return Math.min(beside, across, knight);
+  const beside = Math.min(away[at - one], away[at - line]) + side;
+  const across = Math.min(away[at - line - one], away[at - line + one]) + corner;
+  const jump = Math.min(away[at - line - two], away[at - line + two], away[at - 2 * line - one], away[at - 2 * line + one]) + knight;
+  return Math.min(beside, across, jump);
 }
 
 /** Returns where a condition holds, 1 and 0. @param {Plane} values @param {(value: number, at: number) => boolean} holds */

@@ -2,9 +2,10 @@
 
 import * as ort from "./ort.wasm.min.mjs";
 import { compose } from "./compose.js";
-import { finish } from "./finish.js";
+import { finish, restored } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
+import { doubt, suggest } from "./suggest.js";
 
 ort.env.wasm.numThreads = 1; // more threads need headers that few hosts of pages send
 ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
@@ -17,9 +18,15 @@ ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
  * @property {import("./hold.js").MaskStroke[]} strokes of the mask brush
  * @property {import("./document.js").Hint[]} hints
  * @property {import("./document.js").Area[]} areas
+ * @property {import("./document.js").Source} source
  */
-/** @typedef {{id: number, layers: Layer[], source: null | "outline" | "model", longest: number | null}} Wish layers: the hindmost first */
-/** @typedef {import("./compose.js").LayerMap & {warning: string}} Painted */
+/**
+ * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number}} Wish
+ *   layers: the hindmost first; what is to be answered; count: of points
+ * @typedef {import("./compose.js").LayerMap & {warning: string, certainty: () => Float32Array}} Painted certainty: the model's κ
+ * @typedef {{rgba: Uint8Array, width: number, height: number, warning: string, normals?: Float32Array, mask?: Uint8Array,
+ *   shares?: Uint8Array, points?: import("./suggest.js").Point[]}} Answer
+ */
 
 /** Pixels of what is kept: of several layers only one is painted again. */
 const KEPT = 2 ** 23;
@@ -75,8 +82,8 @@ async function recalled(kept, key, make) {
   return found;
 }
 
-/** @param {Layer} layer @param {Wish["source"]} source @param {number | null} longest @returns {Promise<Painted>} */
-async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
+/** @param {Layer} layer @param {number | null} longest @returns {Promise<Painted>} */
+async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
   const { session, refiner, widths, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
   return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
@@ -85,15 +92,16 @@ async function paintLayer({ ink, strokes, hints, areas }, source, longest) {
     const scale = width / ink.width;
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
     const feeds = { sketch: new ort.Tensor("float32", lines.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
-    const { normal } = await session.run(feeds);
+    const { normal, confidence } = await session.run(feeds);
     const { normals, mask, warning } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale));
     hold({ normals, mask, width, height }, hints, areas, scale);
-    return { normals, mask, width, height, warning };
+    // Only few ask for it, and it is as large as the map.
+    return { normals, mask, width, height, warning, confidence: null, certainty: () => restored(confidence.data, lines, 1) };
   });
 }
 
-/** @param {Wish} wish */
-async function paint({ layers, source, longest }) {
+/** @param {Wish} wish @returns {Promise<Answer>} */
+async function paint({ layers, longest, what, count }) {
   /** @type {Painted[]} */
   const maps = [];
   /** @type {string[]} */
@@ -104,7 +112,7 @@ async function paint({ layers, source, longest }) {
     // Of one layer it is clear which is meant.
     const name = layers.length > 1 ? `${layer.name}: ` : "";
     try {
-      const found = await paintLayer(layer, source, longest);
+      const found = await paintLayer(layer, longest);
       maps.push(found);
       if (found.warning) said.push(`${name}${found.warning}`);
     } catch (error) {
@@ -114,13 +122,21 @@ async function paint({ layers, source, longest }) {
     }
   }
   if (!maps.length) throw first ?? new Unpaintable("there is nothing to be painted.");
-  const { normals, mask, width, height } = compose(maps);
+  const unsure = what === "doubt" || what === "points";
+  const map = compose(maps.map((each) => ({ ...each, confidence: unsure ? each.certainty() : null })));
+  const { normals, mask, width, height, confidence } = map;
   const rgba = new Uint8Array(4 * width * height);
   for (let i = 0; i < mask.length; i++) {
     for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
     rgba[4 * i + 3] = mask[i] ? 255 : 0;
   }
-  return { rgba, width, height, warning: said.join("; ") };
+  const answer = { rgba, width, height, warning: said.join("; ") };
+  if (what === "exact") return { ...answer, normals: normals.slice(), mask: mask.slice() };
+  if (what === "doubt") {
+    return { ...answer, shares: Uint8Array.from(mask, (there, i) => (there && confidence ? Math.round(255 * Math.min(doubt(confidence[i]), 1)) : 0)) };
+  }
+  if (what === "points") return { ...answer, points: suggest(map, confidence, layers.flatMap(({ hints }) => hints), count) };
+  return answer;
 }
 
 /** Returns what the network is told: mean normals at the pins, and where they are. @param {import("./document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */

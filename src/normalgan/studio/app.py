@@ -22,12 +22,13 @@ from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.drawing import MOST_HINTS, MOST_SIDE
+from normalgan.studio.fields import take_choice
 from normalgan.studio.guard import Guard
 from normalgan.studio.opening import Opened
 from normalgan.studio.page_files import markup, version_of
 from normalgan.studio.painter import Painter
 from normalgan.studio.painting_routes import PaintingRoutes
-from normalgan.studio.pictures import import_picture
+from normalgan.studio.pictures import import_layers, import_picture
 from normalgan.studio.rate_limit import TokenBucket
 from normalgan.studio.refusals import TooManyError
 from normalgan.studio.responses import ResponseMiddleware, failed, refused
@@ -38,6 +39,8 @@ PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
 _WAITING = 4
 """Pictures that may wait to be imported."""
+_WAYS = {"drawing": import_picture, "layers": import_layers}
+"""As what a picture is imported."""
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
 
 
@@ -77,6 +80,7 @@ def build_app(
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
+        as_ = take_choice(dict(request.query_params), "as", tuple(_WAYS), "drawing")
         nonlocal waiting
         content = await read_body(request)
         if waiting >= _WAITING:
@@ -84,7 +88,7 @@ def build_app(
         waiting += 1
         try:
             async with importing:
-                return JSONResponse(await run_in_threadpool(import_picture, content))
+                return JSONResponse(await run_in_threadpool(_WAYS[as_], content))
         finally:
             waiting -= 1
 

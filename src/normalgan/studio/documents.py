@@ -6,7 +6,7 @@ from normalgan.studio.fields import Fields, parse_fields, take_integer
 
 __all__ = ["FORMAT", "VERSION", "check_document"]
 
-FORMAT, VERSION = "normalgan-studio", 4
+FORMAT, VERSION = "normalgan-studio", 5
 _ONE_LAYER = 3
 """Up to this version a drawing had no layers of its own; what was called so were pictures to trace."""
 

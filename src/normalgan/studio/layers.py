@@ -12,10 +12,11 @@ from normalgan.studio.fields import Fields, take_integer, take_text
 from normalgan.studio.planes import KeptPlanes
 from normalgan.studio.refusals import RefusedError
 
-__all__ = ["MOST_LAYERS", "Layer", "paint_layers", "take_layers"]
+__all__ = ["LONGEST_NAME", "MOST_LAYERS", "Layer", "paint_layers", "take_layers"]
 
 MOST_LAYERS = 16
-_LONGEST_NAME = 80
+LONGEST_NAME = 80
+"""Characters of a layer's name."""
 _LARGEST = 2**31
 
 
@@ -37,8 +38,8 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
 
     Args:
         fields: of the request: ``layers``, each with an ``id``, a ``name``, and what a drawing has of its
-            own; or those of a drawing with one layer. With pixels, each layer tells how many ``bytes`` are
-            its own.
+            own, with a ``source`` in place of the request's; or those of a drawing with one layer. With
+            pixels, each layer tells how many ``bytes`` are its own.
         kept: what the layers' tab has sent before.
         pixels: behind the fields; None if pictures are PNG in them.
 
@@ -62,14 +63,14 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
             raise InputError(f"there are two layers with the id {own}.")
         ids.add(own)
         # Each has its own pixels to be changed, and its own object to be held while its outline is open.
-        layer = {**entry, "tab": f"{tab} {own}"}
-        layer |= {name: fields[name] for name in ("number", "keep", "source") if name in fields}
+        layer = {"source": fields.get("source"), **entry, "tab": f"{tab} {own}"}
+        layer |= {name: fields[name] for name in ("number", "keep") if name in fields}
         ink = None
         if pixels is not None:
             size = take_integer(entry, "bytes", 0, MOST_BYTES)
             ink = kept.take(layer["tab"], layer, pixels[start : start + size])["ink"]
             start += size
-        name = take_text(entry, "name", _LONGEST_NAME) if len(listed) > 1 else ""
+        name = take_text(entry, "name", LONGEST_NAME) if len(listed) > 1 else ""
         found.append(Layer(name, take_drawing(layer, ink)))
     if pixels is not None and start != len(pixels):
         raise InputError(f"there are {len(pixels)} bytes of pixels; the layers tell of {start}.")

@@ -113,12 +113,27 @@ export async function exported(request) {
   return { blob: await response.blob(), name: name ?? "drawing" };
 }
 
-/** Reads an image file of any kind. @param {Blob} file @returns {Promise<{picture: string, width: number, height: number, given: [number, number]}>} */
-export async function imported(file) {
+/**
+ * @typedef {{picture: string, width: number, height: number, given: [number, number], layered: boolean}} Imported
+ *   picture: base64 of a PNG; given: width and height of the file; layered: whether it may have layers
+ * @typedef {{name: string, opacity: number, picture: string, x: number, y: number, width: number, height: number}} ImportedLayer
+ *   opacity: 0 to 1, which the picture does not have; x, y, width, height: where it lies in the whole
+ * @typedef {{layers: ImportedLayer[], plain: string[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers
+ *   layers: the hindmost first; plain: names of those that are all paper, and left out
+ */
+
+/** @param {Blob} file @param {string} path */
+function sendFile(file, path) {
   // What kind a file is, its content tells: what the system calls it may be wrong, or something else than a picture.
   const headers = { "Content-Type": file.type.startsWith("image/") ? file.type : "application/octet-stream" };
-  return (await ask("/api/import", { method: "POST", body: file, headers })).json();
+  return ask(path, { method: "POST", body: file, headers });
 }
+
+/** Reads an image file of any kind. @param {Blob} file @returns {Promise<Imported>} */
+export const imported = async (file) => (await sendFile(file, "/api/import")).json();
+
+/** Reads the visible layers of a layered file. @param {Blob} file @returns {Promise<ImportedLayers>} */
+export const importedLayers = async (file) => (await sendFile(file, "/api/import?as=layers")).json();
 
 /** Projects and autosaves: documents in a folder of the server. @param {string} path */
 const folder = (path) => ({

@@ -16,19 +16,20 @@ import { say, text } from "./text.js";
  * @typedef {{adds: boolean, size: number, points: number[]}} MaskStroke x, y, x, y, … where the object is added to or
  *   cut from
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
- *   mask: MaskStroke[]}} Layer a part of the drawing, which is painted for itself
+ *   mask: MaskStroke[], source: Source}} Layer a part of the drawing, which is painted for itself
+ * @typedef {null | "outline" | "model"} Source where a layer's object is: by itself, inside the outline, as the model sees it
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture to trace or to look at
- * @typedef {{source: null | "outline" | "model", name: string}} Settings
+ * @typedef {{name: string}} Settings
  * @typedef {{format: string, version: number, width: number, height: number, layers: Layer[], active: number,
  *   pictures: Picture[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
  *   worked on
  */
 
 export const FORMAT = "normalgan-studio";
-export const VERSION = 4;
+export const VERSION = 5;
 export const SIDES = { least: 16, most: 2048 };
-/** From this version on a drawing has layers. */
-const LAYERED = 4;
+/** From this version on a drawing has layers, and each has its own source. */
+const [LAYERED, SOURCED] = [4, 5];
 const MOST_STROKES = 20000;
 export const MOST_HINTS = 200;
 export const MOST_AREAS = 200;
@@ -38,7 +39,7 @@ export const MOST_PICTURES = 8;
 export const LONGEST_NAME = 80;
 
 /** @param {number} id @param {string} name @returns {Layer} */
-const newLayer = (id, name) => ({ id, name, visible: true, strokes: [], hints: [], areas: [], mask: [] });
+const newLayer = (id, name) => ({ id, name, visible: true, strokes: [], hints: [], areas: [], mask: [], source: null });
 
 /** What a layer is called that nobody has named. @param {number} number */
 const usualName = (number) => say("layerNumber", { number });
@@ -50,7 +51,7 @@ const usualName = (number) => say("layerNumber", { number });
  * @returns {Doc}
  */
 export function newDocument(width, height) {
-  const settings = { source: null, name: "" };
+  const settings = { name: "" };
   return { format: FORMAT, version: VERSION, width, height, layers: [newLayer(1, usualName(1))], active: 1, pictures: [], settings };
 }
 
@@ -83,6 +84,19 @@ export function withNewLayer(doc, name) {
   const layers = [...doc.layers];
   layers.splice(ids.indexOf(activeLayer(doc).id) + 1, 0, newLayer(id, name ?? usualName(number)));
   return { ...doc, layers, active: id };
+}
+
+/**
+ * Adds layers in front of the others, or in place of them; the front one is to be worked on from now.
+ * @param {Doc} doc @param {{name: string, visible: boolean, strokes: Stroke[]}[]} layers the hindmost first; a name may be empty
+ * @param {boolean} instead
+ * @returns {Doc}
+ */
+export function withLayers(doc, layers, instead) {
+  const before = instead ? [] : doc.layers;
+  const first = Math.max(...doc.layers.map(({ id }) => id)) + 1;
+  const added = layers.map(({ name, ...more }, i) => ({ ...newLayer(first + i, name || usualName(before.length + i + 1)), ...more }));
+  return { ...doc, layers: [...before, ...added], active: first + added.length - 1 };
 }
 
 /** Removes a layer, unless it is the only one. @param {Doc} doc @param {number} id @returns {Doc} */
@@ -152,11 +166,11 @@ export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => 
 
 /** Whether two documents are painted alike. @param {Doc} a @param {Doc} b @returns {boolean} */
 export function paintsAlike(a, b) {
-  if (a.width !== b.width || a.height !== b.height || a.settings.source !== b.settings.source) return false;
+  if (a.width !== b.width || a.height !== b.height) return false;
   if (a.layers === b.layers) return true;
   const [from, to] = [drawnLayers(a), drawnLayers(b)];
   return from.length === to.length && from.every((layer, i) =>
-    /** @type {const} */ (["id", "strokes", "hints", "areas", "mask"]).every((part) => layer[part] === to[i][part]));
+    /** @type {const} */ (["id", "strokes", "hints", "areas", "mask", "source"]).every((part) => layer[part] === to[i][part]));
 }
 
 /** All pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
@@ -201,18 +215,23 @@ const isList = (list, check, most) => Array.isArray(list) && list.length <= most
 /** @type {Check} */
 const isLayer = (value) =>
   Number.isInteger(value.id) && value.id >= 0 && typeof value.name === "string" && value.name.length > 0 &&
-  value.name.length <= LONGEST_NAME && typeof value.visible === "boolean" &&
+  value.name.length <= LONGEST_NAME && typeof value.visible === "boolean" && [null, "outline", "model"].includes(value.source) &&
   isList(value.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES) &&
   isList(value.hints, isHint, MOST_HINTS) && isList(value.areas, isArea, MOST_AREAS) && isList(value.mask, isMaskStroke, MOST_MASK_STROKES);
 
 /**
- * Returns what a file of an older version holds as this version has it: it had one layer, and called pictures so.
+ * Returns what a file of an older version holds as this version has it: one source was that of all layers; before, there
+ * was one layer, and pictures were called so.
  * @param {any} doc
  */
 function upgraded(doc) {
-  if (!(doc.version < LAYERED)) return doc;
+  if (!(doc.version < SOURCED)) return doc;
+  const source = ["outline", "model"].includes(doc.settings?.source) ? doc.settings.source : null;
+  /** @param {any} layer */
+  const sourced = (layer) => ({ ...layer, source });
+  if (doc.version >= LAYERED) return { ...doc, layers: Array.isArray(doc.layers) ? doc.layers.map(sourced) : doc.layers };
   const { strokes, hints, areas = [], mask = [], layers: pictures } = doc;
-  return { ...doc, layers: [{ ...newLayer(1, usualName(1)), strokes, hints, areas, mask }], active: 1, pictures };
+  return { ...doc, layers: [sourced({ ...newLayer(1, usualName(1)), strokes, hints, areas, mask })], active: 1, pictures };
 }
 
 /**
@@ -230,7 +249,6 @@ export function parseDocument(value) {
   const whole = isSide(width) && isSide(height) && isList(layers, isLayer, MOST_LAYERS) && isList(pictures, isPicture, MOST_PICTURES) &&
     new Set(layers.map(({ id }) => id)).size === layers.length && layers.some(({ id }) => id === active);
   if (!whole) throw new Error(text.notProject);
-  const source = ["outline", "model"].includes(String(doc.settings?.source)) ? doc.settings.source : null;
-  const settings = { source, name: String(doc.settings?.name ?? "") };
+  const settings = { name: String(doc.settings?.name ?? "") };
   return { format: FORMAT, version: VERSION, width, height, layers, active, pictures, settings };
 }

@@ -13,6 +13,9 @@ const SHOWN = 200;
  * @returns {string}
  */
 export function nameOf(before, after) {
+  const ids = new Set(before.layers.map(({ id }) => id));
+  const fresh = after.layers.filter(({ id }) => !ids.has(id));
+  if (fresh.some(({ strokes }) => strokes.length > 0)) return text.stepLayersImported;
   if (before.layers.length !== after.layers.length) return before.layers.length < after.layers.length ? text.stepLayer : text.stepLayerGone;
   if (before.layers.some(({ id }, i) => id !== after.layers[i].id)) return text.stepLayerMoved;
   if (before.width !== after.width || before.height !== after.height) return text.stepPaper;
@@ -20,6 +23,7 @@ export function nameOf(before, after) {
   const at = Math.max(0, before.layers.findIndex((layer, i) => layer !== after.layers[i]));
   const [old, now] = [before.layers[at], after.layers[at]];
   if (old.name !== now.name) return text.stepLayerNamed;
+  if (old.source !== now.source) return text.stepSource;
   if (old.visible !== now.visible) return now.visible ? text.stepLayerShown : text.stepLayerHidden;
   /** @type {["strokes" | "hints" | "areas" | "mask", string, string, string][]} */
   const lists = [

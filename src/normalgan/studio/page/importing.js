@@ -1,11 +1,13 @@
-/** Importing: a picture becomes the drawing, or a layer to trace over. */
+/** Importing: a picture becomes the drawing, its layers those of the drawing, or it is one to trace over. */
 
-import { Refused, imported } from "./api.js";
+import { Refused, imported, importedLayers } from "./api.js";
 import { choose } from "./dialogs.js";
-import { MOST_PICTURES, isEmpty, withPictures, withStroke } from "./document.js";
+import { MOST_LAYERS, MOST_PICTURES, isEmpty, withLayers, withPictures, withStroke } from "./document.js";
 import { $, make } from "./dom.js";
 import { darkOnLight, decodeAll } from "./pictures.js";
 import { say, text } from "./text.js";
+
+/** @typedef {"" | "drawing" | "layers" | "traced"} Way as what a picture is imported; "" asks */
 
 const TRACED = 0.5;
 
@@ -21,7 +23,7 @@ export class Importing {
     this.view = view;
     this.status = status;
     this.projects = projects;
-    /** @type {"" | "drawing" | "traced"} */
+    /** @type {Way} */
     this.as = "";
     /** @type {HTMLInputElement} */
     const chosen = $("import-file");
@@ -38,7 +40,7 @@ export class Importing {
     addEventListener("paste", (event) => this.#dropped(event.clipboardData?.files[0]));
   }
 
-  /** Lets the user choose a file. @param {"" | "drawing" | "traced"} as "" asks */
+  /** Lets the user choose a file. @param {Way} as */
   pick(as = "") {
     this.as = as;
     $("import-file").click();
@@ -51,58 +53,100 @@ export class Importing {
     else this.take(file, "");
   }
 
-  /** Imports a file. @param {File} file @param {"" | "drawing" | "traced"} as */
+  /** Imports a file. @param {File} file @param {Way} as */
   async take(file, as) {
     try {
-      const { picture, width, height, given } = await imported(file);
-      if (!(await this.place(`data:image/png;base64,${picture}`, width, height, as, file.name))) return;
-      if (given[0] === width && given[1] === height) return;
-      const [from, to] = [given, [width, height]].map(([x, y]) => say("pixels", { width: x, height: y }));
-      this.status.say(say("importedSmaller", { name: file.name, from, to }));
+      const { picture, width, height, given, layered } = await imported(file);
+      const layers = layered ? () => importedLayers(file) : null;
+      await this.place({ picture, width, height, given, layers }, as, file.name);
     } catch (error) {
-      if (error instanceof Refused) this.status.fail(new Error(say("badImport", { name: file.name, reason: error.message })));
-      else this.status.fail(error);
+      this.#failed(error, file.name);
     }
   }
 
   /**
-   * Puts a picture into the document.
-   * @param {string} url @param {number} width @param {number} height @param {"" | "drawing" | "traced"} as @param {string} name
-   * @returns {Promise<boolean>} whether it was not cancelled
+   * Puts a picture, or the layers of its file, into the document, and says so.
+   * @param {{picture: string, width: number, height: number, given: [number, number],
+   *   layers: (() => Promise<import("./api.js").ImportedLayers>) | null}} found layers: reads them; null: it has none
+   * @param {Way} as @param {string} name
    */
-  async place(url, width, height, as, name) {
+  async place({ picture, width, height, given, layers }, as, name) {
+    const url = `data:image/png;base64,${picture}`;
     await decodeAll([url]);
-    const way = as || (await this.#ask(url));
-    if (!way) return false;
+    const way = as || (await this.#ask(url, layers !== null));
+    if (!way) return;
     const fresh = isEmpty(this.editor.doc);
-    const doc = fresh ? shaped(this.editor.doc, width, height) : this.editor.doc;
-    const scale = Math.min(doc.width / width, doc.height / height);
-    const size = { width: width * scale, height: height * scale };
-    const placed = { x: (doc.width - size.width) / 2, y: (doc.height - size.height) / 2, ...size };
-    if (way === "traced") {
-      if (doc.pictures.length >= MOST_PICTURES) throw new Error(text.tooManyPictures);
-      this.editor.commit(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }]));
+    let said = say("imported", { name });
+    if (way === "layers" && layers) {
+      said = await this.#placeLayers(await layers(), fresh, name);
     } else {
-      const picture = await darkOnLight(url);
-      this.editor.commit(withStroke(doc, { kind: "picture", picture, ...placed }));
+      const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
+      const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
+      if (way === "traced") {
+        if (doc.pictures.length >= MOST_PICTURES) throw new Error(text.tooManyPictures);
+        this.editor.commit(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }]));
+      } else {
+        this.editor.commit(withStroke(doc, { kind: "picture", picture: await darkOnLight(url), ...placed }));
+      }
     }
     if (fresh) this.view.fit();
-    this.status.say(say("imported", { name }));
-    return true;
+    const smaller = given[0] !== width || given[1] !== height;
+    const [from, to] = [given, [width, height]].map(([x, y]) => say("pixels", { width: x, height: y }));
+    this.status.say(smaller ? `${said} ${say("importedSmaller", { from, to })}` : said);
   }
 
-  /** @param {string} url */
-  #ask(url) {
+  /**
+   * Puts layers in front of those that are there; of a document in which nothing is drawn they become all.
+   * @param {import("./api.js").ImportedLayers} found @param {boolean} fresh @param {string} name
+   * @returns {Promise<string>} what was done
+   */
+  async #placeLayers({ layers, plain, frames, width, height }, fresh, name) {
+    const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
+    const room = MOST_LAYERS - (fresh ? 0 : doc.layers.length);
+    if (layers.length > room) throw new Error(say("tooManyLayers", { name, count: layers.length, most: MOST_LAYERS, room }));
+    const place = within(doc, width, height);
+    const drawn = await Promise.all(layers.map(async ({ name: given, opacity, picture, ...box }) => {
+      const url = `data:image/png;base64,${picture}`;
+      await decodeAll([url]);
+      // A sheet with lines on it may be dark; what is cut out of nothing is dark where it was drawn so.
+      const whole = box.width === width && box.height === height;
+      /** @type {import("./document.js").Placed} */
+      const stroke = { kind: "picture", picture: whole ? await darkOnLight(url) : url, ...place(box) };
+      return { name: given, visible: opacity > 0, strokes: [stroke] };
+    }));
+    this.editor.commit(withLayers(doc, drawn, fresh));
+    return [
+      say(layers.length === 1 ? "importedLayer" : "importedLayers", { name, count: layers.length }),
+      ...(plain.length ? [say("importedPlain", { names: plain.map((each) => `“${each}”`).join(", ") })] : []),
+      ...(frames > 1 ? [say("importedFrame", { count: frames })] : []),
+    ].join(" ");
+  }
+
+  /** Says why a file was not imported. @param {unknown} error @param {string} name */
+  #failed(error, name) {
+    if (error instanceof Refused) this.status.fail(new Error(say("badImport", { name, reason: error.message })));
+    else this.status.fail(error);
+  }
+
+  /** @param {string} url @param {boolean} layered @returns {Promise<string>} a way, or "" */
+  #ask(url, layered) {
     const preview = make("img", { src: url, alt: "", class: "thumbnail" });
-    const ways = [{ value: "traced", text: text.asTraced }, { value: "drawing", text: text.asDrawing, strong: true }];
-    return choose(text.importAs, text.importHelp, ways, preview);
+    const ways = [
+      { value: "traced", text: text.asTraced },
+      { value: "drawing", text: layered ? text.asOne : text.asDrawing, strong: !layered },
+      ...(layered ? [{ value: "layers", text: text.asLayers, strong: true }] : []),
+    ];
+    return choose(text.importAs, layered ? `${text.importHelp} ${text.layersHelp}` : text.importHelp, ways, preview);
   }
 }
 
 /**
- * Returns an empty document in the shape of a picture.
- * @param {import("./document.js").Doc} doc @param {number} width @param {number} height
+ * Returns what places a part of a picture where it lies when the picture is as large as fits in the middle of a document.
+ * @param {import("./document.js").Doc} doc @param {number} width of the picture @param {number} height
  */
-function shaped(doc, width, height) {
-  return { ...doc, width, height };
+function within(doc, width, height) {
+  const scale = Math.min(doc.width / width, doc.height / height);
+  const [left, top] = [(doc.width - width * scale) / 2, (doc.height - height * scale) / 2];
+  /** @param {{x: number, y: number, width: number, height: number}} box */
+  return (box) => ({ x: left + box.x * scale, y: top + box.y * scale, width: box.width * scale, height: box.height * scale });
 }

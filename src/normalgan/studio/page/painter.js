@@ -9,7 +9,8 @@ import { inkAt } from "./ink.js";
 /** @typedef {import("./document.js").Layer} Layer */
 /**
  * @typedef {{id: number, name: string, base: number | null, bytes: number, planes: {name: string, width: number,
- *   height: number, channels: 1 | 4, box: number[]}[], hints: object[], areas: object[], mask_strokes: object[]}} Fields
+ *   height: number, channels: 1 | 4, box: number[]}[], hints: object[], areas: object[], mask_strokes: object[],
+ *   source: import("./document.js").Source}} Fields
  * @typedef {{fields: Fields, pixels: Uint8Array}} Part of a request: a layer
  */
 
@@ -143,14 +144,14 @@ export class Painter extends EventTarget {
    */
   async askAt(longest, send, more) {
     const { doc } = this.editor;
-    const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask }) => {
+    const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask, source }) => {
       const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
       const { channels, bytes } = pixels();
       const { width, height } = canvas;
       /** @param {number[]} points */
       const scaled = (points) => points.map((value) => value * scale);
       const fields = {
-        id, name, base: null, bytes: bytes.length,
+        id, name, source, base: null, bytes: bytes.length,
         planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
         hints: hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
         areas: areas.map((area) => ({ ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }) })),
@@ -164,7 +165,7 @@ export class Painter extends EventTarget {
 
   /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
   #part(layer) {
-    const { id, name, hints, areas, mask } = layer;
+    const { id, name, hints, areas, mask, source } = layer;
     const ink = this.inks.of(layer);
     const { width, height } = ink;
     const before = this.sent.get(id);
@@ -173,7 +174,7 @@ export class Painter extends EventTarget {
     if (before && before.channels !== channels) ({ channels, box, bytes } = ink.pixels(true));
     const base = before?.channels === channels ? before.number : null;
     const planes = [{ name: "ink", width, height, channels, box }];
-    return { fields: { id, name, base, bytes: bytes.length, planes, hints, areas, mask_strokes: mask }, pixels: bytes };
+    return { fields: { id, name, source, base, bytes: bytes.length, planes, hints, areas, mask_strokes: mask }, pixels: bytes };
   }
 
   /**
@@ -183,7 +184,7 @@ export class Painter extends EventTarget {
    * @returns {Promise<T>}
    */
   async #send(send, parts, more) {
-    const common = { tab: this.tab, source: this.editor.doc.settings.source, ...more };
+    const common = { tab: this.tab, ...more };
     const own = common.tab === this.tab;
     /** @param {Part[]} some */
     const request = (some) => {

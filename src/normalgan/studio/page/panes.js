@@ -9,38 +9,30 @@ const AMBER = [255, 140, 0];
 const OBJECT = [91, 98, 224];
 
 /**
- * Draws how unsure the model is: the more, the more amber.
- * @param {{shares: Uint8Array, width: number, height: number}} doubt
+ * Returns a picture in one colour.
+ * @param {number} width @param {number} height @param {number[]} colour @param {(pixel: number) => number} opacity 0 to 255
  * @returns {HTMLCanvasElement}
  */
-function veilOf({ shares, width, height }) {
+function tinted(width, height, [red, green, blue], opacity) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width, height];
   const image = new ImageData(width, height);
-  for (let i = 0; i < shares.length; i++) {
-    image.data.set(AMBER, 4 * i);
-    image.data[4 * i + 3] = Math.min(235, 2.2 * shares[i]);
+  const { data } = image;
+  for (let pixel = 0, at = 0; at < data.length; pixel++, at += 4) {
+    data[at] = red;
+    data[at + 1] = green;
+    data[at + 2] = blue;
+    data[at + 3] = opacity(pixel);
   }
   context2d(canvas).putImageData(image, 0, 0);
   return canvas;
 }
 
-/**
- * Draws where the object is.
- * @param {import("./painter.js").Painted} painted
- * @returns {HTMLCanvasElement}
- */
-function objectOf({ rgba, width, height }) {
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [width, height];
-  const image = new ImageData(width, height);
-  for (let at = 0; at < rgba.length; at += 4) {
-    image.data.set(OBJECT, at);
-    image.data[at + 3] = Math.round(0.3 * rgba[at + 3]);
-  }
-  context2d(canvas).putImageData(image, 0, 0);
-  return canvas;
-}
+/** Draws how unsure the model is: the more, the more amber. @param {{shares: Uint8Array, width: number, height: number}} doubt */
+const veilOf = ({ shares, width, height }) => tinted(width, height, AMBER, (pixel) => Math.min(235, 2.2 * shares[pixel]));
+
+/** Draws where the object is. @param {import("./painter.js").Painted} painted */
+const objectOf = ({ rgba, width, height }) => tinted(width, height, OBJECT, (pixel) => Math.round(0.3 * rgba[4 * pixel + 3]));
 
 export class Panes {
   /**
@@ -59,6 +51,8 @@ export class Panes {
     /** @type {number | null} share of the result's width where the drawing ends; null does not compare */
     this.divider = null;
     this.lines = false;
+    /** @type {import("./painter.js").Painter["doubt"]} what the veil shows */
+    this.doubted = null;
     $("drawing-large").addEventListener("click", () => this.enlarge("drawing"));
     $("result-large").addEventListener("click", () => this.enlarge("result"));
     $("compare").addEventListener("click", () => this.compare());
@@ -116,7 +110,8 @@ export class Panes {
     $("divider").style.left = `${100 * (divider ?? 0)}%`;
     $("divider").setAttribute("aria-valuenow", String(Math.round(100 * (divider ?? 0))));
     const { sheet } = this.result;
-    sheet.veil = painter.doubt && veilOf(painter.doubt);
+    // As large as the map: it is not drawn anew for each step of the divider.
+    if (this.doubted !== painter.doubt) [this.doubted, sheet.veil] = [painter.doubt, painter.doubt && veilOf(painter.doubt)];
     if (painter.wantsDoubt && painter.unsure === false) this.status.say(text.noDoubt, "warning");
     // A large result is drawn on: its lines must be seen then.
     const over = { lines: lines || layout === "result", paper: false };

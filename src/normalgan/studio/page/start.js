@@ -31,8 +31,15 @@ export async function begin(parts) {
     if (first?.kind === "project") await projects.open(first.name);
     if (first?.kind === "document") await projects.load(first.document, null, false);
     if (first?.kind === "drawing") {
-      const url = `data:image/png;base64,${first.picture}`;
-      await importing.place(url, first.width, first.height, "drawing", first.name);
+      const { picture, width, height, given, layers } = first;
+      const read = layers && (async () => {
+        if (layers.error) throw new Error(layers.error);
+        return layers;
+      });
+      const placed = importing.place({ picture, width, height, given, layers: read }, read ? "" : "drawing", first.name);
+      // A file with layers asks as what it is to come in, and the page is ready meanwhile.
+      if (read) placed.catch((error) => status.fail(error));
+      else await placed;
     }
     await offer(await unsaved(await openTabs()), parts);
   } catch (error) {

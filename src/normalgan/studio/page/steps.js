@@ -127,12 +127,13 @@ export function pastOf(doc, saved, check) {
   const past = fromSteps(saved, (number) => all[number]);
   /** @param {Doc} state */
   const content = ({ width, height, layers, pictures }) => JSON.stringify([
-    width, height, pictures, ...layers.map(({ id, name, visible, strokes, hints, areas, mask }) => [id, name, visible, strokes, hints, areas, mask]),
+    width, height, pictures, ...layers.map(({ id, name, visible, strokes, hints, areas, mask, source }) => [id, name, visible, strokes, hints, areas, mask, source]),
   ]);
   try {
     // A history that does not lead to the drawing is another one's.
-    if (!past || content(past.states[past.at]) !== content(doc)) return null;
-    return { states: past.states.map(check), at: past.at };
+    const states = past?.states.map(check) ?? [];
+    if (!past || content(states[past.at]) !== content(doc)) return null;
+    return { states, at: past.at };
   } catch {
     return null; // the drawing itself is whole
   }

@@ -1,7 +1,7 @@
 /** Toolbar: which tool, how wide, how smooth; shows what the editor holds. */
 
-import { withActive, withSettings } from "./document.js";
-import { $, enable, field } from "./dom.js";
+import { withActive } from "./document.js";
+import { $, enable, field, label } from "./dom.js";
 import { isNothing } from "./selecting.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
@@ -55,7 +55,7 @@ export function followTools(editor, inks) {
   smoothing.addEventListener("input", () => editor.set({ smoothing: smoothing.valueAsNumber / 100 }));
   source.addEventListener("change", () => {
     const chosen = /** @type {"outline" | "model" | ""} */ (source.value);
-    editor.commit(withSettings(editor.doc, { source: chosen || null }));
+    editor.commit(withActive(editor.doc, { source: chosen || null }));
   });
   for (const [id, adds] of /** @type {[string, boolean][]} */ ([["mask-add", true], ["mask-cut", false]])) $(id).addEventListener("click", () => editor.set({ adds }));
   const colour = field("colour");
@@ -93,7 +93,8 @@ export function followTools(editor, inks) {
     }
     smoothing.value = String(editor.smoothing * 100);
     $("smoothing-label").hidden = tool !== "pen";
-    source.value = doc.settings.source ?? "";
+    source.value = layer.source ?? "";
+    label(source, doc.layers.length > 1 ? say("objectOf", { name: layer.name }) : text.objectHelp);
     enable("undo", editor.history.canUndo);
     enable("redo", editor.history.canRedo);
     enable("suggest", layer.visible && layer.strokes.length > 0);

@@ -79,7 +79,7 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
 
   function start() {
     if (!gl) {
-      painter = createPlainPainter(canvas, text);
+      painter = createPlainPainter(canvas, text, redraw);
       return;
     }
     if (gl.isContextLost()) return; // webglcontextrestored will come

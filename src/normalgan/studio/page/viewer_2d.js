@@ -4,6 +4,8 @@ import { context2d } from "./canvas.js";
 import { CHECKER, placeOf } from "./viewer_fit.js";
 import { celShader, clayShader, matcapShader } from "./viewer_shading.js";
 
+/** Pixels that are shaded while the light moves, and milliseconds after which it rests: then all are. */
+const [MOVING, REST] = [2 ** 18, 160];
 const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
 
 /**
@@ -20,7 +22,9 @@ export function shadedPixels({ rgba }, view, light, colour, second) {
   const pixels = new Uint8ClampedArray(rgba.length);
   for (let at = 0; at < rgba.length; at += 4) {
     if (rgba[at + 3] === 0) continue;
-    const [x, y, z] = [rgba[at] / 127.5 - 1, rgba[at + 1] / 127.5 - 1, rgba[at + 2] / 127.5 - 1];
+    const x = rgba[at] / 127.5 - 1;
+    const y = rgba[at + 1] / 127.5 - 1;
+    const z = rgba[at + 2] / 127.5 - 1;
     const length = Math.sqrt(x * x + y * y + z * z);
     shade(x / length, y / length, z / length, pixels, at);
     pixels[at + 3] = rgba[at + 3];
@@ -28,31 +32,73 @@ export function shadedPixels({ rgba }, view, light, colour, second) {
   return pixels;
 }
 
+/** Returns a map with each so-many-th pixel of each so-many-th row. @param {import("./viewer.js").Picture} map @param {number} step @returns {import("./viewer.js").Picture} */
+function sparse({ rgba, width, height }, step) {
+  const [wide, high] = [Math.ceil(width / step), Math.ceil(height / step)];
+  const out = new Uint8Array(4 * wide * high);
+  for (let row = 0, to = 0; row < height; row += step) {
+    for (let column = 0; column < width; column += step, to += 4) {
+      const from = 4 * (row * width + column);
+      for (let i = 0; i < 4; i++) out[to + i] = rgba[from + i];
+    }
+  }
+  return { rgba: out, width: wide, height: high };
+}
+
 /**
  * Returns a painter whose relief is the sentence that it needs WebGL.
  * @param {HTMLCanvasElement} canvas
  * @param {{reliefNeedsWebgl: string}} text
+ * @param {() => void} redraw asks to be drawn with the next frame
  * @returns {import("./viewer.js").ScenePainter}
  */
-export function createPlainPainter(canvas, text) {
+export function createPlainPainter(canvas, text, redraw) {
   const context = context2d(canvas);
   const sheet = document.createElement("canvas");
   let drawn = ""; // the view and light that the sheet shows
+  let shown = ""; // the view alone
+  let coarse = false; // whether the sheet shows but some of the map's pixels
+  /** @type {import("./viewer.js").Picture | null} some of the map's pixels, if it has many */
+  let few = null;
+  let resting = 0;
+  let restsAt = 0;
 
   /** @param {import("./viewer.js").Picture | null} map */
   function setMap(map) {
-    [sheet.width, sheet.height] = map ? [map.width, map.height] : [1, 1];
-    drawn = "";
+    clearTimeout(resting);
+    drawn = shown = "";
+    coarse = false;
+    const step = map ? Math.ceil(Math.sqrt((map.width * map.height) / MOVING)) : 1;
+    few = map && step > 1 ? sparse(map, step) : null;
+  }
+
+  /** @param {import("./viewer.js").Picture} picture @param {Uint8ClampedArray<ArrayBuffer>} pixels */
+  function put({ width, height }, pixels) {
+    if (sheet.width !== width || sheet.height !== height) [sheet.width, sheet.height] = [width, height];
+    context2d(sheet).putImageData(new ImageData(pixels, width), 0, 0);
   }
 
   /** @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
   function fillSheet(map, { view, light, colour, second }) {
     if (view === "relief") return;
     const wanted = view === "map" ? view : JSON.stringify([view, light, colour, second]);
-    if (drawn === wanted) return;
-    const pixels = view === "map" ? new Uint8ClampedArray(map.rgba) : shadedPixels(map, view, light, colour, second);
-    context2d(sheet).putImageData(new ImageData(pixels, map.width), 0, 0);
-    drawn = wanted;
+    const rests = performance.now() >= restsAt;
+    if (drawn === wanted && !(coarse && rests)) return;
+    if (view === "map") {
+      put(map, new Uint8ClampedArray(map.rgba));
+      coarse = false;
+    } else {
+      // A light that follows the hand shades some pixels at once, and all when it rests.
+      coarse = few !== null && shown === view && drawn !== wanted;
+      const picture = coarse && few ? few : map;
+      put(picture, shadedPixels(picture, view, light, colour, second));
+    }
+    if (coarse) {
+      restsAt = performance.now() + REST;
+      clearTimeout(resting);
+      resting = setTimeout(redraw, REST + 1);
+    }
+    [drawn, shown] = [wanted, view];
   }
 
   /** @param {import("./viewer.js").Way} place @param {number} ratio */

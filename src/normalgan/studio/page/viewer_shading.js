@@ -81,14 +81,18 @@ export function clayShader(light, colour = WHITE, second = null) {
   const lamps = [{ direction: light, colour }, ...(second ? [second] : [])].map((each) => ({
     direction: each.direction, half: halfway(each.direction), lamp: CLAY.lamp.map((value, i) => value * each.colour[i]),
   }));
+  const { colour: clay, sky, ground, gloss, sharpness } = CLAY;
+  const sum = [0, 0, 0]; // one for all pixels: a new one for each would take more time than all else
   return (x, y, z, out, at) => {
     const up = (y + 1) / 2;
-    const sum = [0, 1, 2].map((i) => CLAY.colour[i] * (up * CLAY.sky[i] + (1 - up) * CLAY.ground[i]));
-    for (const { direction, half, lamp } of lamps) {
-      const lambert = Math.max(dot(direction, x, y, z), 0);
+    for (let i = 0; i < 3; i++) sum[i] = clay[i] * (up * sky[i] + (1 - up) * ground[i]);
+    for (let k = 0; k < lamps.length; k++) {
+      const { direction, half, lamp } = lamps[k];
+      const lambert = dot(direction, x, y, z);
+      if (lambert <= 0) continue;
       const facing = Math.max(dot(half, x, y, z), 0);
-      const glint = CLAY.gloss * facing ** CLAY.sharpness * Math.min(4 * lambert, 1);
-      for (let i = 0; i < 3; i++) sum[i] += (CLAY.colour[i] * lambert + glint) * lamp[i];
+      const glint = gloss * facing ** sharpness * Math.min(4 * lambert, 1);
+      for (let i = 0; i < 3; i++) sum[i] += (clay[i] * lambert + glint) * lamp[i];
     }
     for (let i = 0; i < 3; i++) out[at + i] = toSrgb(sum[i]);
   };

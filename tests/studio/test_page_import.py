@@ -1,0 +1,202 @@
+"""Files of paint programs in the studio's page: their layers become the drawing's, or are one drawing."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from studio_page import SIDE, Server, Studio, open_studio, serving
+
+from normalgan.decoding import DecodedLayer
+from normalgan.painting.layers import LayeredKind, encode_layers
+from onnx_models import write_model
+from pens import blob, outline
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+SHAPE = (200, 300)
+
+
+def part(name: str, number: int, centre: tuple[int, int], radius: int, opacity: int = 255) -> DecodedLayer:
+    """Return a disc with a dark rim about a point (x, y), cut to what is opaque in it."""
+    filled = blob(SHAPE, centre, radius)
+    shade = np.rint(255 * (1 - 0.9 * outline(filled)))
+    pixels = np.dstack([shade, shade, shade, 255 * (filled > 0.5)]).astype(np.uint8)
+    rows, columns = np.flatnonzero(pixels[..., 3].any(1)), np.flatnonzero(pixels[..., 3].any(0))
+    inside = pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    return DecodedLayer(name, (), opacity, int(columns[0]), int(rows[0]), number, 0, inside)
+
+
+PAPER = DecodedLayer("paper", (), 255, 0, 0, 0, 0, np.full((*SHAPE, 4), 255, np.uint8))
+STACK = [
+    PAPER,
+    part("body", 1, (100, 120), 60),
+    part("hat", 2, (200, 60), 40),
+    part("note", 3, (40, 40), 20, 0),
+]
+
+
+@pytest.fixture
+def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+    """An empty drawing, and the panel of layers."""
+    server.begin_anew()
+    with open_studio(opened, server.url, tolerate=("status of 400",)) as page:
+        page.page.locator("#layers-toggle").click()
+        page.new()
+        yield page
+
+
+def give(studio: Studio, file: Path, way: str) -> None:
+    """Import a file, and choose as what."""
+    studio.page.set_input_files("#import-file", files=file)
+    studio.page.locator(f"#choose button[value={way}]").click()
+
+
+def names(studio: Studio) -> list[str]:
+    """Return what the layers are called, the front one first."""
+    return studio.page.locator("#layer-list .name").all_inner_texts()
+
+
+@pytest.mark.parametrize("kind", ["psd", "ora", "aseprite"])
+def test_the_layers_of_a_file_become_those_of_the_drawing(
+    studio: Studio, tmp_path: Path, kind: LayeredKind
+) -> None:
+    file = tmp_path / f"fox.{kind}"
+    file.write_bytes(encode_layers(kind, SHAPE, STACK))
+    with studio.repainting():
+        give(studio, file, "layers")
+    assert studio.status() == f"Imported fox.{kind}: 3 layers. Without lines and left out: “paper”."
+    assert names(studio) == ["note", "hat", "body"]
+    assert studio.page.locator("#pixels").inner_text() == "300 × 200"
+    studio.size = SHAPE[::-1]
+    # What has no opacity in the file is hidden here.
+    assert studio.page.locator("#layer-list li.unseen .name").all_inner_texts() == ["note"]
+    page = studio.page
+    for name, x, y in (("body", 100 - 59, 120), ("hat", 200 + 39, 60)):
+        page.locator("#layer-list .name", has_text=name).click()
+        studio.wait_for_ink(x, y)
+    # Each is painted for itself: the hat alone is as it was in the picture of both.
+    hat = studio.shown(200, 60)
+    with studio.repainting():
+        page.locator("#layer-list li", has_text="body").locator(".eye").click()
+    np.testing.assert_allclose(studio.shown(200, 60), hat, atol=0.01)
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    assert names(studio) == ["Layer 1"]
+    page.locator("#history summary").click()
+    rows = page.locator("#history-list button")
+    rows.first.wait_for()
+    assert rows.all_inner_texts() == ["Beginning", "Imported layers", "Layer hidden"]
+
+
+def test_a_layered_file_can_be_one_drawing_or_one_to_trace(studio: Studio, tmp_path: Path) -> None:
+    file = tmp_path / "fox.psd"
+    file.write_bytes(encode_layers("psd", SHAPE, STACK[:3]))
+    with studio.repainting():
+        give(studio, file, "drawing")
+    assert names(studio) == ["Layer 1"]
+    give(studio, file, "traced")
+    studio.wait_for_status("Imported fox.psd.")
+    assert studio.page.locator("#picture-list li").count() == 1
+    assert names(studio) == ["Layer 1"]
+
+
+def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -> None:
+    file = tmp_path / "fox.ora"
+    file.write_bytes(encode_layers("ora", SHAPE, STACK[1:3]))
+    with studio.repainting():
+        studio.circle()
+    with studio.repainting():
+        give(studio, file, "layers")
+    assert names(studio) == ["hat", "body", "Layer 1"]
+    assert studio.page.locator("#pixels").inner_text() == f"{SIDE} × {SIDE}"
+    # As large as fits, in the middle.
+    scale = SIDE / SHAPE[1]
+    studio.page.locator("#layer-list .name", has_text="body").click()
+    studio.wait_for_ink((100 - 59) * scale, 120 * scale + (SIDE - SHAPE[0] * scale) / 2)
+
+
+def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, tmp_path: Path) -> None:
+    many = [part(f"part {number}", number, (60 + 9 * number, 90), 30) for number in range(16)]
+    files = {
+        "paper.ora": ([PAPER], "“paper.ora” was not imported: the file has no layer with lines"),
+        "many.ora": (many, "“many.ora” has 16 layers, a drawing has at most 16, and there is room for 15"),
+    }
+    with studio.repainting():
+        studio.circle()
+    for name, (layers, words) in files.items():
+        (tmp_path / name).write_bytes(encode_layers("ora", SHAPE, layers))
+        give(studio, tmp_path / name, "layers")
+        studio.wait_for_status(words)
+        assert names(studio) == ["Layer 1"]
+    (tmp_path / "half.psd").write_bytes(encode_layers("psd", SHAPE, STACK)[:200])
+    studio.page.set_input_files("#import-file", files=tmp_path / "half.psd")
+    studio.wait_for_status("“half.psd” was not imported: ")
+    # A layer on which no line is seen is there, and what it lacks is said.
+    white = DecodedLayer("blank", (), 255, 40, 40, 1, 0, np.full((60, 60, 4), 255, np.uint8))
+    (tmp_path / "blank.ora").write_bytes(encode_layers("ora", SHAPE, [STACK[1], white]))
+    with studio.repainting():
+        give(studio, tmp_path / "blank.ora", "layers")
+    assert "Blank: no line is seen" in studio.page.locator("#warning").inner_text()
+
+
+def test_a_file_that_the_command_line_names_asks_for_its_layers(opened: "Browser", tmp_path: Path) -> None:
+    (tmp_path / "fox.ora").write_bytes(encode_layers("ora", SHAPE, STACK[:3]))
+    model = write_model(tmp_path / "ramp.onnx", reach=3)
+    with (
+        serving(model, tmp_path / "projects", str(tmp_path / "fox.ora")) as server,
+        open_studio(opened, server.url) as studio,
+    ):
+        with studio.repainting():
+            studio.page.locator("#choose button[value=layers]").click()
+        studio.page.locator("#layers-toggle").click()
+        assert names(studio) == ["hat", "body"]
+
+
+def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio, tmp_path: Path) -> None:
+    # Of a picture four bytes a pixel are sent: 9 MB a layer, where a request takes 20 in all.
+    side = 1536
+    disc = part("disc", 0, (150, 100), 80).pixels
+    layers = [DecodedLayer(name, (), 255, 600 * i, 600, i, 0, disc) for i, name in enumerate(("a", "b", "c"))]
+    file = tmp_path / "large.ora"
+    file.write_bytes(encode_layers("ora", (side, side), layers))
+    page = studio.page
+    page.evaluate(
+        """() => {
+          window.sent = [];
+          const ask = window.fetch;
+          window.fetch = async (path, options) => {
+            const answer = await ask(path, options);
+            if (path === "/api/paint") {
+              const length = new DataView(options.body.buffer).getUint32(0, true);
+              const text = new TextDecoder().decode(options.body.subarray(4, 4 + length));
+              const { layers, longest } = JSON.parse(text);
+              const each = layers.map(({ name, bytes }) => [name, bytes]);
+              sent.push({ each, longest, size: options.body.length, status: answer.status });
+            }
+            return answer;
+          };
+        }"""
+    )
+    with studio.repainting():
+        give(studio, file, "layers")
+    sent = page.evaluate("sent")
+    whole = 4 * side * side
+    assert [each["each"] for each in sent] == [
+        [["a", whole]],
+        [["b", whole]],
+        [["a", 0], ["b", 0], ["c", whole]],
+    ]
+    assert [each["longest"] for each in sent] == [64, 64, None]
+    assert all(each["size"] < 20 * 2**20 and each["status"] == 200 for each in sent)
+    studio.size = side, side
+    for layer in layers:  # all are in the map
+        height, width = layer.pixels.shape[:2]
+        assert np.ptp(studio.shown(layer.left + width / 2, layer.top + height / 2)) > 0.2
+    # Of what the server has nothing is sent again.
+    with studio.repainting():
+        page.locator("#layer-list .eye").first.click()
+    assert page.evaluate("sent.at(-1).each") == [["a", 0], ["b", 0]]
