@@ -27,7 +27,7 @@ def data(meshes: Path, cache: Path, **settings: Any) -> MeshDataModule:
     """Three meshes to train on, one to validate and one to test: six, two and two samples."""
     defaults: dict[str, Any] = {
         "fractions": (0.6, 0.2, 0.2),
-        "lines": OccludingContours(),
+        "lines": OccludingContours(resolution=64),
         "size": 32,
         "train_views": 2,
         "val_views": 2,

@@ -186,7 +186,7 @@ def test_training_lowers_the_error(tmp_path: Path) -> None:
         generator_optimizer=lambda parameters: Adam(parameters, lr=2e-3),
         reconstruction=L1AndHints(l1_weight=100.0),
     )
-    run = trainer(tmp_path, max_epochs=30)
+    run = trainer(tmp_path, max_epochs=30, check_val_every_n_epoch=30)
     before = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
     run.fit(gan, loader())
     after = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]

@@ -97,12 +97,6 @@ def test_light_rooms_do_not_load_torch() -> None:
     assert not seen & {"torch", "lightning", "torchmetrics", "kornia"}
 
 
-def test_a_list_of_plugins_loads_neither_lightning_nor_kornia() -> None:
-    seen = loaded("from normalgan.__main__ import main; main(['plugins', '--json'])")
-    assert "torch" in seen
-    assert not seen & {"lightning", "kornia"}
-
-
 @pytest.mark.parametrize(
     "arguments",
     [["--help"], [], ["--version"], ["ftt"], ["fit", "--help"], ["fit", "-h=mod"]],

@@ -12,7 +12,6 @@ from normalgan.painting.lighting import Clay
 from normalgan.studio.app import PAGE
 from normalgan.studio.page_files import modules_of, version_of
 from normalgan.studio.rate_limit import TokenBucket
-from onnx_models import write_model
 
 NO_NAMES = (
     *(
@@ -32,10 +31,18 @@ NO_NAMES = (
 
 
 @pytest.fixture(scope="module")
-def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two folders above that of the projects: what a name of dots and slashes could reach."""
     folder = tmp_path_factory.mktemp("studio")
     (folder / "secret.txt").write_text("hush")
-    with serving(write_model(folder / "ramp.onnx"), folder / "projects") as client:
+    (folder / "beside").mkdir()
+    (folder / "beside" / "secret.txt").write_text("hush")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def client(model: Path, folder: Path) -> Iterator[TestClient]:
+    with serving(model, folder / "beside" / "projects") as client:
         yield client
 
 
@@ -138,11 +145,8 @@ def test_another_page_has_another_version(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("store", ["projects", "autosave"])
 @pytest.mark.parametrize("name", NO_NAMES)
-def test_no_path_is_a_name(
-    client: TestClient, tmp_path_factory: pytest.TempPathFactory, store: str, name: str
-) -> None:
-    base = tmp_path_factory.getbasetemp()
-    before = sorted(base.rglob("*"))
+def test_no_path_is_a_name(client: TestClient, folder: Path, store: str, name: str) -> None:
+    before = sorted(folder.rglob("*"))
     for written in {quote(name, safe=""), quote(name, safe="").replace(".", "%2E")}:
         path = f"/api/{store}/{written}"
         for answer in (
@@ -152,7 +156,7 @@ def test_no_path_is_a_name(
         ):
             assert answer.status_code in {400, 404, 405}, answer.text
             assert "hush" not in answer.text
-    assert sorted(base.rglob("*")) == before
+    assert sorted(folder.rglob("*")) == before
 
 
 def test_too_much_is_not_read(client: TestClient) -> None:

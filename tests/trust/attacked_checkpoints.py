@@ -260,9 +260,12 @@ def _bytes(edit: Callable[[Tree], object] = lambda tree: None) -> bytes:
 
 def repacked(**changes: Any) -> bytes:
     """Return a sound archive of the parts, some of them in place of others, as zipfile packs it."""
-    compressed = changes.pop("compressed", zipfile.ZIP_STORED)
+    compressed, level = changes.pop("compressed", zipfile.ZIP_STORED), changes.pop("level", None)
     packed = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(_bytes())) as whole, zipfile.ZipFile(packed, "w", compressed) as target:
+    with (
+        zipfile.ZipFile(io.BytesIO(_bytes())) as whole,
+        zipfile.ZipFile(packed, "w", compressed, compresslevel=level) as target,
+    ):
         for name in whole.namelist():
             target.writestr(name, changes.pop(name.rpartition("/")[2], whole.read(name)))
         for name, content in changes.items():
@@ -297,7 +300,7 @@ def _old() -> bytes:
 FILES: dict[str, tuple[Callable[[], bytes], str]] = {
     "compressed": (lambda: repacked(compressed=zipfile.ZIP_DEFLATED), "its parts are compressed"),
     "bomb": (
-        lambda: repacked(compressed=zipfile.ZIP_DEFLATED, **{"0": bytes(2**30)}),
+        lambda: repacked(compressed=zipfile.ZIP_DEFLATED, level=1, **{"0": bytes(2**29)}),
         "its parts are compressed",
     ),
     "lying": (_lying, "its parts are longer than the file"),
