@@ -83,7 +83,7 @@ def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_sav
             "animals": 3,
             "fractions": [0.34, 0.33, 0.33],
             "size": 32,
-            "test_views": 1,
+            **{"train_views": 1, "val_views": 1, "test_views": 1},
             "render_workers": 0,
         },
     }

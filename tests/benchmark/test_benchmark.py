@@ -36,7 +36,7 @@ PLAN: dict[str, Any] = {
         "val_views": 2,
         "test_views": 3,
         "render_workers": 0,
-        "lines": {"class_path": "OccludingContours"},
+        "lines": {"class_path": "OccludingContours", "init_args": {"resolution": 64}},
         "renderer": {"class_path": "EmbreeRenderer"},
     },
     "rows": [

@@ -45,7 +45,8 @@ def test_fit_says_nothing_that_the_user_can_do_nothing_about(bench: Bench, tmp_p
 
 def test_what_fit_saved_is_a_configuration(bench: Bench, trained: Path, tmp_path: Path) -> None:
     outcome = run(
-        "fit", "--config", trained / "config.yaml", "--trainer.default_root_dir", tmp_path / "again"
+        *("fit", "--config", trained / "config.yaml", "--trainer.default_root_dir", tmp_path / "again"),
+        *("--trainer.max_epochs", 1),
     )
     assert outcome.code == 0, outcome.err
     assert last(tmp_path / "again").is_file()

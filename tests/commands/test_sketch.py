@@ -64,10 +64,10 @@ def test_the_normal_map_lies_under_the_lines(tmp_path: Path) -> None:
     assert ink(png)[~near].sum() < 0.1 * ink(png).sum()
 
 
-def test_the_seed_decides_what_the_hand_does(tmp_path: Path) -> None:
+def test_the_seed_decides_what_the_hand_does(sphere: str, tmp_path: Path) -> None:
     def drawn(*more: str) -> bytes:
         out = tmp_path / "h.png"
-        assert main([*HORSE, "-o", str(out), *more]) == 0
+        assert main(["sketch", sphere, "--size", "96", "-o", str(out), *more]) == 0
         return out.read_bytes()
 
     hand = ("--hand.strength", "[1,1]", "--medium.strength", "[1,1]")

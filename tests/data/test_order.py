@@ -55,7 +55,7 @@ def test_a_batch_shows_as_many_meshes_as_samples_and_the_next_one_others() -> No
     assert not any(a & b for a, b in pairwise(shown))
 
 
-@pytest.mark.parametrize("workers", [1, 2, 3, 4, 6, 8, 12])
+@pytest.mark.parametrize("workers", [1, 3, 8])
 @pytest.mark.parametrize("batch", [8, 5])
 def test_a_mesh_is_loaded_once_for_a_group_of_views(workers: int, batch: int) -> None:
     meshes, views, row = 1000, 40, LANES * batch  # three groups of a mesh; caches hold a row

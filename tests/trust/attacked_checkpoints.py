@@ -297,7 +297,16 @@ def _old() -> bytes:
     return buffer.getvalue()
 
 
+def _tensor() -> bytes:
+    buffer = io.BytesIO()
+    torch.save(torch.zeros(3), buffer)
+    return buffer.getvalue()
+
+
 FILES: dict[str, tuple[Callable[[], bytes], str]] = {
+    "empty": (bytes, "damaged or no checkpoint"),
+    "pickle": (lambda: pickle.dumps(Path("x")), "damaged or no checkpoint"),
+    "tensor": (_tensor, "holds no normalgan model"),
     "compressed": (lambda: repacked(compressed=zipfile.ZIP_DEFLATED), "its parts are compressed"),
     "bomb": (
         lambda: repacked(compressed=zipfile.ZIP_DEFLATED, level=1, **{"0": bytes(2**29)}),
