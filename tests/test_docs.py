@@ -64,6 +64,7 @@ def test_python_runs(name: str, tmp_path: Path) -> None:
     run_python(ROOT / "docs" / f"{name}.md", tmp_path)
 
 
+@pytest.mark.slow  # imports lightning, renders and trains
 def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_save(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -56,6 +56,7 @@ def test_a_record_reached_the_target_with_every_seed_on_the_same_kind_of_device(
     assert "three seeds of both are to tell" in said
 
 
+@pytest.mark.slow  # renders and trains
 def test_an_idea_from_the_command_line_to_the_log(
     speedrun: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -34,6 +34,7 @@ def test_a_cluster_that_cannot_be_had_is_one_sentence(
     bench.run("render", tmp_path, "--cluster", "nowhere").refused("'nowhere' names no cluster; give tcp://")
 
 
+@pytest.mark.slow  # of its parts, test_s3.py and test_stream.py
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # see test_s3.py
 def test_training_streams_from_s3_with_a_cache_nearby(
     bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

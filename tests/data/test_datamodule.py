@@ -146,7 +146,8 @@ def test_batches_asked_for_after_training_are_tensors_to_use(
 
 @pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")
 @pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")
-@pytest.mark.parametrize("workers", [0, 1, 4])  # Lightning makes the iterator before it sets the epoch
+# Lightning makes the iterator before it sets the epoch.
+@pytest.mark.parametrize("workers", [0, 1, pytest.param(4, marks=pytest.mark.slow)])
 def test_training_order_goes_on_when_resumed(meshes: Path, cache: Path, tmp_path: Path, workers: int) -> None:
     unbroken = seen_in(data(meshes, cache, workers=workers), tmp_path / "a", epochs=3)
     seen_in(data(meshes, cache, workers=workers), tmp_path / "b", epochs=2)
