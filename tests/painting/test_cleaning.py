@@ -216,3 +216,8 @@ def test_a_grey_drawing_has_the_ink_of_one_with_a_touch_of_colour(painted: bool)
     tinted[0, 0] += np.array([0, 1e-6, 0], np.float32)
     assert (tinted != colour).any()
     assert np.abs(clean(Picture(colour, None)).ink - clean(Picture(tinted, None)).ink).max() < 1e-4
+
+
+def test_what_is_transparent_all_over_has_no_line() -> None:
+    with pytest.raises(InputError, match="no line is seen in it"):
+        prepare(Picture(np.zeros((40, 40, 3), np.float32), np.zeros((40, 40), np.float32)), 64)
