@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from normalgan.errors import InputError
 from normalgan.normals import Floats
 from normalgan.painting.paper import ink_on_paper
+from normalgan.painting.patches import patches
 from normalgan.painting.picture import Picture
 from normalgan.painting.polarity import is_light_on_dark
 from normalgan.painting.silhouette import contour, is_silhouette, over_own_colour
@@ -67,13 +68,10 @@ def without_specks(ink: Floats) -> Floats:
 
     A patch is a connected area of more than a tenth; what it spans is the longer side of its box.
     """
-    count, labels, stats, _ = cv2.connectedComponentsWithStats((ink > 0.1).astype(np.uint8), connectivity=8)
-    if count < 2:
-        return ink
-    spans = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
+    numbers, sizes = patches(ink > 0.1)
     # Paler than half all over is no dot of a pen either.
-    dark = np.zeros(count, np.bool_)
-    dark[labels[ink > 0.5]] = True
-    kept = (spans >= max(ink.shape) / 150) & dark
+    dark = np.zeros(len(sizes), np.bool_)
+    dark[numbers[ink > 0.5]] = True
+    kept = (sizes.max(1) >= max(ink.shape) / 150) & dark
     kept[0] = True
-    return ink if kept.all() else np.where(kept[labels], ink, 0)
+    return ink if kept.all() else np.where(kept[numbers], ink, 0)

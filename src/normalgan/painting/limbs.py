@@ -4,6 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.painting.patches import patches
+
 __all__ = ["Mark", "limbs"]
 
 _SHORTEST, _APART = 0.12, 0.03
@@ -25,15 +27,14 @@ def limbs(loose: Mark, body: Mark, span: int, width: float) -> Mark:
         span: longer side of the drawing in pixels.
         width: of most lines in pixels.
     """
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(loose.astype(np.uint8), connectivity=8)
-    long = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) >= _SHORTEST * span
-    long[0] = False
+    numbers, sizes = patches(loose)
+    long = np.hypot(sizes[:, 0], sizes[:, 1]) >= _SHORTEST * span
     if not long.any():
         return np.zeros_like(loose)
     reach = 2 * max(round(_APART * span), 1) + 1
     around = cv2.dilate(body.astype(np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach)))
-    begins = np.zeros(count, bool)
-    begins[labels[around > 0]] = True
-    found: Mark = (long & begins)[labels]
+    begins = np.zeros(len(sizes), bool)
+    begins[numbers[around > 0]] = True
+    found: Mark = (long & begins)[numbers]
     # A thinner one would be lost when the mask is brought to another size.
     return found if width >= _THINNEST else cv2.dilate(found.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
