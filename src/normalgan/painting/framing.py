@@ -55,10 +55,12 @@ class Frame:
     def cut(self, ink: Floats) -> Floats:
         """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1]."""
         shown = self.shrink(ink)
-        # Averaging makes thin lines pale; training samples have lines as dark as ink, so the darker half of
-        # the lines is brought back to that.
-        lines = shown[shown > 0.1]
-        return np.minimum(shown / max(float(np.median(lines)), 0.1), 1) if lines.size else shown
+        return np.asarray(np.minimum(shown / _darkness(shown), 1), np.float32)
+
+    def marked(self, ink: Floats) -> NDArray[np.bool_]:
+        """Return where `cut` gives more than half."""
+        shown = self.shrink(ink)
+        return np.asarray(shown > 0.5 * _darkness(shown))
 
     def shrink(self, picture: Floats) -> Floats:
         """Return the frame's part of a picture (H, W) at the model's size, (size, size), zero beyond it."""
@@ -101,6 +103,16 @@ class Frame:
         placed = np.array([[scale, 0, x0], [0, scale, y0]], np.float64)
         h, w = self.shape
         return np.asarray(cv2.warpAffine(painted, placed, (w, h), flags=cv2.INTER_LINEAR), np.float32)
+
+
+def _darkness(shown: Floats) -> float:
+    """Return how dark most lines of a shrunken drawing are; 1 if there are none.
+
+    Averaging makes thin lines pale; training samples have lines as dark as ink, so the darker half of the
+    lines is brought back to that.
+    """
+    lines = shown[shown > 0.1]
+    return max(float(np.median(lines)), 0.1) if lines.size else 1.0
 
 
 def bounds_of(ink: Floats) -> Bounds:

@@ -59,7 +59,7 @@ class Levels:
         return int(self._counts[self._bin(above) + 1 :].sum())
 
     def _bin(self, value: float) -> int:
-        return int(np.clip(np.rint((np.clip(value, -1e9, 1e9) - self._low) / self._step), 0, _BINS - 1))
+        return round(min(max((value - self._low) / self._step, 0), _BINS - 1))
 
 
 def _rank(counts: NDArray[np.int64], share: float) -> int:

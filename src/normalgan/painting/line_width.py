@@ -27,7 +27,7 @@ def show(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
         widths: of the lines that the model knows.
     """
     fine = Frame(frame.shape, frame.left, frame.top, frame.side, frame.size * _FINER)
-    whole = fine.cut(ink) > 0.5
+    whole = fine.marked(ink)
     # Nothing is done about what is empty, which is most of the frame of a drawing that is not square.
     box = _around(whole, 2 * _FINER)
     inked = whole[box]
@@ -43,7 +43,7 @@ def show(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
         lines = middle(inked, width, thick)
     else:
         lines, drawn_width = inked, DRAWN_WIDTH * _FINER - width + 1
-    away = cv2.distanceTransform((~lines).astype(np.uint8), cv2.DIST_L2, 5)
+    away = cv2.distanceTransform((~lines).view(np.uint8), cv2.DIST_L2, 5)
     drawn = np.zeros(whole.shape, np.float32)
     np.clip(np.float32(drawn_width / 2 + 0.5) - away, 0, 1, out=drawn[box])
     if kept is not None:

@@ -1,6 +1,7 @@
 """Painted areas: what is wide and dark in a drawing is no line: a coloured body, a desk around the sheet."""
 
 from functools import reduce
+from typing import Any
 
 import cv2
 import numpy as np
@@ -182,7 +183,7 @@ def has_scenery(paper: Floats, level: Floats) -> bool:
     """
     if paper.ndim == 2:
         return False
-    edge = np.concatenate([paper[0], paper[-1], paper[:, 0], paper[:, -1]])
+    edge = _edge(paper)
     shares = edge / np.maximum(edge.sum(-1, keepdims=True), 1e-3)
     tint = level / level.sum()
     # Of dark colours light tells nothing: their tint is noise.
@@ -203,9 +204,16 @@ def has_scenery(paper: Floats, level: Floats) -> bool:
 
 def _along_edge(areas: Mark, share: float) -> Mark:
     """Return those connected areas (H, W) that take up more than a share of the picture's edge."""
-    count, labels = cv2.connectedComponents(areas.astype(np.uint8), connectivity=4)
-    edge = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
+    if _edge(areas).mean() <= share:  # of most drawings: all of them together take up too little of it
+        return np.zeros_like(areas)
+    count, labels = cv2.connectedComponents(areas.view(np.uint8), connectivity=4)
+    edge = _edge(labels)
     around = np.bincount(edge, minlength=count) > share * len(edge)
     around[0] = False
     found: Mark = around[labels]
     return found
+
+
+def _edge(picture: NDArray[Any]) -> NDArray[Any]:
+    """Return the pixels along the edge of a picture (H, W, …), those at the corners twice."""
+    return np.concatenate([picture[0], picture[-1], picture[:, 0], picture[:, -1]])

@@ -87,7 +87,7 @@ def to_picture(decoded: Decoded) -> Picture:
     values, alpha = to_unit(decoded.pixels), None
     full = decoded.shape if decoded.shape != values.shape[:2] else None
     if values.ndim == 2:
-        return Picture(np.repeat(values[..., None], 3, -1), None, full)
+        return Picture(np.asarray(cv2.cvtColor(values, cv2.COLOR_GRAY2RGB), np.float32), None, full)
     if values.shape[2] == 4:
         values, alpha = values[..., :3], values[..., 3]
         alpha = alpha if alpha.min() < 1 else None
