@@ -4,6 +4,8 @@ Axes are those of the camera, as in OpenGL: x right, y up, z to the viewer. A un
 the colour (n + 1) / 2. Outside the object a map in memory is zero; a file holds flat, (0, 0, 1), there.
 """
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
@@ -30,6 +32,7 @@ __all__ = [
     "paint_flat",
     "read_exr",
     "read_png",
+    "strips",
     "vectors",
     "write_bytes",  # in normalgan.files; here for one release
     "write_png",
@@ -39,6 +42,8 @@ Bits = Literal[8, 16]
 Green = Literal["up", "down"]
 """Which way of y a file holds as green: up as in OpenGL, down as in DirectX."""
 Floats = NDArray[np.float32]
+_STRIP = 2**16
+"""Values of a strip: what is computed of so many stays in a processor's cache."""
 
 
 def normalize(vectors: NDArray[np.floating], eps: float = 1e-8) -> Floats:
@@ -73,11 +78,26 @@ def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] |
     [128, 128, 255]
     """
     top = 2**bits - 1
-    # In single precision one of some hundred boundaries between levels would be missed by a last bit.
-    levels: NDArray[np.float64] = np.multiply(normals, top / 2, dtype=np.float64)
-    levels += top / 2
-    np.clip(np.rint(levels, out=levels), 0, top, out=levels)
-    return levels.astype(np.uint8) if bits == 8 else levels.astype(np.uint16)
+    colours = np.empty(normals.shape, np.uint8 if bits == 8 else np.uint16)
+    for strip in strips(normals.shape):
+        # In single precision one of some hundred boundaries between levels would be missed by a last bit.
+        levels: NDArray[np.float64] = np.multiply(normals[strip], top / 2, dtype=np.float64)
+        levels += top / 2
+        colours[strip] = np.clip(np.rint(levels, out=levels), 0, top, out=levels)
+    return colours
+
+
+def strips(shape: tuple[int, ...]) -> Iterator[slice]:
+    """Yield the rows of an array in parts, for what is computed value by value in several steps.
+
+    Of a large picture each step would go through the whole memory, and would need as much of it again.
+
+    >>> list(strips((5, 2**14, 2)))
+    [slice(0, 2, None), slice(2, 4, None), slice(4, 6, None)]
+    """
+    rows = max(_STRIP // max(math.prod(shape[1:]), 1), 1)
+    for first in range(0, shape[0], rows):
+        yield slice(first, first + rows)
 
 
 def decode(colours: NDArray[np.uint8] | NDArray[np.uint16]) -> Floats:
@@ -136,10 +156,13 @@ def encode_png(
     normals: NDArray[np.floating], bits: Bits = 8, alpha: NDArray[np.floating] | None = None
 ) -> bytes:
     """Return a normal map (H, W, 3) as a PNG, with an alpha channel (H, W) in [0, 1] if given."""
-    colours = encode(normals, bits)[..., ::-1]
+    import cv2  # as below
+
+    red, green, blue = cv2.split(encode(normals, bits))
+    planes = [blue, green, red]
     if alpha is not None:
-        colours = np.dstack([colours, np.rint(alpha * (2**bits - 1)).astype(colours.dtype)])
-    return _encoded(".png", colours)
+        planes.append(np.rint(alpha * (2**bits - 1)).astype(red.dtype))
+    return _encoded(".png", cv2.merge(planes))
 
 
 def encode_tiff(normals: Floats, alpha: Floats | None = None) -> bytes:

@@ -5,6 +5,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal, get_args
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -101,10 +102,12 @@ class NormalMap:
 
     def pixels(self, y: Green = "up", alpha: bool = False) -> NDArray[np.uint8]:
         """Return the map's colours of 8 bits, (H, W, 3), or (H, W, 4) with alpha; see `encode`."""
-        colours = encode(self._flat(y, alpha))
-        if alpha:
-            colours = np.dstack([colours, np.rint(255 * self.alpha)])
-        return colours.astype(np.uint8)
+        colours = np.asarray(encode(self._flat(y, alpha)), np.uint8)
+        if not alpha:
+            return colours
+        return np.asarray(
+            cv2.merge([*cv2.split(colours), np.rint(255 * self.alpha).astype(np.uint8)]), np.uint8
+        )
 
     def _flat(self, y: Green, alpha: bool) -> Floats:
         normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)

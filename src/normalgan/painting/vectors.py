@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from normalgan.normals import Floats
+from normalgan.normals import Floats, strips
 
 __all__ = ["lengths", "unit"]
 
@@ -13,8 +13,10 @@ _NONE = np.float32(1e-8)
 def lengths(vectors: Floats) -> Floats:
     """Return the lengths (H, W) of vectors (H, W, 3), float32."""
     # Not by cv2.magnitude: its last bits depend on where in the memory the result lies.
-    total = sum(plane * plane for plane in cv2.split(vectors))
-    return np.asarray(np.sqrt(total), np.float32)
+    out = np.empty(vectors.shape[:2], np.float32)
+    for strip in strips(vectors.shape):
+        np.sqrt(sum(plane * plane for plane in cv2.split(vectors[strip])), out=out[strip])
+    return out
 
 
 def unit(vectors: Floats, front: bool = False) -> Floats:
@@ -29,11 +31,14 @@ def unit(vectors: Floats, front: bool = False) -> Floats:
     >>> unit(np.zeros((1, 1, 3), np.float32), front=True).tolist()
     [[[0.0, 0.0, 1.0]]]
     """
-    planes = cv2.split(vectors)
-    length = np.sqrt(sum(plane * plane for plane in planes))
-    there = length > _NONE
-    scale = there / np.maximum(length, _NONE)
-    planes = [plane * scale for plane in planes]
-    if front and not there.all():
-        planes[2] += ~there
-    return np.asarray(cv2.merge(planes), np.float32)
+    out = np.empty(vectors.shape, np.float32)
+    for strip in strips(vectors.shape):
+        planes = cv2.split(vectors[strip])
+        length = np.sqrt(sum(plane * plane for plane in planes))
+        there = length > _NONE
+        scale = there / np.maximum(length, _NONE)
+        planes = [plane * scale for plane in planes]
+        if front and not there.all():
+            planes[2] += ~there
+        cv2.merge(planes, dst=out[strip])
+    return out

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TypeVar
 from urllib.parse import quote
 
+import cv2
 import numpy as np
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -135,8 +136,8 @@ class PaintingRoutes:
 
     def _map(self, layers: Sequence[Layer], longest: int | None) -> tuple[bytes, NormalMap]:
         painted = self._paint(layers, longest)
-        alpha = np.where(painted.mask, 255, 0).astype(np.uint8)
-        return np.dstack([encode(painted.extended), alpha]).tobytes(), painted
+        alpha = painted.mask.astype(np.uint8) * np.uint8(255)
+        return cv2.merge([*cv2.split(encode(painted.extended)), alpha]).tobytes(), painted
 
     def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
         painted = self._paint(layers)
