@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from normalgan.errors import InputError
-from normalgan.painting.picture import read_picture
+from normalgan.painting.picture import Picture, read_picture
 from pens import blob, outline
 
 GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
@@ -104,3 +104,12 @@ def test_a_camera_that_was_turned_is_turned_back(turn: int) -> None:
     exif[0x0112] = turn
     stored = image.transpose(undo[turn]) if turn > 1 else image
     assert (read(saved(stored, "PNG", exif=exif)).round() == GREY).all()
+
+
+def test_a_picture_without_opacity_is_resized_as_one_that_is_opaque_everywhere() -> None:
+    colour = np.random.default_rng(1).random((60, 40, 3)).astype(np.float32)
+    for shape in ((30, 20), (47, 31), (90, 60)):
+        found = Picture(colour, None).resized(shape)
+        opaque = Picture(colour, np.ones((60, 40), np.float32)).resized(shape)
+        assert found.alpha is None
+        np.testing.assert_allclose(found.colour, opaque.colour, atol=1e-6)

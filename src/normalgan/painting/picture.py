@@ -44,11 +44,12 @@ class Picture:
         """Return the picture with (H, W) pixels; itself if it has."""
         if shape == self.size:
             return self
-        alpha = self.alpha if self.alpha is not None else np.ones(self.size, np.float32)
+        if self.alpha is None:
+            return Picture(np.clip(resize(self.colour, shape), 0, 1), None)
         # Colours of pixels that nobody sees must not bleed into those that are seen.
-        seen = resize(np.dstack([self.colour * alpha[..., None], alpha]), shape)
+        seen = resize(np.dstack([self.colour * self.alpha[..., None], self.alpha]), shape)
         colour = seen[..., :3] / np.maximum(seen[..., 3:], 1e-4)
-        return Picture(np.clip(colour, 0, 1), None if self.alpha is None else np.clip(seen[..., 3], 0, 1))
+        return Picture(np.clip(colour, 0, 1), np.clip(seen[..., 3], 0, 1))
 
 
 def resize(picture: Floats, shape: tuple[int, int]) -> Floats:
