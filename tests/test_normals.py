@@ -59,6 +59,18 @@ def test_each_level_begins_where_exact_arithmetic_says(bits: Bits) -> None:
     assert normals.encode(np.array([-2.0, -1, 1, 2]), bits).tolist() == [0, 0, top, top]
 
 
+def test_all_strips_of_a_large_map_are_encoded() -> None:
+    large = np.random.default_rng(1).uniform(-1, 1, (301, 257, 3)).astype(np.float32)
+    assert len(list(normals.strips(large.shape))) > 2
+    assert (normals.encode(large) == np.stack([normals.encode(row) for row in large])).all()
+
+
+def test_opacity_is_the_last_channel_of_pixels_and_red_or_blue_the_first() -> None:
+    red, alpha = np.array([[[1.0, 0, 0]]]), np.array([[0.2]])
+    assert normals.pixels_of(red, 8, alpha).tolist() == [[[255, 128, 128, 51]]]
+    assert normals.pixels_of(red, 16, blue_first=True).tolist() == [[[32768, 32768, 65535]]]
+
+
 def test_axes_are_opengl() -> None:
     colours = normals.encode(np.eye(3))
     assert colours.tolist() == [[255, 128, 128], [128, 255, 128], [128, 128, 255]]

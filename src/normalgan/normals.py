@@ -29,7 +29,9 @@ __all__ = [
     "encode_tiff",
     "flip_green",
     "normalize",
+    "pack_png",
     "paint_flat",
+    "pixels_of",
     "read_exr",
     "read_png",
     "strips",
@@ -156,13 +158,38 @@ def encode_png(
     normals: NDArray[np.floating], bits: Bits = 8, alpha: NDArray[np.floating] | None = None
 ) -> bytes:
     """Return a normal map (H, W, 3) as a PNG, with an alpha channel (H, W) in [0, 1] if given."""
+    return pack_png(pixels_of(normals, bits, alpha, blue_first=True))
+
+
+def pixels_of(
+    normals: NDArray[np.floating],
+    bits: Bits = 8,
+    alpha: NDArray[np.floating] | None = None,
+    *,
+    blue_first: bool = False,
+) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Return the colours of a normal map (H, W, 3), with an alpha channel (H, W) in [0, 1] if given.
+
+    Args:
+        normals: (H, W, 3).
+        bits: of each channel.
+        alpha: (H, W), the fourth channel; None leaves it out.
+        blue_first: blue, green, red, as OpenCV writes them.
+    """
     import cv2  # as below
 
-    red, green, blue = cv2.split(encode(normals, bits))
-    planes = [blue, green, red]
+    planes = [*cv2.split(encode(normals, bits))]
+    if blue_first:
+        planes.reverse()
     if alpha is not None:
-        planes.append(np.rint(alpha * (2**bits - 1)).astype(red.dtype))
-    return _encoded(".png", cv2.merge(planes))
+        planes.append(np.rint(alpha * (2**bits - 1)).astype(planes[0].dtype))
+    pixels = cv2.merge(planes)
+    return pixels.astype(np.uint8, copy=False) if bits == 8 else pixels.astype(np.uint16, copy=False)
+
+
+def pack_png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    """Return pixels (H, W, 3) or (H, W, 4), blue first, as a PNG."""
+    return _encoded(".png", pixels)
 
 
 def encode_tiff(normals: Floats, alpha: Floats | None = None) -> bytes:

@@ -5,7 +5,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal, get_args
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,12 +14,13 @@ from normalgan.normals import (
     Bits,
     Floats,
     Green,
-    encode,
     encode_exr,
-    encode_png,
     encode_tiff,
     flip_green,
+    pack_png,
     paint_flat,
+    pixels_of,
+    strips,
 )
 from normalgan.painting.vectors import unit
 
@@ -90,27 +90,32 @@ class NormalMap:
             y: up is green as in OpenGL, down as in DirectX.
             alpha: whether the object's mask is the alpha channel.
         """
-        normals = self._flat(y, alpha)
         opacity = self.alpha if alpha else None
         match form:
             case "png":
-                return encode_png(normals, bits, opacity)
+                return pack_png(self._pixels(bits, y, alpha, blue_first=True))
             case "exr":
-                return encode_exr(normals, opacity)
+                return encode_exr(self._flat(y, alpha), opacity)
             case "tiff":
-                return encode_tiff(normals, opacity)
+                return encode_tiff(self._flat(y, alpha), opacity)
 
     def pixels(self, y: Green = "up", alpha: bool = False) -> NDArray[np.uint8]:
         """Return the map's colours of 8 bits, (H, W, 3), or (H, W, 4) with alpha; see `encode`."""
-        colours = np.asarray(encode(self._flat(y, alpha)), np.uint8)
-        if not alpha:
-            return colours
-        return np.asarray(
-            cv2.merge([*cv2.split(colours), np.rint(255 * self.alpha).astype(np.uint8)]), np.uint8
-        )
+        return np.asarray(self._pixels(8, y, alpha), np.uint8)
 
-    def _flat(self, y: Green, alpha: bool) -> Floats:
-        normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)
+    def _pixels(
+        self, bits: Bits, y: Green, alpha: bool, *, blue_first: bool = False
+    ) -> NDArray[np.uint8] | NDArray[np.uint16]:
+        shape = (*self.mask.shape, 4 if alpha else 3)
+        pixels = np.empty(shape, np.uint8 if bits == 8 else np.uint16)
+        for rows in strips(shape):
+            opacity = self.alpha[rows] if alpha else None
+            pixels[rows] = pixels_of(self._flat(y, alpha, rows), bits, opacity, blue_first=blue_first)
+        return pixels
+
+    def _flat(self, y: Green, alpha: bool, rows: slice = np.s_[:]) -> Floats:
+        opaque = self.alpha[rows] > 0 if alpha else self.mask[rows]
+        normals = paint_flat(self.extended[rows], opaque)
         return flip_green(normals) if y == "down" else normals
 
     def save(self, path: str | Path, bits: Bits = 8, y: Green = "up", alpha: bool = False) -> None:

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.normals import Floats
+from normalgan.normals import Floats, strips
 from normalgan.painting.backend import Backend
 from normalgan.painting.edits import MOST_PINS, REACH, hold_pins
 from normalgan.painting.normal_map import NormalMap
@@ -71,27 +71,33 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     shown = None
     if confidence is not None:
         shown = frame.restore(confidence[..., None]).reshape(mask.shape)
-    if prepared.shape != mask.shape:
-        normals, mask = resize(normals, prepared.shape), resize(mask.astype(np.float32), prepared.shape) > 0.5
+    enlarged = prepared.shape != mask.shape
+    if enlarged:
+        mask = resize(mask.astype(np.float32), prepared.shape) > 0.5
+        normals = resize(normals, prepared.shape)
         shown = None if shown is None else resize(shown, prepared.shape)
-    normals = unit(normals, front=True)  # some have none: between opposite ones, and beyond the frame
+    # Some have no direction: between opposite ones, and beyond the frame.
+    normals = unit(normals, front=True, out=normals if enlarged else None)
     pins = prepared.pins
     if pins is not None and 0 < len(pins.points) <= MOST_PINS:
         reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
         normals = hold_pins(normals, pins.points, pins.normals, reaches)
-    alpha = edge if prepared.alpha is None else resize(prepared.alpha, prepared.shape)
+    alpha = edge if prepared.alpha is None else np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
     if prepared.alpha is not None and prepared.painted is not None:
         by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
         alpha = np.where(by_hand == 0, alpha, edge)
-    return NormalMap(normals, mask, np.clip(alpha, 0, 1), prepared.seen, shown, warning)
+    return NormalMap(normals, mask, alpha, prepared.seen, shown, warning)
 
 
 def _soft_edge(mask: Mark, shape: tuple[int, int]) -> Floats:
     """Return a mask as opacity (H, W) at a picture's size: its staircase becomes an edge of a pixel."""
     soft = np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 1.0), np.float32)
     sharper = np.float32(1.6 * max(shape[1] / mask.shape[1], 1.0))
-    edge = np.clip((resize(soft, shape) - 0.5) * sharper + 0.5, 0, 1)
-    return np.asarray(np.rint(edge * 255) / 255, np.float32)
+    edge = resize(soft, shape)
+    for strip in strips(shape):
+        steep = np.clip((edge[strip] - 0.5) * sharper + 0.5, 0, 1)
+        edge[strip] = np.rint(steep * 255) / 255
+    return edge
 
 
 def coarse_of(prepared: Prepared, preds: Floats, mask: Mark) -> Coarse:

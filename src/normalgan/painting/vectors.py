@@ -19,19 +19,20 @@ def lengths(vectors: Floats) -> Floats:
     return out
 
 
-def unit(vectors: Floats, front: bool = False) -> Floats:
+def unit(vectors: Floats, front: bool = False, out: Floats | None = None) -> Floats:
     """Return unit vectors (H, W, 3) of float32 ones.
 
     Args:
         vectors: (H, W, 3).
         front: whether those shorter than 1e-8 are to face the viewer; else they become zero.
+        out: (H, W, 3), what the result is written to, be it the vectors themselves; None is a new array.
 
     >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()
     [[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]]
     >>> unit(np.zeros((1, 1, 3), np.float32), front=True).tolist()
     [[[0.0, 0.0, 1.0]]]
     """
-    out = np.empty(vectors.shape, np.float32)
+    out = np.empty(vectors.shape, np.float32) if out is None else out
     for strip in strips(vectors.shape):
         planes = cv2.split(vectors[strip])
         length = np.sqrt(sum(plane * plane for plane in planes))

@@ -6,14 +6,13 @@ from functools import partial
 from typing import TypeVar
 from urllib.parse import quote
 
-import cv2
 import numpy as np
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from normalgan.errors import InputError, RunError
-from normalgan.normals import encode
+from normalgan.normals import pixels_of
 from normalgan.painting.hint_files import parse_hints
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.suggestion import doubt, suggest
@@ -136,8 +135,7 @@ class PaintingRoutes:
 
     def _map(self, layers: Sequence[Layer], longest: int | None) -> tuple[bytes, NormalMap]:
         painted = self._paint(layers, longest)
-        alpha = painted.mask.astype(np.uint8) * np.uint8(255)
-        return cv2.merge([*cv2.split(encode(painted.extended)), alpha]).tobytes(), painted
+        return pixels_of(painted.extended, alpha=painted.mask.astype(np.float32)).tobytes(), painted
 
     def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
         painted = self._paint(layers)
