@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.normals import Floats
+from normalgan.normals import Floats, strips
 
 __all__ = ["Levels"]
 
@@ -30,12 +30,13 @@ class Levels:
 
     def __init__(self, values: Floats, low: float, high: float) -> None:
         self._low, self._step = low, (high - low) / (_BINS - 1)
-        # The middle of the first bin is the least value: half a step is added, and the rest cut off.
-        places = values * np.float32(1 / self._step)
-        places += np.float32(0.5 - low / self._step)
-        np.clip(places, 0, _BINS - 1, out=places)
         # Of whole numbers it counts many times as fast as of floats.
-        whole = places.astype(np.uint16)
+        whole = np.empty(values.shape, np.uint16)
+        for rows in strips(values.shape):
+            # The middle of the first bin is the least value: half a step is added, and the rest cut off.
+            places = values[rows] * np.float32(1 / self._step)
+            places += np.float32(0.5 - low / self._step)
+            whole[rows] = np.clip(places, 0, _BINS - 1, out=places)
         self._counts = cv2.calcHist([whole], [0], None, [_BINS], [0, _BINS]).ravel().astype(np.int64)
 
     def quantile(self, share: float, above: float = -np.inf, below: float = np.inf) -> float:

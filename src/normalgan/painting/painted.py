@@ -14,6 +14,7 @@ __all__ = [
     "Mark",
     "darkest",
     "has_scenery",
+    "lightest",
     "painted_areas",
     "paper_colour",
     "shadows",
@@ -51,6 +52,11 @@ Mark = NDArray[np.bool_]
 def darkest(colour: Floats) -> Floats:
     """Return the least channel of colours, (H, W); NumPy's own takes ten times as long."""
     return np.asarray(reduce(cv2.min, cv2.split(colour)), np.float32)
+
+
+def lightest(colour: Floats) -> Floats:
+    """Return the greatest channel of colours, (H, W), as `darkest` does the least."""
+    return np.asarray(reduce(cv2.max, cv2.split(colour)), np.float32)
 
 
 def paper_colour(paper: Floats) -> Floats:
@@ -91,7 +97,7 @@ def shadows(colour: Floats, paper: Floats, level: Floats) -> Mark:
     sharp: Mark = cv2.dilate(darkness, square) > _RATIO * cv2.erode(darkness, square)
     if relative.ndim == 3:
         shares = relative / np.maximum(relative.sum(-1, keepdims=True), 1e-3)
-        sheet = wide & (-darkest(-np.abs(shares - np.float32(1 / 3))) < _TINT)
+        sheet = wide & (lightest(np.abs(shares - np.float32(1 / 3))) < _TINT)
     else:
         sheet = wide
     even = wide & ~sharp
@@ -157,7 +163,7 @@ def painted_areas(
         if edge.any() and step[edge].mean() < 0.5:
             continue  # shaded
         paint = np.median(colour[own], axis=0)
-        alike = (-darkest(-np.abs(colour - paint)) < _ALIKE) & (darkest(colour / level) < _PAINTED) & ~shadow
+        alike = (lightest(np.abs(colour - paint)) < _ALIKE) & (darkest(colour / level) < _PAINTED) & ~shadow
         _, parts = cv2.connectedComponents((alike | own).astype(np.uint8), connectivity=4)
         parts_of_it = parts == np.bincount(parts[own]).argmax()
         same = parts_of_it & alike  # at the window's edges the trunk's paper is too light as well

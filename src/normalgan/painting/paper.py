@@ -4,11 +4,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.normals import Floats
+from normalgan.normals import Floats, strips
 from normalgan.painting.levels import Levels
 from normalgan.painting.painted import (
     darkest,
     has_scenery,
+    lightest,
     painted_areas,
     paper_colour,
     shadows,
@@ -52,10 +53,11 @@ def ink_on_paper(colour: Floats) -> tuple[Floats, bool]:
     scenery = has_scenery(paper, level)
     painted, paper = painted_areas(small, paper, level, step, shadows(small, paper, level))
     beside = _enlarged(paper, shape)
-    # Of a dark paint, a share would be mere noise.
-    share = np.maximum(beside, _DARKEST * level)
-    np.divide(np.subtract(beside, colour, out=beside), share, out=share)
-    ink = -darkest(np.negative(share, out=share))
+    ink = np.empty(shape, np.float32)
+    for rows in strips(colour.shape):
+        # Of a dark paint, a share would be mere noise.
+        share = (beside[rows] - colour[rows]) / np.maximum(beside[rows], _DARKEST * level)
+        ink[rows] = lightest(share)
     around = surroundings(painted)
     ink = _without_grain(np.clip(ink - Levels(ink, -1, 1).quantile(0.5), 0, 1))
     if painted.any():
@@ -80,7 +82,7 @@ def _paper(colour: Floats) -> Floats:
 def _enlarged(paper: Floats, shape: tuple[int, int]) -> Floats:
     """Return the paper with (H, W) pixels: it is smooth, so that lines between the pixels do."""
     if paper.shape[:2] == shape:
-        return paper.copy()
+        return paper
     return np.asarray(cv2.resize(paper, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
