@@ -68,37 +68,41 @@ def cold(model: Path, drawing: Path, folder: Path) -> float:
     return timed(lambda: subprocess.run(command, check=True, capture_output=True), 1)[0]
 
 
-def draw(count: int, folder: Path, side: int = SIDE) -> list[Path]:
+def draw(count: int, folder: Path, width: int = SIDE, height: int = SIDE) -> list[Path]:
     """Write as many drawings, no two alike, and return their files."""
     originals = sorted(SKETCHES.glob("*.png"))
     drawings = []
     for i in range(count):
         with Image.open(originals[i % len(originals)]) as image:
             shifted = np.roll(
-                np.asarray(image.convert("L").resize((side, side))), i // len(originals), axis=1
+                np.asarray(image.convert("L").resize((width, height))), i // len(originals), axis=1
             )
         drawings.append(folder / f"{i:04d}.png")
         Image.fromarray(shifted).save(drawings[-1])
     return drawings
 
 
-def peak(model: Path, drawings: list[Path], folder: Path) -> float:
-    """Return the most memory in MB that a batch takes, in a process of its own."""
+def peak(model: Path, drawings: list[Path], folder: Path) -> tuple[float, float, float]:
+    """Return the most memory in MB that a batch takes in a process of its own, its seconds and its core's."""
     command = [sys.executable, "-m", "normalgan", "generate", *drawings, "-o", folder, "--model", model]
+    start = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, used = os.wait4(process.pid, 0)
     if status:
         raise SystemExit(f"the batch of {len(drawings)} drawings failed")
-    return round(used.ru_maxrss / 1024, 1)
+    seconds = time.perf_counter() - start
+    return round(used.ru_maxrss / 1024, 1), round(seconds, 2), round(used.ru_utime + used.ru_stime, 2)
 
 
-def memory(model: Path, counts: list[int], side: int) -> None:
-    """Print the most memory that batches of some sizes take."""
+def memory(model: Path, counts: list[int], width: int, height: int) -> None:
+    """Print the most memory that batches of some sizes take, and how long, with the start of the command."""
     with TemporaryDirectory() as temporary:
-        drawings = draw(max(counts), Path(temporary), side)
+        drawings = draw(max(counts), Path(temporary), width, height)
         peaks = {str(each): peak(model, drawings[:each], Path(temporary) / str(each)) for each in counts}
     machine = describe("numpy", "onnxruntime", "opencv-python-headless")
-    print(json.dumps({"drawing_pixels": side, "peak_mb": peaks, "machine": machine}, indent=1))
+    names = ("peak_mb", "seconds", "processor_seconds")
+    found = {count: dict(zip(names, each, strict=True)) for count, each in peaks.items()}
+    print(json.dumps({"pixels": [width, height], "batches": found, "machine": machine}, indent=1))
 
 
 def main(model: Path, count: int = 64, rounds: int = 5) -> None:
@@ -148,9 +152,16 @@ if __name__ == "__main__":
     parser.add_argument("count", type=int, nargs="?", default=64)
     parser.add_argument("rounds", type=int, nargs="?", default=5)
     parser.add_argument("--memory", type=int, nargs="+", help="drawings of each batch")
-    parser.add_argument("--side", type=int, default=SIDE, help="pixels of a drawing, with --memory")
+    parser.add_argument(
+        *("--side", "--sides"),
+        dest="sides",
+        type=int,
+        nargs="+",
+        default=[SIDE],
+        help="pixels of a drawing, with --memory: one side, or width and height",
+    )
     asked = parser.parse_args()
     if asked.memory:
-        memory(asked.model, asked.memory, asked.side)
+        memory(asked.model, asked.memory, asked.sides[0], asked.sides[-1])
     else:
         main(asked.model, asked.count, asked.rounds)
