@@ -1,12 +1,13 @@
 """Times `normalgan studio` in Chromium at a person's pace.
 
-studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by
-`normalgan export`. For each side of the drawing: strokes with pauses between them, from a stroke's end to
-its map on show; scribbling, four strokes a second, with the longest time without a new map; a pin turned by
-its ball, in maps a second. `--memory 500` then draws so many strokes and tells how much memory the page takes
-more than after the first twenty. `--starts` loads the page so often in a new browser context, and once more
-in each: milliseconds until it can be drawn on, and how many requests that took. Needs Playwright, and
-Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints JSON.
+studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by `normalgan
+export`. For each side of the drawing: strokes with pauses between them, from a stroke's end to its map on
+show; scribbling, four strokes a second, with the longest time without a new map; a pin turned by its
+ball, in maps a second; `--strokes 0` leaves that out. `--memory 500` then draws so many strokes and tells
+how much memory the page takes more than after the first twenty, and how much of that came in the first
+half. `--starts` loads the page so often in a new browser context, and once more in each: milliseconds
+until it can be drawn on, and how many requests that took. Needs Playwright, and Chromium on the PATH or
+as NORMALGAN_CHROMIUM. Prints JSON.
 """
 
 import argparse
@@ -177,20 +178,30 @@ def turn(hand: Hand, seconds: float) -> dict[str, Any]:
     return {"maps_a_second": round(maps / took, 1)}
 
 
-def memory(hand: Hand, session: CDPSession, renderers: list[int], count: int) -> dict[str, Any]:
-    """Return how much memory (MB) the page takes more after so many strokes than after the first twenty."""
+def memory(
+    hand: Hand, session: CDPSession, renderers: list[int], answers: list[int], count: int
+) -> dict[str, Any]:
+    """Return how much memory (MB) the page takes more after so many strokes than after the first twenty.
+
+    The browser keeps the bytes of each answer for whoever drives it, up to a limit of its own: they are told
+    beside what its process takes, which has them.
+    """
 
     def measured() -> dict[str, float]:
         session.send("HeapProfiler.collectGarbage")
-        values = {each["name"]: each["value"] for each in session.send("Performance.getMetrics")["metrics"]}
-        found = {"heap": values["JSHeapUsedSize"] / 2**20}
+        usage = session.send("Runtime.getHeapUsage")
+        found = {
+            "heap": usage["usedSize"] / 2**20,
+            "objects_of_the_browser": usage["embedderHeapUsedSize"] / 2**20,
+            "buffers": usage["backingStorageSize"] / 2**20,
+            "answers_kept_for_the_driver": sum(answers) / 2**20,
+        }
         pages = [Path(f"/proc/{pid}/status") for pid in renderers]
         if all(page.is_file() for page in pages):  # elsewhere than on Linux, the heap has to do
             kept = [re.search(r"RssAnon:\s+(\d+) kB", page.read_text()) for page in pages]
             found["process"] = sum(int(each[1]) for each in kept if each) / 1024
         return found
 
-    session.send("Performance.enable")
     before: dict[str, float] = {}
     halfway: dict[str, float] = {}
     for number in range(count):
@@ -198,7 +209,7 @@ def memory(hand: Hand, session: CDPSession, renderers: list[int], count: int) ->
             before = measured()
         if number == (count + 20) // 2:
             halfway = measured()
-        hand.stroke(hand.arc(12))
+        hand.stroke(hand.arc(6))
         time.sleep(0.05)
     hand.rest()
     after = measured()
@@ -268,6 +279,11 @@ def main() -> None:
         for side in given.sides:
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             inside: list[float] = []
+            answers: list[int] = []
+            page.on(
+                "response",
+                lambda r, kept=answers: kept.append(int(r.headers.get("content-length", 0))),  # type: ignore[misc]
+            )
             page.on(
                 "response",
                 lambda r, kept=inside: (  # type: ignore[misc]
@@ -284,14 +300,16 @@ def main() -> None:
             hand = Hand(page)
             hand.outline()
             inside.clear()
-            found = {"stroke_to_map_ms": strokes(hand, given.strokes)}
-            found["server_ms"] = {"p50": round(statistics.median(inside)), "worst": round(max(inside))}
-            found |= {"scribble": scribble(hand, 10), "turn": turn(hand, 5)}
+            found: dict[str, Any] = {}
+            if given.strokes:
+                found["stroke_to_map_ms"] = strokes(hand, given.strokes)
+                found["server_ms"] = {"p50": round(statistics.median(inside)), "worst": round(max(inside))}
+                found |= {"scribble": scribble(hand, 10), "turn": turn(hand, 5)}
             if given.memory:
                 processes = browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
                 renderers = [int(each["id"]) for each in processes if each["type"] == "renderer"]
                 session = page.context.new_cdp_session(page)
-                found["memory"] = memory(hand, session, renderers, given.memory)
+                found["memory"] = memory(hand, session, renderers, answers, given.memory)
             figures[str(side)] = found
             print(side, found, file=sys.stderr, flush=True)
             page.close()

@@ -91,7 +91,7 @@ def test_a_project_is_not_overwritten_unseen(client: TestClient) -> None:
     [
         ({"a": 1}, "that is no project of the studio"),
         ({**document(), "format": "psd"}, "that is no project of the studio"),
-        (document(version=5), "the project is of another version; this studio knows 1 to 4"),
+        (document(version=6), "the project is of another version; this studio knows 1 to 5"),
         (document(version=4), "the project has no pictures; the file is damaged."),
         (document(width=2), "width is 2; it is to be a whole number from 16 to 2048."),
         (document(height="9"), 'height is "9"'),
