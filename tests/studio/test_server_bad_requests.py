@@ -221,7 +221,7 @@ def test_one_picture_is_imported_at_a_time(client: TestClient, monkeypatch: pyte
         at_once -= 1
         return import_picture(content)
 
-    monkeypatch.setattr(app, "import_picture", slowly)
+    monkeypatch.setitem(app._WAYS, "drawing", slowly)
     with ThreadPoolExecutor(8) as pool:
         answers = list(
             pool.map(

@@ -162,6 +162,7 @@ MODEL: dict[str, tuple[Callable[[Tree], object], str]] = {
         f"no HintSampler named '{EVIL}.Foo'",
     ),
     "a seed that is a class": (part("seed", **SYMPY), "its seed is"),
+    "line widths that are a class": (part("line_widths", **SYMPY), "line_widths is"),
 }
 """Edits of the model that every command refuses, each with a part of the sentence."""
 

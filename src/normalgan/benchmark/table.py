@@ -216,7 +216,7 @@ def interval_table(plan: Plan, results: Results) -> list[str]:
     for given in ("0", str(plan.hints), OWN):
         heading = {"0": "no hints", OWN: "its own hints"}.get(given, f"{given} hints")
         cells[heading] = _interval_of(given)
-        if reference and given != OWN:
+        if reference:
             label = plan.row(str(plan.reference)).label
             cells[f"{heading}, less {label}"] = _difference_of(given, reference)
     return [

@@ -241,6 +241,8 @@ def _configuration(name: str, value: Any) -> Any:
     if name in _REGISTRIES:
         optional = name == "discriminator" and value is None
         return None if optional else _as_named(value, _part(name, value).configuration(_REGISTRIES[name][0]))
+    if name == "line_widths":
+        return list(check_line_widths(value))
     if name not in _OF_TORCH:
         if name.startswith("_"):  # Lightning's, for a model of another class
             raise InputError(f"it has the setting {ascii(name)[:60]}, which no model of ours has.")
