@@ -1,6 +1,7 @@
 """Prints the rows of the short tables in the docs from the results of a benchmark.
 
 tools/benchmark_rows.py docs/results/benchmark_64.json
+tools/benchmark_rows.py docs/results/placement_64.json --placements: the tables of where hints lie
 """
 
 import json
@@ -10,14 +11,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from normalgan.benchmark.bootstrap import difference_interval, mesh_interval
 from normalgan.benchmark.measure import OWN
-from normalgan.benchmark.table import figure_cell, spread_of
+from normalgan.benchmark.table import figure_cell, interval_cell, spread_of
 
 COLUMNS = (
     *(("0", "angular_mean"), ("15", "angular_mean"), ("50", "angular_mean")),
     *(("15", "angular_median"), ("15", "below_11_25"), (OWN, "angular_mean")),
 )
 """Hints given, and the figure: means with none, 15 and 50; median and share below 11.25° with 15; its own."""
+PLACEMENTS, COUNTS = ("uniform", "curvature", "farthest", "worst"), (3, 10, 17, 30, 60)
 
 
 def rows(results: Mapping[str, Any]) -> list[str]:
@@ -26,10 +29,43 @@ def rows(results: Mapping[str, Any]) -> list[str]:
     Args:
         results: as `normalgan benchmark` writes them.
     """
+    return [_row(runs) for runs in _by_method(results)]
+
+
+def placements(results: Mapping[str, Any]) -> list[str]:
+    """Return lines of Markdown: a matrix for each number of hints, then each method beside the first.
+
+    Args:
+        results: of configs/benchmark/placement.yaml, as `normalgan benchmark` writes them.
+    """
+    methods, lines = _by_method(results), []
+    for count in COUNTS:
+        lines += ["", f"{count} hints, placed:", ""]
+        for runs in methods:
+            cells = [figure_cell(f"{placement}-{count}", "angular_mean")(runs) for placement in PLACEMENTS]
+            lines.append(f"| {runs[0]['label']} | {' | '.join(cells)} |")
+    first = methods[0]
+    lines += [
+        "",
+        f"Its own hints; difference from {first[0]['label']}: no hints, 15 uniform ones, its own:",
+        "",
+    ]
+    for runs in methods:
+        beside = [
+            interval_cell(difference_interval(runs, first, given, "angular_mean"), "+")
+            for given in ("0", "15", OWN)
+        ]
+        own = interval_cell(mesh_interval(runs, OWN, "angular_mean"))
+        lines.append(f"| {runs[0]['label']} | {own} | {' | '.join(beside)} |")
+    return lines
+
+
+def _by_method(results: Mapping[str, Any]) -> list[list[Any]]:
+    """Return the runs of each method, one for each seed, in the order of the plan."""
     by_method: dict[str, list[Any]] = defaultdict(list)
     for run in results["runs"]:
         by_method[run["row"]].append(run)
-    return [_row(runs) for runs in by_method.values()]
+    return list(by_method.values())
 
 
 def _row(runs: Sequence[Any]) -> str:
@@ -40,4 +76,5 @@ def _row(runs: Sequence[Any]) -> str:
 
 
 if __name__ == "__main__":
-    print("\n".join(rows(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))))
+    tables = placements if "--placements" in sys.argv[2:] else rows
+    print("\n".join(tables(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))))
