@@ -45,6 +45,16 @@ def test_weights_alone_build_the_generator(
     assert 0.4 < small / large < 0.75
 
 
+def test_weights_are_exported_as_their_checkpoint_is(tmp_path: Path) -> None:
+    save(tmp_path / "last.ckpt", "ResidualUNetGenerator")
+    first, again = tmp_path / "first.safetensors", tmp_path / "again.safetensors"
+    assert export(tmp_path / "last.ckpt", first, "--licence", "CC0") == 0
+    assert main(["export", str(first), "-o", str(again), "--format", "safetensors"]) == 0
+    assert again.read_bytes() == first.read_bytes()
+    assert main(["export", str(first), "-o", str(again), "--format", "safetensors", "--licence", "MIT"]) == 0
+    assert read_weights(again).notes.licence == "MIT"
+
+
 def test_settings_that_weights_cannot_bring_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

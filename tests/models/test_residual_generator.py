@@ -48,6 +48,28 @@ def test_training_and_painting_differ_by_the_norms_alone(norm: Norm, same: bool)
     assert torch.allclose(trained, painted) == same
 
 
+@pytest.mark.parametrize("patch", [2, 4])
+def test_deblocking_takes_the_grid_of_patches_from_smooth_forms_and_leaves_lines_sharp(patch: int) -> None:
+    torch.manual_seed(0)
+    plain = ResidualUNetGenerator((8, 12, 16), (1, 1, 1), patch)
+    deblocked = ResidualUNetGenerator((8, 12, 16), (1, 1, 1), patch, deblock=True)
+    deblocked.load_state_dict(plain.state_dict())
+    sketch = torch.zeros(1, 1, 64, 64)
+    sketch[..., 40] = 1
+    given = make_condition(sketch, torch.zeros(1, 4, 64, 64))
+    with torch.no_grad():
+        before, after = plain.predict(given), deblocked.predict(given)
+
+    def unevenness(direction: torch.Tensor) -> float:
+        return float(direction[..., 16:48, 8:32].diff(dim=3).abs().mean())
+
+    assert unevenness(after.direction) < 0.2 * unevenness(before.direction)
+    torch.testing.assert_close(after.presence, before.presence, atol=0, rtol=0)
+    on_line = slice(39, 42)
+    torch.testing.assert_close(after.direction[..., on_line], before.direction[..., on_line])
+    torch.testing.assert_close(after.direction.norm(dim=1), torch.ones(1, 64, 64))
+
+
 @pytest.mark.parametrize("patch", [1, 2, 4])
 def test_it_paints_vectors_no_longer_than_1_and_a_positive_confidence(patch: int) -> None:
     painted = generator(patch)(condition()).detach()

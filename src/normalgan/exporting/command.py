@@ -1,4 +1,4 @@
-"""normalgan export: a checkpoint as a file that runs without this package, or as weights without code."""
+"""normalgan export: a trained model as a file that runs without this package, or as weights without code."""
 
 import re
 import warnings
@@ -29,7 +29,7 @@ def run(arguments: list[str]) -> int:
     target = _check(options)
     with warnings.catch_warnings():
         filter_warnings()
-        print(export(Path(options.checkpoint), target, options))
+        print(export(options.model, target, options))
     return 0
 
 
@@ -37,10 +37,14 @@ def build_parser() -> LightParser:
     """Return the parser of the command line."""
     parser = LightParser(
         prog="normalgan export",
-        usage="%(prog)s CHECKPOINT -o MODEL.onnx [--half] [--format onnx|safetensors|torchscript|pt2]",
+        usage="%(prog)s MODEL -o MODEL.onnx [--half] [--format onnx|safetensors|torchscript|pt2]",
         description="Write a trained generator as a file that runs without this package, or as its weights.",
     )
-    parser.add_argument("checkpoint", help="a file that `normalgan fit` saved, such as last.ckpt")
+    parser.add_argument(
+        "model",
+        help="a file that `normalgan fit` saved, such as last.ckpt, a .safetensors of such a model, or "
+        "shipped for that of the package",
+    )
     parser.add_argument("-o", "--output", default="model.onnx", help="where the model goes")
     named = ", ".join(f"{name} ({suffix})" for name, suffix in SUFFIXES.items())
     parser.add_argument("--format", default="onnx", help=named)
@@ -48,27 +52,31 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--size", type=int | None, help="side of the pictures; null is what it was trained at"
     )
-    parser.add_argument("--licence", default="not stated", help="of the weights, written into the file")
+    parser.add_argument(
+        "--licence",
+        type=str | None,
+        help="of the weights, written into the file; null is what the model says",
+    )
     return parser
 
 
-def export(checkpoint: Path, target: Path, options: Namespace) -> str:
+def export(name: str, target: Path, options: Namespace) -> str:
     """Write the model, and return what there is to say about it.
 
     Args:
-        checkpoint: the file to read.
+        name: of the file to read; ``shipped`` is what comes with the package.
         target: the file to write.
         options: as `build_parser` gives them.
 
     Raises:
-        InputError: if the checkpoint cannot be used or the file not be written.
+        InputError: if the model cannot be used or the file not be written.
         RunError: if the exported model paints something else than torch; nothing is written then.
     """
     from normalgan.exporting.comparison import largest_difference, turn_in_degrees
     from normalgan.exporting.deployed import load
     from normalgan.exporting.formats import FORMATS
 
-    (model, notes), form = load(checkpoint, options.size, options.licence), FORMATS[options.format]
+    (model, notes), form = load(name, options.size, options.licence), FORMATS[options.format]
     content = form.write(model, notes.metadata())
     difference = largest_difference(model, form.read(content))
     if not difference <= TOLERANCE:
@@ -105,6 +113,6 @@ def _check(options: Namespace) -> Path:
         )
     if options.size is not None and options.size < 8:
         raise InputError(f"the size of a model is 8 pixels or more, not {options.size}.")
-    if not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
+    if options.licence is not None and not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
         raise InputError("--licence is one line of at most 500 characters.")
     return Path(options.output)

@@ -1,6 +1,6 @@
 """Deployed: a generator with the inputs and outputs that an exported model has."""
 
-from pathlib import Path
+from dataclasses import replace
 
 import torch
 from torch import Tensor, nn
@@ -9,6 +9,7 @@ from normalgan.models import Generator
 from normalgan.models.base import check_channels
 from normalgan.models.condition import make_condition
 from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.file import SUFFIX, find_weights, read_weights
 from normalgan.weights.notes import Notes
 
 __all__ = ["Deployed", "load"]
@@ -53,16 +54,18 @@ class Deployed(nn.Module):
         return painted
 
 
-def load(path: Path, size: int | None = None, licence: str = "not stated") -> tuple[Deployed, Notes]:
-    """Return the generator in a checkpoint and the notes on it; nothing in the file is executed.
+def load(name: str, size: int | None = None, licence: str | None = None) -> tuple[Deployed, Notes]:
+    """Return the generator in a file and the notes on it; nothing in the file is executed.
 
     Args:
-        path: of the checkpoint.
+        name: of a checkpoint or safetensors; ``shipped`` is what comes with the package.
         size: side of the pictures; None for that which it was trained at, if it or its run says so.
-        licence: of the weights.
+        licence: of the weights; None for what the file says.
 
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.
     """
-    weights = read_checkpoint(path).weights(size, licence)
-    return Deployed(weights.generator(), weights.notes.size), weights.notes
+    path = find_weights(name)
+    weights = read_weights(path) if path.suffix.lower() == SUFFIX else read_checkpoint(path).weights(size)
+    notes = replace(weights.notes, size=size or weights.notes.size, licence=licence or weights.notes.licence)
+    return Deployed(weights.generator(), notes.size), notes

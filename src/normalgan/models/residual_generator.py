@@ -38,6 +38,8 @@ class ResidualUNetGenerator(Generator):
             power of two, at most ``patch``. Few channels on every pixel take as long as all other layers.
         hint_levels: whether hints enter at every level; if not, only with the sketch, and as many weights
             see nothing. To tell what they are worth.
+        deblock: whether directions are averaged over a patch where no line is near. Squares that are folded
+            and unfolded leave a faint grid, which light shows on smooth forms.
 
     Raises:
         InputError: if widths and blocks are not as many, or a number cannot be used.
@@ -56,6 +58,7 @@ class ResidualUNetGenerator(Generator):
         norm: Literal["batch", "none"] = "none",
         detail: int = 1,
         hint_levels: bool = True,
+        deblock: bool = False,
     ) -> None:
         super().__init__()
         _check(widths, blocks, patch, detail)
@@ -63,6 +66,7 @@ class ResidualUNetGenerator(Generator):
         self.fold = detail
         self.norm = norm
         self.hint_levels = hint_levels
+        self.deblock = deblock
         self.factor = patch * 2 ** (len(widths) - 1)
         pairs = list(pairwise(widths))
         self.stem = nn.Conv2d(5 * patch**2, widths[0], 3, padding=1)
@@ -124,8 +128,10 @@ class ResidualUNetGenerator(Generator):
         coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch // self.fold)
         fine = torch.cat([coarse, F.pixel_unshuffle(given, self.fold)], dim=1)
         heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.fold)
-        direction = F.normalize(heads[:, :3], dim=1, eps=1e-6)
-        return Predictions(direction, heads[:, 3:4], 1.01 + F.elu(heads[:, 4:]))
+        direction, presence = F.normalize(heads[:, :3], dim=1, eps=1e-6), heads[:, 3:4]
+        if self.deblock and self.patch > 1:
+            direction = _deblocked(direction, presence, ink.float(), self.patch)
+        return Predictions(direction, presence, 1.01 + F.elu(heads[:, 4:]))
 
     def _body(self, given: Tensor, hints: Tensor) -> Tensor:
         """Return features (N, widths[0], H / patch, W / patch), squares of pixels still folded."""
@@ -144,6 +150,24 @@ class ResidualUNetGenerator(Generator):
             features = self.merges[i](torch.cat([self.ups[i](features), skips[i], pyramid[i]], dim=1))
             features = self.decoder[i](features)
         return features
+
+
+def _deblocked(direction: Tensor, presence: Tensor, ink: Tensor, patch: int) -> Tensor:
+    """Return unit normals (N, 3, H, W) in which squares of ``patch`` pixels show near lines alone.
+
+    Args:
+        direction: (N, 3, H, W) unit normals.
+        presence: (N, 1, H, W) logit of there being an object: what is painted beside it counts for little.
+        ink: (N, 1, H, W), 1 on lines, 0 on paper.
+        patch: an even number of pixels.
+    """
+    # The mean over a patch takes away all that repeats from patch to patch. It lies half a pixel off, as a
+    # patch has no middle pixel; the mean of two neighbours brings it back.
+    there = direction * torch.sigmoid(presence).clamp(min=1e-3)
+    mean = F.avg_pool2d(F.avg_pool2d(there, patch, 1, patch // 2, count_include_pad=False), 2, 1)
+    # Fully sharp up to a pixel from a line, where normals jump, and three pixels on fully smooth.
+    near = F.avg_pool2d(F.max_pool2d(ink, 5, 1, 2), 3, 1, 1, count_include_pad=False)
+    return F.normalize(torch.lerp(mean, there, near), dim=1, eps=1e-6)
 
 
 def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int, detail: int) -> None:

@@ -61,13 +61,12 @@ class Checkpoint:
     tensors: Mapping[str, Tensor]
     callbacks: Mapping[Any, Any]
 
-    def weights(self, size: int | None = None, licence: str = "not stated") -> Weights:
+    def weights(self, size: int | None = None) -> Weights:
         """Return the generator and the notes on it, as a file of weights has them.
 
         Args:
             size: side of the pictures in pixels; None for that which it was trained at, if it or its run
                 says so.
-            licence: of the weights.
 
         Raises:
             InputError: if no size is known, the generator cannot be built here, or the tensors are not its
@@ -89,7 +88,6 @@ class Checkpoint:
                 size=size,
                 noise_at_test=bool(self.settings.get("noise_at_test", False)),
                 seed=int(_number("seed", self.settings.get("seed", 0))),
-                licence=licence,
                 refined=bool(self.settings.get("refined", False)),
                 line_widths=check_line_widths(self.settings.get("line_widths", USUAL_WIDTHS)),
             )
