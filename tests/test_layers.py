@@ -19,6 +19,7 @@ LAYERS = (
         "seeds",
         "training_help",
         "limits",
+        "late_imports",
         "torch_files",
         "torch_seeds",
         "decoding",
