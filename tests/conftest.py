@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import settings
 
 from made_once import made_once
 from needs import SHARED_SKETCHES, not_tested
+from normalgan.late_imports import nothing_collected
 
 # Fixtures that several files share; a conftest in their folder would be a second module of this name.
 pytest_plugins = [
@@ -76,6 +78,13 @@ def shared_sketches() -> list[Path]:
     if not found:
         pytest.skip(SHARED_SKETCHES.reason("there are no drawings in it"))
     return found
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Look for no garbage while tests are collected, which imports the package and all that it needs."""
+    with nothing_collected():
+        return (yield)
 
 
 @pytest.hookimpl(tryfirst=True)  # before the slow ones are left out

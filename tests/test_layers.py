@@ -19,6 +19,7 @@ LAYERS = (
         "seeds",
         "training_help",
         "limits",
+        "late_imports",
         "torch_files",
         "torch_seeds",
         "decoding",
@@ -105,3 +106,8 @@ def test_light_rooms_do_not_load_torch() -> None:
 def test_the_front_door_opens_at_once(arguments: list[str]) -> None:
     seen = loaded(f"from normalgan.__main__ import main; main({arguments})")
     assert not seen & {"numpy", "torch", "lightning", "trimesh", "jsonargparse"}
+
+
+def test_generate_begins_without_scipy() -> None:
+    # To import it takes a quarter of the time in which a drawing is painted, and only other maps need it.
+    assert "scipy" not in loaded("import normalgan.commands.generate")

@@ -11,6 +11,7 @@ from importlib import import_module
 
 from normalgan import __version__
 from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
+from normalgan.late_imports import nothing_collected
 from normalgan.training_help import COMMANDS as TRAINING
 from normalgan.training_help import asked_for, overview
 
@@ -68,12 +69,14 @@ def main(arguments: list[str] | None = None) -> int:
         return _fail(_unknown(arguments[0]), 2)
     try:
         if arguments[0] in OTHERS:
-            return int(import_module(OTHERS[arguments[0]]).run(arguments[1:]))
+            with nothing_collected():
+                command = import_module(OTHERS[arguments[0]])
+            return int(command.run(arguments[1:]))
         if asked_for(arguments)[1] == "":
             print(overview(arguments[0]), end="")
             return 0
-        from normalgan.cli import run  # late: lightning takes seconds to import
-
+        with nothing_collected():
+            from normalgan.cli import run  # late: lightning takes seconds to import
         return run(arguments)
     except SystemExit as stop:  # --help ends so
         return int(stop.code or 0)

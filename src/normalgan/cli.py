@@ -3,9 +3,10 @@
 import signal
 import sys
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from inspect import getdoc
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -53,7 +54,7 @@ __all__ = [
     "check_trainer",
     "resolved_settings",
     "run",
-    "training_parsers",
+    "training_parser",
 ]
 
 SAFE_CONFIG = "--safe-config"
@@ -66,6 +67,8 @@ INSTEAD = {
     "accumulate_grad_batches": "a larger data.batch_size",
 }
 """Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
+_LOADERS = {"train_dataloaders", "val_dataloaders", "dataloaders"}
+"""What the Trainer's methods take that is no setting: the data module has it."""
 
 
 def check_trainer(settings: Mapping[str, Any]) -> None:
@@ -130,14 +133,17 @@ class NormalGANCLI(LightningCLI):
     these if nothing is named. The path is taken out of the settings before Lightning sees it, which would
     build from a checkpoint whatever class it names. Only fit gets it back, once the checkpoint was looked at.
 
+    There is one parser, the command's, in place of Lightning's parser of subcommands: that checks each
+    setting twice, for the command and for all of them, which is half of the time that parsing takes.
+
     Args:
-        commands: whose parsers are built; each takes a fifth of a second.
-        arguments: the command and its options.
+        command: the Trainer's method that is run.
+        arguments: its options.
         held: what the command holds until it ends: the run's folder.
     """
 
-    def __init__(self, commands: Sequence[str], arguments: list[str], held: ExitStack) -> None:
-        self.commands = commands
+    def __init__(self, command: str, arguments: list[str], held: ExitStack) -> None:
+        self.command = command
         self.held = held
         self.weights: Weights | None = None  # what the model gets, if it does not go on learning
         self.resumed: str | None = None  # the checkpoint that fit goes on from
@@ -151,19 +157,24 @@ class NormalGANCLI(LightningCLI):
             trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
             seed_everything_default=0,
             parser_class=Parser,
-            parser_kwargs={"prog": "normalgan", "allow_abbrev": False},
+            parser_kwargs={
+                "prog": f"normalgan {command}",
+                "description": str(getdoc(getattr(RenderingTrainer, command))).partition("\n\n")[0],
+                "allow_abbrev": False,
+            },
             auto_configure_optimizers=False,
             args=arguments,
+            run=False,
         )
 
     def __getstate__(self) -> dict[str, Any]:
         """Return nothing: jsonargparse lets an optimiser's settings hold it, which ``ddp_spawn`` pickles."""
         return {}
 
-    def subcommands(self) -> dict[str, set[str]]:  # type: ignore[override]
-        """Return Lightning's commands and ours, with the arguments that are not options."""
-        every = {**LightningCLI.subcommands(), "render": {"model", "datamodule"}}
-        return {command: every[command] for command in self.commands}
+    def run_command(self) -> None:
+        """Do what the command is for."""
+        options = {name: self.config_init[name] for name in self._options}
+        getattr(self.trainer, self.command)(model=self.model, datamodule=self.datamodule, **options)
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Set the defaults, and the links that keep settings in step."""
@@ -200,12 +211,13 @@ class NormalGANCLI(LightningCLI):
         parser.link_arguments("trainer.default_root_dir", "checkpoint.dirpath", compute_fn=checkpoint_folder)
         for network in ("generator", "discriminator"):
             parser.link_arguments("data.size", f"model.{network}.init_args.size")
+        not_options: set[str | int] = {"model", "datamodule", *_LOADERS}
+        self._options = parser.add_method_arguments(RenderingTrainer, self.command, skip=not_options)
 
     def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
         """Let what is saved in a file decide on the model, after a look at whether it can be used."""
         super().parse_arguments(parser, args)
-        command = self.config["subcommand"]
-        config = self.config[command]
+        command, config = self.command, self.config
         given = None if command == "render" else config["ckpt_path"]
         if given is None and command in {"fit", "render"}:
             return
@@ -227,10 +239,9 @@ class NormalGANCLI(LightningCLI):
         """Refuse to train over a finished run, or where nothing can be written."""
         if self.resumed is not None:
             # Tell Lightning the checkpoint that fit goes on from.
-            self.config["fit"]["ckpt_path"] = self.resumed
-            self.config["fit"]["weights_only"] = True
-        command = self.config["subcommand"]
-        config = self.config[command]
+            self.config["ckpt_path"] = self.resumed
+            self.config["weights_only"] = True
+        command, config = self.command, self.config
         last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
         check_trainer(config["trainer"])
         if command in {"predict", "render"}:
@@ -260,17 +271,17 @@ class NormalGANCLI(LightningCLI):
         """Read a checkpoint's settings over the configuration's."""
         checkpoint = read_checkpoint(path)
         saved = checkpoint.training_settings()
-        check_sizes(path, saved, self.config["fit"]["data"]["size"])
+        check_sizes(path, saved, self.config["data"]["size"])
         self._warn_of_overruled(path, "fit", saved)
         try:
-            self.config = self.parser.parse_object({"fit": {"model": saved}}, self.config)
+            self.config = self.parser.parse_object({"model": saved}, self.config)
         except InputError as error:
             raise InputError(f"the model in {path} cannot be built here: {error}") from error
         self.resumed = str(path)
 
     def _use_checkpoint(self, path: Path, command: str) -> None:
         """Take the generator of a checkpoint and the hints it learnt with; what else learnt is left alone."""
-        size = self.config[command]["data"]["size"]
+        size = self.config["data"]["size"]
         checkpoint = read_checkpoint(path)
         check_size(path, checkpoint.generator_size(), size)
         self._paint_with(path, command, checkpoint.weights(size))
@@ -280,8 +291,8 @@ class NormalGANCLI(LightningCLI):
         if command == "fit":
             raise InputError(f"fit cannot go on from {path}, which has weights alone; give a checkpoint.")
         weights = read_weights(path)
-        notes, size = weights.notes, self.config[command]["data"]["size"]
-        if size != self._parser(command).get_defaults()["data"]["size"]:
+        notes, size = weights.notes, self.config["data"]["size"]
+        if size != self.parser.get_default("data.size"):
             check_size(path, notes.size, size)
         self._paint_with(path, command, weights)
         whose = "that come with the package" if path == SHIPPED else f"in {path}"
@@ -294,13 +305,13 @@ class NormalGANCLI(LightningCLI):
         saved = weights.notes.settings()
         self._warn_of_overruled(path, command, saved)
         changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
-        self.config = self.parser.parse_object({command: changes}, self.config)
+        self.config = self.parser.parse_object(changes, self.config)
         self.weights = weights
 
     def _warn_of_overruled(self, path: Path, command: str, saved: dict[str, Any]) -> None:
         """Warn of settings of the model that were given, while those in the file are used."""
-        defaults = self._parser(command).get_defaults()["model"].as_dict()
-        settings = {k: v for k, v in self.config[command]["model"].as_dict().items() if k in saved}
+        defaults = self.parser.get_defaults()["model"].as_dict()
+        settings = {k: v for k, v in self.config["model"].as_dict().items() if k in saved}
         if lost := overruled(settings, defaults, saved, self.given):
             names = ", ".join(f"model.{name}" for name in lost)
             warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
@@ -318,7 +329,7 @@ def run(arguments: list[str]) -> int:
     with _reading_settings() as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
         try:
-            NormalGANCLI(arguments[:1], arguments, held)
+            NormalGANCLI(arguments[0], arguments[1:], held).run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
         except SIGTERMException as stop:
@@ -343,7 +354,7 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
     """
     arguments = _check_configs(["fit", *arguments])
     with _reading_settings():
-        parser = training_parsers(["fit"])["fit"]
+        parser = training_parser("fit")
         settings: dict[str, Any] = yaml.safe_load(
             parser.dump(parser.parse_args(arguments[1:]), skip_none=False)
         )
@@ -362,25 +373,25 @@ def _reading_settings() -> Iterator[ExitStack]:
         yield held
 
 
-class _ParsersBuiltError(Exception):
-    """Ends the building of a command line of which the parsers alone are wanted."""
+class _ParserBuiltError(Exception):
+    """Ends the building of a command line of which the parser alone is wanted."""
 
 
-class _ParsersAlone(NormalGANCLI):
+class _ParserAlone(NormalGANCLI):
     """Stops before anything is parsed."""
 
     def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
-        """Give the parsers back."""
-        raise _ParsersBuiltError(self._subcommand_parsers)
+        """Give the parser back."""
+        raise _ParserBuiltError(parser)
 
 
-def training_parsers(commands: Sequence[str]) -> dict[str, Parser]:
-    """Return the parsers of training commands, for what lists their settings: the site, shell completion."""
+def training_parser(command: str) -> Parser:
+    """Return the parser of a training command, for what lists its settings: the site, shell completion."""
     try:
-        _ParsersAlone(commands, [], ExitStack())
-    except _ParsersBuiltError as built:
-        parsers: dict[str, Parser] = built.args[0]
-        return parsers
+        _ParserAlone(command, [], ExitStack())
+    except _ParserBuiltError as built:
+        parser: Parser = built.args[0]
+        return parser
     raise AssertionError("Lightning's command line did not parse")
 
 

@@ -50,12 +50,12 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     """
     if find_spec("shtab") is None:
         raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
-    from normalgan.cli import training_parsers  # late: lightning takes seconds to import
+    from normalgan.cli import training_parser  # late: lightning takes seconds to import
 
     whole = ArgumentParser(prog="normalgan")
     commands = whole.add_subcommands()
-    for name, parser in training_parsers(training).items():
-        commands.add_subcommand(name, parser)
+    for name in training:
+        commands.add_subcommand(name, training_parser(name))
     for name, module in OTHERS.items():
         if module != __name__:
             commands.add_subcommand(name, import_module(module).build_parser())

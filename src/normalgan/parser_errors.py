@@ -34,7 +34,7 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
 
     >>> explain('Parser key "data.size":\n  Expected a <class \'int\'>. Got value: large', {})
     'argument "data.size": expected a whole number, not large.'
-    >>> explain("Subcommand 'fit' does not accept option 'data.sise'", {}, ["data.size"])
+    >>> explain("Group 'data' does not accept option 'sise'", {}, ["data.size"])
     'there is no setting data.sise. Did you mean data.size?'
     """
     found_keys = re.findall(r'Parser key "([^"]+)"(?: element (\d+))?:', message)
@@ -42,8 +42,13 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     item = "".join(f", item {number}" for _, number in found_keys if number)
     where = f'argument "{key}"{item}: ' if key else ""
     registry = plugins.get(key.rpartition(".")[2])
-    if found := re.search(r"(?:does not accept option|unrecognized arguments:) '?(?:--)?([^\s'=]+)", message):
-        return f"there is no setting {found[1]}.{did_you_mean(found[1], settings)}"
+    if found := re.fullmatch(
+        r"(?:Group '(.+)' does not accept option|Option|unrecognized arguments:) '?(?:--)?([^\s'=]+).*",
+        message,
+        re.DOTALL,
+    ):
+        name = ".".join(part for part in found.groups() if part)
+        return f"there is no setting {name}.{did_you_mean(name, settings)}"
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
         return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
     if found := re.search(r"Expected a dot import path string: (.+)", message):

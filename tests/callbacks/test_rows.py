@@ -24,6 +24,13 @@ def test_row_is_one_sample_in_numpy() -> None:
     assert np.nanmean(row.error()) < 0.5
 
 
+def test_row_of_a_pair_is_called_as_its_file() -> None:
+    given = batch(1)
+    given["name"] = ["castle/gate/0"]
+    row = batch_row(given, 0, torch.zeros(1, 4, 32, 32), given["normal"], of_pairs=True)
+    assert row.title == "castle/gate"
+
+
 @pytest.mark.parametrize(("name", "title"), [(["ring"], "ring"), (None, "")])
 def test_row_without_a_view_or_a_name(name: list[str] | None, title: str) -> None:
     given = batch(1)

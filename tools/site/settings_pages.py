@@ -34,9 +34,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 def settings_page() -> str:
     """Return the page of all settings of training."""
-    from normalgan.cli import training_parsers
+    from normalgan.cli import training_parser
 
-    parser = training_parsers(["fit"])["fit"]
+    parser = training_parser("fit")
     parts = [
         "# Settings",
         "All settings of `fit`, `validate`, `test`, `predict`, `render`, as `normalgan fit --help all` has "

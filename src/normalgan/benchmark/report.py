@@ -95,5 +95,6 @@ class Report:
         batch, plan = self.evaluation.shown, self.plan
         where = hint_points(batch["mask"], batch["name"], plan.hint_seed, plan.hints)
         hints, preds = hints_at(batch["normal"], where), maps_of(run.folder)
-        rows = [batch_row(batch, i, hints, torch.from_numpy(preds)) for i in range(len(preds))]
+        of_pairs = self.evaluation.data.of_pairs
+        rows = [batch_row(batch, i, hints, torch.from_numpy(preds), of_pairs) for i in range(len(preds))]
         return Line(run.row.label, rows)

@@ -10,6 +10,7 @@ from PIL import Image
 
 from normalgan.batch import Batch
 from normalgan.callbacks.rows import batch_row
+from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.gallery import draw_gallery
 from normalgan.gan import NormalGAN
@@ -50,7 +51,10 @@ class PictureLogger(Callback):
             raise TypeError(f"PictureLogger draws what a NormalGAN paints, not a {type(pl_module).__name__}.")
         hints = pl_module.measured_hints(batch)
         preds = pl_module(batch["sketch"], hints)
-        rows = [batch_row(batch, i, hints, preds) for i in range(min(self.samples, len(preds)))]
+        data = getattr(trainer, "datamodule", None)
+        of_pairs = isinstance(data, MeshDataModule) and data.of_pairs
+        shown = range(min(self.samples, len(preds)))
+        rows = [batch_row(batch, i, hints, preds, of_pairs) for i in shown]
         with Image.open(BytesIO(draw_gallery(rows))) as png:
             picture = np.asarray(png.convert("RGB"))
         logger.experiment.add_image("val/gallery", picture, trainer.current_epoch, dataformats="HWC")

@@ -42,6 +42,7 @@ class TestReport(Callback):
     _baselines: StageMetrics
     _further: StageMetrics
     _mean_map: Tensor
+    _of_pairs: bool
 
     def __init__(self, samples: int = 6, metrics: list[MapMetric] = []) -> None:  # noqa: B006  # never changed
         if samples < 1:
@@ -58,6 +59,7 @@ class TestReport(Callback):
         data = getattr(trainer, "datamodule", None)
         if not isinstance(data, MeshDataModule):
             raise TypeError("TestReport needs the MeshDataModule, whose training split gives the mean map.")
+        self._of_pairs = data.of_pairs
         self._mean_map = data.mean_normal_map().to(pl_module.device)
         baselines = ("constant", "mean_map")
         self._baselines = StageMetrics("test", baselines).to(pl_module.device)
@@ -93,7 +95,8 @@ class TestReport(Callback):
         self._seen += len(target)
         if here:
             hints = pl_module.measured_hints(batch)
-            self._rows += [batch_row(batch, i, hints, outputs["hints"][0]) for i in here]
+            preds = outputs["hints"][0]
+            self._rows += [batch_row(batch, i, hints, preds, self._of_pairs) for i in here]
 
     def on_test_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Log the baselines beside the generator."""

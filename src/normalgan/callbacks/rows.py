@@ -9,7 +9,7 @@ from normalgan.gallery import Row
 __all__ = ["batch_row"]
 
 
-def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor) -> Row:
+def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor, of_pairs: bool = False) -> Row:
     """Return the gallery row of one sample of a batch.
 
     Args:
@@ -17,6 +17,7 @@ def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor) -> Row:
         index: which of them.
         hints: (N, 4, H, W) the generator was given.
         preds: (N, 3, H, W) it painted.
+        of_pairs: whether samples are pairs on disk, which have a name and no number of a view.
     """
 
     def array(tensor: Tensor) -> Tensor:
@@ -24,7 +25,7 @@ def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor) -> Row:
 
     mesh, _, view = batch.get("name", [""] * len(preds))[index].rpartition("/")
     return Row(
-        title=f"{mesh}, view {view}" if mesh else view,
+        title=(mesh if of_pairs else f"{mesh}, view {view}") if mesh else view,
         sketch=array(batch["sketch"])[0].numpy(),
         hints=array(hints).numpy(),
         preds=array(preds).numpy(),

@@ -202,6 +202,11 @@ class MeshDataModule(LightningDataModule):
 
     # --- what there is --------------------------------------------------------------------------------
 
+    @property
+    def of_pairs(self) -> bool:
+        """Whether the samples are pairs on disk: each is called as its files are, and has no other view."""
+        return isinstance(self.source, PairSource)
+
     @cached_property
     def sources(self) -> dict[str, Sequence[Loadable]]:
         """What each split holds: meshes, or the pairs of a source.

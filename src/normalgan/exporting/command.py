@@ -9,6 +9,7 @@ from jsonargparse import Namespace
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files import write_bytes
+from normalgan.late_imports import nothing_collected
 from normalgan.warning_filters import filter_warnings
 
 __all__ = ["HALVED", "SUFFIXES", "TOLERANCE", "build_parser", "export", "run"]
@@ -72,9 +73,10 @@ def export(name: str, target: Path, options: Namespace) -> str:
         InputError: if the model cannot be used or the file not be written.
         RunError: if the exported model paints something else than torch; nothing is written then.
     """
-    from normalgan.exporting.comparison import largest_difference, turn_in_degrees
-    from normalgan.exporting.deployed import load
-    from normalgan.exporting.formats import FORMATS
+    with nothing_collected():
+        from normalgan.exporting.comparison import largest_difference, turn_in_degrees
+        from normalgan.exporting.deployed import load
+        from normalgan.exporting.formats import FORMATS
 
     (model, notes), form = load(name, options.size, options.licence), FORMATS[options.format]
     content = form.write(model, notes.metadata())

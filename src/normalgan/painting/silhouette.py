@@ -3,7 +3,6 @@
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from normalgan.normals import Floats
 
@@ -47,7 +46,9 @@ def _thick_parts(opaque: NDArray[np.bool_], depth: Floats, extent: int) -> bool:
     """
     count, labels, stats, _ = cv2.connectedComponentsWithStats(opaque.astype(np.uint8), connectivity=8)
     spans = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
-    deepest = np.asarray(ndimage.maximum(depth, np.asarray(labels, np.int32), np.arange(count)), np.float32)
+    there = labels > 0
+    owners, deepest = np.asarray(labels[there], np.int32), np.zeros(count, np.float32)
+    np.maximum.at(deepest, owners, depth[there])
     objects = np.zeros(count, np.bool_)
     for large, thick in _THICK_PARTS:
         objects |= (spans > large * extent) & (deepest > thick * spans)

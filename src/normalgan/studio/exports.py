@@ -3,7 +3,7 @@
 import io
 import zipfile
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final, Literal
@@ -19,7 +19,7 @@ from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
 
-__all__ = ["FORMATS", "PRESETS", "Preset", "Wish", "take_wish"]
+__all__ = ["FORMATS", "PRESETS", "Names", "Preset", "Wish", "take_wish"]
 
 FORMATS = {
     "map": ("png8", "png16", "exr", "tiff"),
@@ -36,19 +36,45 @@ FORMATS = {
 
 
 @dataclass(frozen=True)
+class Names:
+    """What a program's files are called but the map, each with ``{}`` for the drawing's name.
+
+    Args:
+        line: line art.
+        mask: where the object is.
+        height: height map.
+        ao: ambient occlusion.
+        curvature: ridges and hollows.
+        specular: how much each place reflects.
+        preview: the map under a lamp.
+    """
+
+    line: str = "{}_line"
+    mask: str = "{}_mask"
+    height: str = "{}_height"
+    ao: str = "{}_ao"
+    curvature: str = "{}_curvature"
+    specular: str = "{}_specular"
+    preview: str = "{}_preview"
+
+    def of(self, drawing: str) -> "Names":
+        """Return the names of a drawing's files, without endings."""
+        return Names(**{part: name.format(drawing) for part, name in asdict(self).items()})
+
+
+@dataclass(frozen=True)
 class Preset:
     """How a program wants its files.
 
     Args:
-        names: of the files but the map, with ``{}`` for the drawing's: line art, mask, height, occlusion,
-            curvature, specular, preview.
+        names: of its files.
         notes: what is to be set there, a sentence.
         engine: which has conventions for the map, and a file by which it imports it; None has none.
         prefix: of all names.
         height: kind of the height map.
     """
 
-    names: tuple[str, str, str, str, str, str, str]
+    names: Names
     notes: str
     engine: Engine | None = None
     prefix: str = ""
@@ -64,49 +90,57 @@ class Preset:
         return replace(plain, y=wanted.y, bits=wanted.bits, suffix=wanted.suffix)
 
 
-_LOWER: Final = (
-    *("{}_line", "{}_mask", "{}_height"),
-    *("{}_ao", "{}_curvature", "{}_specular", "{}_preview"),
-)
 PRESETS: Final = {
     "unity": Preset(
-        (
-            *("{}_LineArt", "{}_Mask", "{}_Height"),
-            *("{}_Occlusion", "{}_Curvature", "{}_Specular", "{}_Preview"),
+        Names(
+            line="{}_LineArt",
+            mask="{}_Mask",
+            height="{}_Height",
+            ao="{}_Occlusion",
+            curvature="{}_Curvature",
+            specular="{}_Specular",
+            preview="{}_Preview",
         ),
         "Unity: the file .meta makes _NormalMap a normal map, which sprites take for a secondary texture. "
         "Switch sRGB off for _Mask, _Height, _Occlusion, _Curvature and _Specular.",
         "unity",
     ),
     "unreal": Preset(
-        ("{}_L", "{}_M", "{}_H", "{}_AO", "{}_C", "{}_S", "{}_Preview"),
+        Names(
+            line="{}_L",
+            mask="{}_M",
+            height="{}_H",
+            ao="{}_AO",
+            curvature="{}_C",
+            specular="{}_S",
+            preview="{}_Preview",
+        ),
         "Unreal: green points down (DirectX) as the engine expects. Set the compression of _N to Normalmap, "
         "and of _M, _H, _AO, _C and _S to Masks (no sRGB); the script does so for _N.",
         "unreal",
         prefix="T_",
     ),
     "godot": Preset(
-        _LOWER,
+        Names(),
         "Godot: green points up (OpenGL) as the engine expects. Use _n as the normal texture of a "
         "CanvasTexture and _specular as its specular texture, or _n as Normal Map of a StandardMaterial3D.",
         "godot",
     ),
     "godot3": Preset(
-        _LOWER,
+        Names(),
         "Godot 3: green points down, as its 2D lights read it. Use _n as the Normal Map of a Sprite.",
         "godot3",
     ),
     "blender": Preset(
-        _LOWER,
+        Names(),
         "Blender: set the colour space of all but _line and _preview to Non-Color, and put _normal through a "
         "Normal Map node, as the script does. _height is in pixels.",
         "blender",
         height="tiff",
     ),
 }
-_PARTS: Final = ("line", "mask", "height", "ao", "curvature", "specular", "preview")
 _SHADING: Final[dict[str, Shading]] = {"occlusion": "ao", "curvature": "curvature", "specular": "specular"}
-_PLAIN: Final = Preset(_LOWER, "Green points up (OpenGL); flip it for DirectX.")
+_PLAIN: Final = Preset(Names(), "Green points up (OpenGL); flip it for DirectX.")
 
 
 @dataclass(frozen=True)
@@ -158,20 +192,20 @@ class Wish:
 
     def _files(self, preset: Preset, preds: NormalMap) -> Iterator[tuple[str, bytes]]:
         own = preset.prefix + self.name
-        names = dict(zip(_PARTS, (each.format(own) for each in preset.names), strict=True))
+        names = preset.names.of(own)
         outputs, height = preset.outputs, preds.height()
         target = Path(own + outputs.ending)
         yield target.name, preds.encode(outputs.format, outputs.bits, outputs.y, outputs.alpha)
         if preset.engine is not None:
             beside, content = sidecar(preset.engine, target)
             yield beside.name, content
-        yield f"{names['mask']}.png", encode_grey(preds.alpha)
-        yield f"{names['height']}.{preset.height}", encode_height(height, preds, preset.height)
+        yield f"{names.mask}.png", encode_grey(preds.alpha)
+        yield f"{names.height}.{preset.height}", encode_height(height, preds, preset.height)
         for name, values in shading_of(preds, SHADING, height).items():
-            yield f"{names[name]}.png", encode_grey(values)
-        yield f"{names['preview']}.png", _preview(preds)
+            yield f"{getattr(names, name)}.png", encode_grey(values)
+        yield f"{names.preview}.png", _preview(preds)
         if self.line_art is not None:
-            yield f"{names['line']}.png", self.line_art
+            yield f"{names.line}.png", self.line_art
         yield "README.txt", f"{preset.notes}\n".encode()
 
 

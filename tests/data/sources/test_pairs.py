@@ -246,6 +246,11 @@ def test_settings_are_checked(given: dict[str, str], sentence: str) -> None:
         Pairs("pairs", **given)  # type: ignore[arg-type]
 
 
+def test_data_tell_whether_they_are_pairs() -> None:
+    assert MeshDataModule(source=Pairs("pairs")).of_pairs
+    assert not MeshDataModule("meshes").of_pairs
+
+
 def test_settings_of_meshes_do_not_go_with_a_source(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"data\.meshes says that the data are meshes, and data\.source names"
