@@ -30,13 +30,13 @@ def test_the_public_signatures() -> None:
 
     assert names(normalgan.load) == ["path_or_name", "size"]
     assert inspect.signature(normalgan.load).parameters["path_or_name"].default == "shipped"
-    assert names(normalgan.Painter.__call__) == ["self", "image", "hints", "mask", "size"]
+    assert names(normalgan.Painter.__call__) == ["self", "image", "hints", "mask", "size", "tile"]
     assert names(normalgan.NormalMap.save) == ["self", "path", "bits", "y", "alpha"]
     public = {name for name in dir(normalgan.NormalMap) if not name.startswith("_")}
     fields = set(normalgan.NormalMap.__dataclass_fields__)
     assert public | fields == {
         *("normal", "mask", "confidence", "height", "save", "encode", "alpha", "extended", "seen"),
-        *("pixels", "stronger", "warning"),
+        *("pixels", "stronger", "tile", "warning"),
     }
 
 

@@ -315,3 +315,39 @@ def test_previews_heights_and_reliefs_come_beside_the_map(here: Path) -> None:
         assert exact[85, 160] > exact[row, column] + 3
     assert trimesh.load_mesh("out/fox_relief.glb").is_volume
     assert Path("png/fox_relief.obj").stat().st_size > 1000
+
+
+@pytest.mark.parametrize("tile", ["both", "x", "y"])
+def test_a_drawing_that_repeats_gives_maps_that_do(here: Path, tile: str) -> None:
+    # Rolled by half, what was the seam lies in the midst; by the painter's own tests that is the same.
+    Image.fromarray(GREY[:, :200]).save("stone.png")
+    assert generate("stone.png", "-o", "out", "--tile", tile, "--height", "png", "--ao") == 0
+    assert {path.name for path in Path("out").iterdir()} == {
+        *("stone_normal.png", "stone_height.png", "stone_ao.png")
+    }
+    assert generate("stone.png", "-o", "plain") == 0
+    assert painted("out/stone_normal.png").shape == painted("plain/stone_normal.png").shape
+    assert not np.allclose(painted("out/stone_normal.png"), painted("plain/stone_normal.png"), atol=0.05)
+
+
+@pytest.mark.parametrize(
+    "others",
+    [("--sheet", "2x1"), ("--split", "auto"), ("--atlas", "fox.json"), ("--layers",), ("--frame", "shared")],
+)
+def test_what_makes_no_sense_with_a_drawing_that_repeats_is_refused(
+    here: Path, capfd: pytest.CaptureFixture[str], others: tuple[str, ...]
+) -> None:
+    assert generate("fox.png", "--tile", "both", *others) == 2
+    error = capfd.readouterr().err
+    assert error.count("\n") == 1
+    assert "--tile" in error
+    assert f"{others[0]}" in error
+
+
+def test_an_animation_is_not_repeated(here: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    frames = [Image.fromarray(np.roll(GREY, i, 1)) for i in range(3)]
+    frames[0].save("walk.gif", save_all=True, append_images=frames[1:])
+    assert generate("walk.gif", "--tile", "both") == 2
+    assert capfd.readouterr().err == (
+        "normalgan: walk.gif is an animation; --tile repeats a still picture.\n"
+    )

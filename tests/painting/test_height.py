@@ -149,3 +149,38 @@ def test_half_the_size_and_back_lies_on_the_same_plane() -> None:
     # The middles of pixels of half the size, which are twice as far apart and as high.
     coarse = (0.3 * (2 * np.arange(5)[None] + 0.5) - 0.2 * (2 * np.arange(4)[:, None] + 0.5)) / 2
     assert np.allclose(double(coarse, normals), plane)
+
+
+def rolling(rows: int, columns: int) -> tuple[Floats, Floats]:
+    """Normals and height in pixels of hills that repeat both ways."""
+    y, x = np.mgrid[:rows, :columns] + 0.5
+    x, y = 2 * np.pi * x / columns, 2 * np.pi * y / rows
+    height = 3 * np.sin(x) + 2 * np.cos(x + 2 * y)
+    right = (3 * np.cos(x) - 2 * np.sin(x + 2 * y)) * 2 * np.pi / columns
+    down = -4 * np.sin(x + 2 * y) * 2 * np.pi / rows
+    return normalize(np.stack([-right, down, np.ones_like(x)], -1)), height.astype(np.float32)
+
+
+@pytest.mark.parametrize("size", [(60, 90), (151, 203), (240, 260)])
+def test_heights_of_what_repeats_repeat(size: tuple[int, int]) -> None:
+    normals, true = rolling(*size)
+    everywhere = np.ones(size, np.bool_)
+    found = integrate(normals, everywhere, tile="both")
+    assert np.abs(found - true).max() < 0.15
+    for axis in (0, 1):
+        other = integrate(np.roll(normals, 21, axis), everywhere, tile="both")
+        assert np.abs(np.roll(found, 21, axis) - other).max() < 0.15
+
+
+def test_a_part_that_lies_across_an_edge_is_one() -> None:
+    normals, true = rolling(64, 64)
+    y, x = np.indices(true.shape) + 0.5
+    mask = np.hypot(np.minimum(x, 64 - x), y - 32) < 20
+    mask |= np.hypot(x - 32, np.minimum(y, 64 - y)) < 10
+    found = integrate(normals, mask, tile="both")
+    ring, cap = mask & ((x < 21) | (x > 43)), mask & (x > 21) & (x < 43)
+    for part in (ring, cap):
+        assert np.abs(found - (true - true[part].mean()))[part].max() < 0.1
+    assert np.abs(integrate(normals, mask, tile="x") - found)[ring].max() < 0.01
+    # Halves that know nothing of each other have means of their own.
+    assert np.abs(integrate(normals, mask) - found)[ring].max() > 0.5

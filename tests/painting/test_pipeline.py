@@ -86,6 +86,16 @@ def test_lines_that_the_model_knows_are_shown_as_they_were_drawn() -> None:
     assert prepared.seen.sum() > 1.5 * prepare(picture, 128).seen.sum()
 
 
+@pytest.mark.parametrize("width", [0.7, 1.2, 2.0, 3.0, 4.5, 6.0, 9.0, 12.0, 14.0, 40.0])
+def test_what_is_told_by_fewer_pixels_is_what_all_of_them_tell(
+    width: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture, _ = drawn(2, width / 2)
+    quick = prepare(picture, 128, line_widths=(0.5, 5.0)).seen
+    monkeypatch.setattr("normalgan.painting.line_width._is_known", lambda *_: False)
+    assert (prepare(picture, 128, line_widths=(0.5, 5.0)).seen == quick).all()
+
+
 def test_beside_lines_that_the_model_knows_only_areas_are_drawn_anew() -> None:
     picture, _ = drawn(2, 5.0)
     colour = picture.colour.copy()

@@ -61,6 +61,10 @@ def generate(settings: Namespace) -> int:
     """
     decoding.start()  # while the model is loaded
     check_size(settings.size)
+    if settings.tile and (settings.sheet or settings.split or settings.atlas or settings.layers):
+        raise InputError("--tile repeats a whole drawing; leave --sheet, --split, --atlas and --layers out.")
+    if settings.tile and settings.frame == "shared":
+        raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
     packing = Packing(settings.sheet, settings.split, settings.atlas)
     if packing.given and settings.size is not None:
         raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
@@ -147,6 +151,7 @@ class _Batch:
             settings.frame,
             settings.strength,
             settings.layers,
+            settings.tile,
         )
         alike = settings.frame == "shared" and len(jobs) > 1
         together = alike and not self._packing.given and not settings.layers

@@ -8,6 +8,7 @@ from typing import Literal
 from normalgan.commands.light_parser import LightParser
 from normalgan.painting.engines import CONVENTIONS, Engine
 from normalgan.painting.outputs import Outputs, engine_defaults
+from normalgan.painting.tile import Tile
 
 __all__ = ["as_shell_means", "build_parser", "engine_of"]
 
@@ -75,6 +76,11 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     )
     drawing.add_argument(
         "--strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+    )
+    drawing.add_argument(
+        "--tile",
+        type=Tile | None,
+        help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
     )
     _add_folders(parser.add_argument_group("Folders"))
     _add_sheets(parser.add_argument_group("Several drawings in one file"))

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
+from scipy import ndimage, sparse
 
 from normalgan.errors import InputError
 from normalgan.normals import Floats
@@ -10,6 +10,7 @@ from normalgan.painting.height_pyramid import double, halve
 from normalgan.painting.multigrid import Relaxation
 from normalgan.painting.picture import fitted, resize
 from normalgan.painting.surface import Surface
+from normalgan.painting.tile import Tile, repeats, resize_tile
 
 __all__ = ["integrate"]
 
@@ -24,7 +25,12 @@ _MOST = 1536
 
 
 def integrate(
-    normals: Floats, mask: NDArray[np.bool_], jumps: float = 2.0, rounds: int = 30, tolerance: float = 1e-3
+    normals: Floats,
+    mask: NDArray[np.bool_],
+    jumps: float = 2.0,
+    rounds: int = 30,
+    tolerance: float = 1e-3,
+    tile: Tile | None = None,
 ) -> Floats:
     """Return the height of a surface above the plane of the picture, by bilateral normal integration.
 
@@ -39,6 +45,8 @@ def integrate(
         jumps: k of the paper, how readily the surface breaks; 0 gives plain Poisson integration.
         rounds: weights and heights are found at most this often at the lowest size.
         tolerance: and until the energy changes by less than this share of it.
+        tile: the ways in which the map is repeated: what lies at an edge is then a neighbour of what lies at
+            the opposite one, so that the heights can be repeated too.
 
     Returns:
         (H, W) height in pixels towards the viewer, of mean zero over each connected part, zero off the mask.
@@ -64,24 +72,46 @@ def integrate(
     if not np.isfinite(normals[mask]).all():
         raise InputError("a normal on the object is not a number; heights need finite normals.")
     if max(mask.shape) > _MOST:
-        return _enlarged(normals, mask, jumps, rounds, tolerance)
+        return _enlarged(normals, mask, jumps, rounds, tolerance, tile)
     height = np.zeros(mask.shape, np.float32)
     if mask.any():
         known = np.where(mask[..., None], normals, 0).astype(np.float64)
-        height[mask] = _solved(known, mask, jumps, rounds, tolerance)
-    return _centred(height, mask)
+        height[mask] = _solved(known, mask, jumps, rounds, tolerance, tile)
+    return _centred(height, mask, tile)
 
 
-def _centred(height: Floats, mask: NDArray[np.bool_]) -> Floats:
+def _centred(height: Floats, mask: NDArray[np.bool_], tile: Tile | None) -> Floats:
     """Return heights (H, W) of mean zero over each connected part of a mask."""
-    parts, count = ndimage.label(mask)  # by four neighbours, as heights are linked
+    parts, count = _parts(mask, tile)
     means = np.zeros(count + 1, np.float32)
     means[1:] = ndimage.mean(height, parts, np.arange(1, count + 1))
     return np.where(mask, height - means[parts], 0).astype(np.float32)
 
 
+def _parts(mask: NDArray[np.bool_], tile: Tile | None) -> tuple[NDArray[np.int32], int]:
+    """Return the number of each pixel's connected part (H, W), from 1, and how many there are."""
+    found, count = ndimage.label(mask)  # by four neighbours, as heights are linked
+    parts = np.asarray(found, np.int32)
+    down, across = repeats(tile)
+    pairs = [np.stack([parts[-1], parts[0]])] if down else []
+    pairs += [np.stack([parts[:, -1], parts[:, 0]])] if across else []
+    if not pairs:
+        return parts, count
+    one, other = np.concatenate(pairs, 1)
+    both = (one > 0) & (other > 0)
+    joined = sparse.coo_array((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1,) * 2)
+    number, labels = sparse.csgraph.connected_components(joined, directed=False)
+    # What is off the mask is joined with nothing, and stays number 0.
+    return np.asarray(labels[parts], np.int32), number - 1
+
+
 def _enlarged(
-    normals: Floats, mask: NDArray[np.bool_], jumps: float, rounds: int, tolerance: float
+    normals: Floats,
+    mask: NDArray[np.bool_],
+    jumps: float,
+    rounds: int,
+    tolerance: float,
+    tile: Tile | None,
 ) -> Floats:
     """Return the heights of a large map from those of a reduced one.
 
@@ -91,12 +121,17 @@ def _enlarged(
     there = resize(mask.astype(np.float32), shape) > 0
     small = resize(np.where(mask[..., None], normals, np.float32(0)), shape)
     small /= np.maximum(np.linalg.norm(small, axis=-1, keepdims=True), 1e-6)
-    height = integrate(small, there, jumps, rounds, tolerance) * np.float32(mask.shape[0] / shape[0])
-    return _centred(resize(height, (mask.shape[0], mask.shape[1])), mask)
+    height = integrate(small, there, jumps, rounds, tolerance, tile) * np.float32(mask.shape[0] / shape[0])
+    return _centred(resize_tile(height, (mask.shape[0], mask.shape[1]), tile), mask, tile)
 
 
 def _solved(
-    normals: NDArray[np.float64], mask: NDArray[np.bool_], jumps: float, rounds: int, tolerance: float
+    normals: NDArray[np.float64],
+    mask: NDArray[np.bool_],
+    jumps: float,
+    rounds: int,
+    tolerance: float,
+    tile: Tile | None,
 ) -> NDArray[np.float64]:
     """Return the heights (n,) on the mask.
 
@@ -105,12 +140,12 @@ def _solved(
     """
     start = None
     if jumps and np.count_nonzero(mask) > _SMALL:
-        half, there = halve(normals, mask)
+        half, there = halve(normals, mask, tile)
         coarse = np.zeros(there.shape)
-        coarse[there] = _solved(half, there, jumps, rounds, tolerance)
+        coarse[there] = _solved(half, there, jumps, rounds, tolerance, tile)
         start = double(coarse, normals)[mask]
         rounds = min(rounds, _REFINED)
-    surface = Surface(normals[mask], mask)
+    surface = Surface(normals[mask], mask, tile)
     if start is not None and len(start) > _LARGE:
         return surface.solve(jumps, _SETTLED, 0, start, Relaxation())
     return surface.solve(jumps, rounds, tolerance, start)

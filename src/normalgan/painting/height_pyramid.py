@@ -1,7 +1,11 @@
 """Height pyramid: a normal map at half the size, and its heights brought back to the whole."""
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
+
+from normalgan.painting.tile import Tile, repeats
 
 __all__ = ["Mask", "Vectors", "double", "halve"]
 
@@ -12,15 +16,19 @@ Mask = NDArray[np.bool_]
 Vectors = NDArray[np.float64]
 
 
-def halve(normals: Vectors, mask: Mask) -> tuple[Vectors, Mask]:
+def halve(normals: Vectors, mask: Mask, tile: Tile | None = None) -> tuple[Vectors, Mask]:
     """Return a map at half the size: normals (h, w, 3), the mean of those of each four pixels, and its mask.
 
     Args:
         normals: (H, W, 3), zero off the mask.
         mask: (H, W).
+        tile: the ways in which the map is repeated.
     """
-    edge = ((0, mask.shape[0] % 2), (0, mask.shape[1] % 2))
-    mask, normals = np.pad(mask, edge), np.pad(normals, (*edge, (0, 0)))
+    for axis, goes_on in enumerate(repeats(tile)):
+        if mask.shape[axis] % 2:
+            edge = [(0, int(axis == each)) for each in (0, 1)]
+            how: Literal["wrap", "constant"] = "wrap" if goes_on else "constant"
+            mask, normals = np.pad(mask, edge, how), np.pad(normals, (*edge, (0, 0)), how)
     quarters = [np.s_[i::2, j::2] for i in (0, 1) for j in (0, 1)]
     total = sum((normals[quarter] for quarter in quarters[1:]), normals[quarters[0]])
     there = mask[quarters[0]] | mask[quarters[1]] | mask[quarters[2]] | mask[quarters[3]]

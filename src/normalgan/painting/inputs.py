@@ -1,6 +1,7 @@
 """Inputs: a drawing, its mask and its hints as files, arrays or images of Pillow, each checked first."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,11 @@ __all__ = [
     "AnyHints",
     "AnyMask",
     "AnyPicture",
+    "Given",
     "as_hints",
     "as_mask",
     "as_picture",
+    "check_any",
     "check_size",
     "prepare_any",
 ]
@@ -62,12 +65,40 @@ def prepare_any(
     Raises:
         InputError: if something cannot be used.
     """
+    given = check_any(image, hints, mask, size)
+    return prepare(
+        given.picture, network_size, given.mask, given.hints, size, given.source, line_widths=line_widths
+    )
+
+
+@dataclass(frozen=True)
+class Given:
+    """A drawing and what belongs to it, as far as it was given.
+
+    Args:
+        picture: the drawing.
+        mask: (H, W), the object, or None.
+        hints: in pixels of the drawing, or None.
+        source: where the mask comes from if it is not given, as `preparation.prepare` has it.
+    """
+
+    picture: Picture
+    mask: Mark | None
+    hints: Hints | None
+    source: str | None
+
+
+def check_any(image: AnyPicture, hints: AnyHints, mask: AnyMask, size: int | None) -> Given:
+    """Return a drawing with its hints and its mask in any form, as `prepare_any` takes them.
+
+    Raises:
+        InputError: if something cannot be used.
+    """
     check_size(size)
     picture = as_picture(image, size)
     source = mask if isinstance(mask, str) and mask in {OUTLINE, MODEL} else None
     where = None if source is not None else as_mask(mask, picture.shape)
-    given = as_hints(hints, picture.shape)
-    return prepare(picture, network_size, where, given, size, source, line_widths=line_widths)
+    return Given(picture, where, as_hints(hints, picture.shape), source)
 
 
 def check_size(size: int | None) -> None:

@@ -22,6 +22,7 @@ from normalgan.normals import (
     pixels_of,
     strips,
 )
+from normalgan.painting.tile import Tile
 from normalgan.painting.vectors import unit
 
 __all__ = ["Format", "NormalMap"]
@@ -42,6 +43,7 @@ class NormalMap:
         seen: (S, S), what the network was shown.
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
         warning: what went wrong, a part of a sentence; empty if nothing did.
+        tile: the ways in which the map goes on past its edges with what lies at the opposite ones, or None.
     """
 
     extended: Floats
@@ -50,6 +52,7 @@ class NormalMap:
     seen: Floats
     confidence: Floats | None
     warning: str
+    tile: Tile | None = None
 
     @cached_property
     def normal(self) -> Floats:
@@ -79,7 +82,7 @@ class NormalMap:
         """
         from normalgan.painting.height import integrate  # here: its solver takes a while to import
 
-        return integrate(self.extended, self.mask)
+        return integrate(self.extended, self.mask, tile=self.tile)
 
     def encode(self, form: Format = "png", bits: Bits = 8, y: Green = "up", alpha: bool = False) -> bytes:
         """Return the content of a file: flat off the object, or what is transparent there.

@@ -20,13 +20,14 @@ _BIAS = 0.12
 """Less than this is noise of the heights, and at the rim of their steepness."""
 
 
-def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_]) -> Floats:
+def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_], longest: int | None = None) -> Floats:
     """Return the share of the sky (H, W) that is not hidden by the surface about it; 1 off the object.
 
     Args:
         height: (H, W), in pixels towards the viewer.
         normals: (H, W, 3), unit.
         mask: (H, W), the object.
+        longest: longer side in pixels of the drawing, if its repeats are about it; None is that of the map.
 
     References:
         Bavoil, Sainz, Dimitrov 2008, "Image-space horizon-based ambient occlusion".
@@ -40,13 +41,14 @@ def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_]) -> Float
         True
     """
     shape = (mask.shape[0], mask.shape[1])
-    small = fitted(shape, _SIDE) if max(shape) > _SIDE else shape
+    longest = longest or max(shape)
+    small = fitted(shape, round(_SIDE * max(shape) / longest)) if longest > _SIDE else shape
     scale = small[1] / shape[1]
     cover = resize(mask.astype(np.float32), small) > 0.5
     level = resize(np.where(mask, height, 0).astype(np.float32), small) * np.float32(scale)
     facing = resize(normals, small)
     depth = np.maximum(facing[..., 2], 0.1)
-    reach = max(_REACH * max(small), 4.0)
+    reach = max(_REACH * longest * scale, 4.0)
     far = np.geomspace(1.5, reach, _STEPS)
     hidden = np.zeros(small, np.float32)
     rows, columns = (grid.astype(np.float32) for grid in np.mgrid[: small[0], : small[1]])

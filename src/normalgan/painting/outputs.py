@@ -13,6 +13,7 @@ from normalgan.normals import Bits, Floats, Green, encode_grey
 from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import Job
 from normalgan.painting.normal_map import Format, NormalMap
+from normalgan.painting.tile import middle, wrapped
 
 __all__ = [
     "FEWEST",
@@ -32,6 +33,8 @@ Heights = list[tuple[Path, float]]
 Shading = Literal["ao", "curvature", "specular"]
 SHADING: tuple[Shading, ...] = ("ao", "curvature", "specular")
 """What the files of `shading_of` are called."""
+_BESIDE = 0.25
+"""How much of its repeats is looked at about a map that has some, as a share of its longer side."""
 FEWEST = 12
 """Fewest triangles of a relief that is closed."""
 
@@ -179,15 +182,19 @@ def shading_of(
     from normalgan.painting.occlusion import occlusion
     from normalgan.painting.shading_maps import curvature, gloss
 
+    longest = max(preds.mask.shape)
+    room = (round(_BESIDE * longest),) * 2
+    normals, mask = (wrapped(each, preds.tile, room) for each in (preds.extended, preds.mask))
     maps: dict[Shading, Floats] = {}
     if "ao" in wanted or "specular" in wanted:
         height = preds.height() if height is None else height
-        maps["ao"] = occlusion(height.astype(np.float32, copy=False), preds.extended, preds.mask)
+        around = wrapped(height.astype(np.float32, copy=False), preds.tile, room)
+        maps["ao"] = occlusion(around, normals, mask, longest)
     if "curvature" in wanted or "specular" in wanted:
-        maps["curvature"] = curvature(preds.extended, preds.mask)
+        maps["curvature"] = curvature(normals, mask, longest)
     if "specular" in wanted:
-        maps["specular"] = gloss(maps["ao"], maps["curvature"], preds.mask)
-    return {name: maps[name] for name in SHADING if name in wanted}
+        maps["specular"] = gloss(maps["ao"], maps["curvature"], mask)
+    return {name: middle(maps[name], preds.tile, room) for name in SHADING if name in wanted}
 
 
 def encode_height(

@@ -25,6 +25,7 @@ from normalgan.painting.picture import Picture, read_picture, resize, to_picture
 from normalgan.painting.preparation import Mark
 from normalgan.painting.series import Member, flat_map, left_flat, paint_series
 from normalgan.painting.sheets import paint_sheet
+from normalgan.painting.tile import Tile
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPainter", "target_of"]
 
@@ -61,6 +62,7 @@ class JobPainter:
             ``shared`` for an animation, and ``own`` else.
         strength: what the slopes of all maps are multiplied by.
         layers: whether each visible layer of a layered file is painted for itself.
+        tile: the ways in which each drawing is repeated, and its map can be; None is not at all.
     """
 
     painter: Painter
@@ -70,6 +72,7 @@ class JobPainter:
     frame: Framing | None = None
     strength: float = 1.0
     layers: bool = False
+    tile: Tile | None = None
 
     def __call__(self, job: Job) -> Done:
         """Paint and write one job.
@@ -85,6 +88,8 @@ class JobPainter:
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
         if kind is not None and self.packing.given:
             raise InputError(f"{files.drawing} is an animation; a sheet is a still picture.")
+        if kind is not None and self.tile is not None:
+            raise InputError(f"{files.drawing} is an animation; --tile repeats a still picture.")
         if kind is not None:
             return self._animation(job)
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
@@ -130,7 +135,7 @@ class JobPainter:
 
     def _drawing(self, files: DrawingFiles) -> NormalMap:
         picture = read_picture(files.drawing, files.content, self.size)
-        return self.painter(picture, files.hints, files.mask, self.size)
+        return self.painter(picture, files.hints, files.mask, self.size, self.tile)
 
     def _sheet(self, files: DrawingFiles) -> NormalMap:
         sheet = read_pixels(files.drawing, files.content)

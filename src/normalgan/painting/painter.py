@@ -1,9 +1,11 @@
 """Painter: a network that is called with a drawing and returns its normal map."""
 
 from normalgan.painting.backend import Backend
-from normalgan.painting.inputs import AnyHints, AnyMask, AnyPicture, prepare_any
+from normalgan.painting.inputs import AnyHints, AnyMask, AnyPicture, check_any, prepare_any
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.pipeline import paint
+from normalgan.painting.tile import Tile, check_tile
+from normalgan.painting.tiling import paint_tile
 from normalgan.painting.upsampling import Upsampler
 
 __all__ = ["Painter"]
@@ -27,7 +29,12 @@ class Painter:
         return self.backend.size
 
     def __call__(
-        self, image: AnyPicture, hints: AnyHints = None, mask: AnyMask = None, size: int | None = None
+        self,
+        image: AnyPicture,
+        hints: AnyHints = None,
+        mask: AnyMask = None,
+        size: int | None = None,
+        tile: Tile | None = None,
     ) -> NormalMap:
         """Return the normal map of a drawing.
 
@@ -40,10 +47,25 @@ class Painter:
                 black; ``outline`` fills the drawing's own, ``model`` leaves it to the network; None takes
                 the drawing's opacity if that tells, else its outline.
             size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
+            tile: the ways in which the drawing is repeated, ``both``, ``x`` (side by side) or ``y``; the map
+                can be repeated so too. None is a drawing that ends at its edges.
 
         Raises:
             InputError: if something cannot be used, or the network sees no object.
         """
+        if tile is not None:
+            check_tile(tile)
+            given = check_any(image, hints, mask, size)
+            return paint_tile(
+                self.backend,
+                given.picture,
+                tile,
+                given.mask,
+                given.hints,
+                size,
+                given.source,
+                self.upsample,
+            )
         return paint(
             self.backend,
             prepare_any(image, self.size, hints, mask, size, self.backend.line_widths),

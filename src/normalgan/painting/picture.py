@@ -1,5 +1,6 @@
 """Picture: a drawing's file as colours and opacity, before anything is known of its lines."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,10 +11,12 @@ from normalgan.decoding import Decoded
 from normalgan.drawings import SVG_SIDE, read_pixels, to_unit
 from normalgan.normals import Floats
 
-__all__ = ["MOST_WORKED", "Picture", "fitted", "read_picture", "resize", "to_picture"]
+__all__ = ["MOST_WORKED", "Picture", "Resize", "fitted", "read_picture", "resize", "to_picture"]
 
 MOST_WORKED = 2048
 """Longest side in pixels at which a drawing is worked on; maps of larger ones are enlarged to their size."""
+Resize = Callable[[Floats, tuple[int, int]], Floats]
+"""Brings a picture (H, W) or (H, W, C) to another (H, W)."""
 
 
 @dataclass(frozen=True)
@@ -40,14 +43,15 @@ class Picture:
         """(h, w) of what is held of it."""
         return self.colour.shape[0], self.colour.shape[1]
 
-    def resized(self, shape: tuple[int, int]) -> "Picture":
-        """Return the picture with (H, W) pixels; itself if it has."""
+    def resized(self, shape: tuple[int, int], by: "Resize | None" = None) -> "Picture":
+        """Return the picture with (H, W) pixels, brought there by `resize` or another; itself if it has."""
         if shape == self.size:
             return self
+        by = by or resize
         if self.alpha is None:
-            return Picture(np.clip(resize(self.colour, shape), 0, 1), None)
+            return Picture(np.clip(by(self.colour, shape), 0, 1), None)
         # Colours of pixels that nobody sees must not bleed into those that are seen.
-        seen = resize(np.dstack([self.colour * self.alpha[..., None], self.alpha]), shape)
+        seen = by(np.dstack([self.colour * self.alpha[..., None], self.alpha]), shape)
         colour = seen[..., :3] / np.maximum(seen[..., 3:], 1e-4)
         return Picture(np.clip(colour, 0, 1), np.clip(seen[..., 3], 0, 1))
 

@@ -61,7 +61,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         warning += (
             f"the model takes only {painted_share:.0%} of its mask for an object and is unsure of the rest"
         )
-    coarse = coarse_of(prepared, preds, mask)
+    coarse = coarse_of(prepared, preds, mask, length)
     if not coarse.known.any():
         raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
     if not mask.any():
@@ -100,7 +100,7 @@ def _soft_edge(mask: Mark, shape: tuple[int, int]) -> Floats:
     return edge
 
 
-def coarse_of(prepared: Prepared, preds: Floats, mask: Mark) -> Coarse:
+def coarse_of(prepared: Prepared, preds: Floats, mask: Mark, length: Floats | None = None) -> Coarse:
     """Return what the network painted, and where it has a direction worth keeping.
 
     Where there is an object for certain, the model's doubt of it, a short vector, is no doubt of the
@@ -110,8 +110,9 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: Mark) -> Coarse:
         prepared: as `prepare` gives it.
         preds: (S, S, 3), vectors as long as an object is probable.
         mask: (h, w), the object at the size of ``prepared.ink``.
+        length: (S, S), of the vectors, if it is known already.
     """
-    length = lengths(preds)
+    length = lengths(preds) if length is None else length
     needed = prepared.frame.shrink(mask.astype(np.float32)) > 0
     known: Mark = length > 0.5
     if needed.any():

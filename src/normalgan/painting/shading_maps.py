@@ -16,7 +16,7 @@ _BEND = 0.04
 _Mask = NDArray[np.bool_]
 
 
-def curvature(normals: Floats, mask: _Mask) -> Floats:
+def curvature(normals: Floats, mask: _Mask, longest: int | None = None) -> Floats:
     """Return how a surface bends, (H, W) in [0, 1]: ridges light, hollows dark, 0.5 where it is flat.
 
     It is the divergence of the normals, twice the mean curvature where the surface faces the viewer.
@@ -24,11 +24,13 @@ def curvature(normals: Floats, mask: _Mask) -> Floats:
     Args:
         normals: (H, W, 3), unit on the object.
         mask: (H, W), the object; off it is 0.5.
+        longest: longer side in pixels of the drawing, if its repeats are about it; None is that of the map.
     """
     if not mask.any():
         return np.full(mask.shape, 0.5, np.float32)
     _, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
     side = int(stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max())  # of a drawing, not of its sheet
+    side = min(side, longest or side)
     width = max(_FINE * side, 0.7)
     # Off the object a sheet is flat: what counts there are the nearest normals on it.
     nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)

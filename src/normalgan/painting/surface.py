@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from normalgan.painting.multigrid import Relaxation, Solver
+from normalgan.painting.tile import Tile, repeats
 
 __all__ = ["Links", "Surface", "link"]
 
@@ -43,8 +44,10 @@ class Links:
     after: _Index
 
 
-def link(mask: NDArray[np.bool_]) -> Links:
+def link(mask: NDArray[np.bool_], tile: Tile | None = None) -> Links:
     """Return the links of the pixels of a mask (H, W), numbered row by row; row 0 is the top.
+
+    Where the mask is repeated, pixels at its edge are linked to those at the opposite one.
 
     >>> links = link(np.array([[True, True], [True, False]]))
     >>> links.tail.tolist(), links.head.tolist(), links.axis.tolist()
@@ -52,9 +55,13 @@ def link(mask: NDArray[np.bool_]) -> Links:
     """
     number = np.full(mask.shape, -1)
     number[mask] = np.arange(np.count_nonzero(mask))
-    right, up = mask[:, :-1] & mask[:, 1:], mask[1:] & mask[:-1]
-    tail = np.concatenate([number[:, :-1][right], number[1:][up]])
-    head = np.concatenate([number[:, 1:][right], number[:-1][up]])
+    beside, above = np.roll(number, -1, 1), np.roll(number, 1, 0)
+    down, across = repeats(tile)
+    beside[:, -1] = beside[:, -1] if across else -1
+    above[0] = above[0] if down else -1
+    right, up = mask & (beside >= 0), mask & (above >= 0)
+    tail = np.concatenate([number[right], number[up]])
+    head = np.concatenate([beside[right], above[up]])
     axis = np.repeat([0, 1], [np.count_nonzero(right), np.count_nonzero(up)])
     own = np.arange(len(tail))
     ending, starting = np.full((2, np.count_nonzero(mask), 2), -1)
@@ -69,11 +76,12 @@ class Surface:
     Args:
         normals: (n, 3) on the mask, row by row.
         mask: (H, W).
+        tile: the ways in which it is repeated.
     """
 
-    def __init__(self, normals: _Vector, mask: NDArray[np.bool_]) -> None:
+    def __init__(self, normals: _Vector, mask: NDArray[np.bool_], tile: Tile | None = None) -> None:
         self.count = len(normals)
-        self.links = link(mask)
+        self.links = link(mask, tile)
         steep = np.clip(normals[:, 2], _STEEPEST, 1)
         length = np.hypot(normals[:, 0], normals[:, 1])
         # What was clamped stays of unit length: else a normal that faces away would have too much slope.
