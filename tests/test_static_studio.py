@@ -285,7 +285,7 @@ def test_the_network_is_shown_what_python_shows_it(studio: "Page", kind: str, mo
     rng = np.random.default_rng(sorted(kind.encode()))
     for widths in ((0.5, 5.0), (0.8, 1.9)) * 4:
         grey = random_drawing(kind, rng)
-        colour = np.repeat(grey.astype(np.float32)[..., None] / 255, 3, axis=2)
+        colour = np.repeat((grey / np.float32(255))[..., None], 3, axis=2).astype(np.float32)
         wanted = prepare(Picture(colour, None), 256, line_widths=widths)
         seen = studio.evaluate(
             """async ([grey, width, height, widths]) => {
