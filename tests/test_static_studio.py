@@ -25,7 +25,8 @@ from normalgan.normals import Bits
 from normalgan.painting.composition import compose
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.onnx_backend import SHIPPED
-from normalgan.painting.picture import read_picture
+from normalgan.painting.picture import Picture, read_picture
+from normalgan.painting.preparation import prepare
 from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.drawing import Drawing
 from pens import blob, outline
@@ -79,7 +80,8 @@ def studio(built: Path) -> Iterator["Page"]:
         page.on("request", lambda each: requested.append(each.url))
         page.goto(f"{address}/{built.name}/")
         page.wait_for_selector("html[data-ready]", timeout=120_000)
-        page.evaluate("import('./page/suggest.js')")  # a module of the worker, which a test calls alone
+        for module in ("suggest", "prepare"):  # of the worker, which tests call alone
+            page.evaluate(f"import('./page/{module}.js')")
         page.context.set_offline(True)
         yield page
     assert [url for url in requested if not url.startswith((address, "data:", "blob:"))] == []
@@ -274,6 +276,51 @@ def test_where_the_model_is_unsure_is_told(studio: "Page") -> None:
 
 def test_painted_areas_have_their_outline(studio: "Page") -> None:
     assert_alike(studio, np.rint(255 * (1 - blob())).astype(np.uint8), [], share=0.95, degrees=6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "most"), [("wide lines", 16), ("areas", 80), ("areas and lines", 80), ("blots", 16)]
+)
+def test_the_network_is_shown_what_python_shows_it(studio: "Page", kind: str, most: int) -> None:
+    rng = np.random.default_rng(sorted(kind.encode()))
+    for widths in ((0.5, 5.0), (0.8, 1.9)) * 4:
+        grey = random_drawing(kind, rng)
+        colour = np.repeat((grey / np.float32(255))[..., None], 3, axis=2).astype(np.float32)
+        wanted = prepare(Picture(colour, None), 256, line_widths=widths)
+        seen = studio.evaluate(
+            """async ([grey, width, height, widths]) => {
+              const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));
+              const { prepare } = await import("./page/prepare.js");
+              const { seen } = prepare({ pixels, width, height, channels: 1 }, 256, null, null, widths);
+              return Array.from(seen);
+            }""",
+            [*encoded(grey), list(widths)],
+        )
+        assert wanted.seen.max() > 0.9
+        # A level on a threshold may round to either side of it.
+        assert (np.abs(np.array(seen).reshape(wanted.seen.shape) - wanted.seen) > 0.02).sum() <= most
+
+
+def random_drawing(kind: str, rng: np.random.Generator) -> NDArray[np.uint8]:
+    """Return a drawing (H, W) of polygons: outlined, filled, or with a round blot inside."""
+    side = int(rng.choice([256, 320, 512, 700]))
+    grey = np.full((side, side), 255, np.uint8)
+
+    def polygon(corners: int, radius: float) -> NDArray[np.int32]:
+        angles, reach = np.sort(rng.uniform(0, 2 * np.pi, corners)), radius * rng.uniform(0.5, 1, corners)
+        points = side / 2 + np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1)
+        return points.astype(np.int32)
+
+    thin, wide = int(rng.integers(1, 4)), int(side * rng.uniform(0.025, 0.05))
+    if "areas" in kind:
+        paint = int(rng.integers(0, 140))
+        cv2.fillPoly(grey, [polygon(9, 0.3 * side)], (paint,), cv2.LINE_AA)
+    if "lines" in kind or kind == "blots":
+        line = wide if "wide" in kind else thin
+        cv2.polylines(grey, [polygon(12, 0.45 * side)], True, (0,), line, cv2.LINE_AA)
+    if kind == "blots":
+        cv2.circle(grey, (side // 2, side // 2), int(side * rng.uniform(0.01, 0.2)), (0,), -1, cv2.LINE_AA)
+    return grey
 
 
 def encoded(*layers: NDArray[np.uint8]) -> list[Any]:

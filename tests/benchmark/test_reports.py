@@ -85,6 +85,16 @@ def test_what_is_missing_is_left_out_and_what_has_no_figure_is_a_dash() -> None:
     assert line(text, "What it costs", "the mean") == ["–", "–", "5.0", "–", "–"]
 
 
+def test_that_the_test_is_drawn_otherwise_is_said() -> None:
+    results = {"mean": [result(None, 30.0)]}
+    otherwise = replace(PLAN, test_data={"lines": {"class_path": "RidgesAndValleys"}})
+    said = (
+        'The test split is drawn otherwise than the training split: lines={"class_path": "RidgesAndValleys"}.'
+    )
+    assert said in markdown(otherwise, Scale("cpu"), results).splitlines()
+    assert "drawn otherwise" not in markdown(PLAN, Scale("cpu"), results)
+
+
 def test_every_line_of_a_table_has_as_many_cells() -> None:
     text = markdown(PLAN, Scale("cpu"), {row.name: [result(0, 20.0)] for row in ROWS})
     tables = [part for part in text.split("\n\n") if part.startswith("|")]

@@ -136,6 +136,19 @@ def test_a_map_goes_to_standard_output(here: Path, capfdbinary: pytest.CaptureFi
         assert not said.out
 
 
+@pytest.mark.parametrize("name", ["fox.jpg", "fox.TGA", "fox.psd", "walk.mp4"])
+def test_no_folder_is_made_of_the_name_of_a_file(
+    here: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("fox.png")
+    assert generate("fox.png", "-o", f"out/{name}") == 2
+    assert f"{name} is no name of a map, which ends in .png, .exr" in capsys.readouterr().err
+    assert not Path("out").exists()
+    Path("out", name).mkdir(parents=True)
+    assert generate("fox.png", "-o", f"out/{name}") == 0
+    assert written(f"out/{name}") == {"fox_normal.png"}
+
+
 def test_what_cannot_be_written_is_noticed_before_anything_is_painted(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -173,6 +186,35 @@ def test_what_is_saved_is_painted_until_the_folder_vanishes(
     assert names == ["fox_normal.png", "owl_normal.png", "fox_normal.png"]
     assert "half.png is not an image that can be read" in said.err
     assert "the folder in that is watched is gone." in said.err
+
+
+def test_an_empty_folder_is_watched_and_names_that_clash_do_not_end_it(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("my.art").mkdir()
+    assert generate("my.art") == 2
+    assert "no sketch found at 'my.art'" in capsys.readouterr().err
+    looks = 0
+
+    def wait(_: float) -> None:
+        nonlocal looks
+        looks += 1
+        if looks == 2:
+            draw("my.art/fox.png")
+        if looks == 5:
+            draw("my.art/fox.bmp")
+        if looks == 8:
+            Path("my.art/fox.bmp").rename("my.art/owl.bmp")
+        if looks == 11:
+            rmtree("my.art")
+
+    monkeypatch.setattr("time.sleep", wait)
+    assert generate("my.art", "--watch") == 1
+    said = capsys.readouterr()
+    assert [Path(line).name for line in said.out.split()] == ["fox_normal.png", "owl_normal.png"]
+    assert said.err.count("would be written twice") == 1
+    assert "the folder my.art that is watched is gone." in said.err
+    assert "no sketch" not in said.err
 
 
 def test_a_long_batch_takes_the_memory_of_a_short_one(here: Path) -> None:

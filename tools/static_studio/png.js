@@ -1,5 +1,7 @@
 /** PNG: a map as a file of 8 or 16 bits, level for level what normalgan.normals writes; a canvas has 8 bits, and alters colours that are transparent. */
 
+import { rint } from "./raster.js";
+
 const SIGNATURE = [137, 80, 78, 71, 13, 10, 26, 10];
 const COLOUR = { 3: 2, 4: 6 };
 const CRC = Uint32Array.from({ length: 256 }, (_, byte) => {
@@ -7,12 +9,6 @@ const CRC = Uint32Array.from({ length: 256 }, (_, byte) => {
   for (let bit = 0; bit < 8; bit++) value = value & 1 ? 0xedb88320 ^ (value >>> 1) : value >>> 1;
   return value;
 });
-
-/** Rounds halves to even, as NumPy does. @param {number} value */
-function rint(value) {
-  const rounded = Math.round(value);
-  return value % 1 === 0.5 && rounded % 2 ? rounded - 1 : rounded;
-}
 
 /**
  * Returns the levels of a map, row by row: red, green, blue and, if it has opacity, that. Off the object it is flat.

@@ -1,7 +1,8 @@
 /** Prepare: a drawing as far as it gets without the network, as normalgan.painting does it in Python. */
 
 import { fillOutline } from "./outline.js";
-import { blurred, boxOf, components, distance, enclosedBy, extreme, opposite, part, quantile, resized, thinned, where } from "./raster.js";
+import { paintedAreas, sheetLevel, surroundings } from "./painted.js";
+import { blurred, boxOf, components, distance, enclosedBy, extreme, filtered, median, opposite, part, quantile, resized, rint, thinned, where } from "./raster.js";
 
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
 /**
@@ -22,6 +23,8 @@ const WIDTH = 1.25;
 const FINER = 4;
 const MARGIN = 0.06;
 const PAPER = 512;
+/** A share of the longest side: wider areas of one level are paper, or painted, and no strokes. */
+const WINDOW = 0.07;
 
 /** The drawing cannot be painted. */
 export class Unpaintable extends Error {}
@@ -37,7 +40,7 @@ export class Unpaintable extends Error {}
  */
 export function prepare(plane, size, source, longest, widths) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
-  const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, Math.round(side * scale)));
+  const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, rint(side * scale)));
   const { dark, alpha } = brightness(plane, width, height);
   const cut = alpha && isSilhouette(alpha, width, height) ? alpha : null;
   const opaque = cut && where(cut, (value) => value > 0.5);
@@ -52,7 +55,7 @@ export function prepare(plane, size, source, longest, widths) {
   }
   const [left, top, right, bottom] = box;
   const side = Math.max(right - left, bottom - top) / (1 - 2 * MARGIN);
-  const frame = { left: Math.round((left + right - side) / 2), top: Math.round((top + bottom - side) / 2), side: Math.round(side), size };
+  const frame = { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
   const seen = shown(ink, width, height, frame, widths);
   const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, alpha: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
@@ -100,22 +103,31 @@ function brightness({ pixels, width: wide, height: high, channels }, width, heig
 /** Returns the ink of a picture, lines about 1 and paper 0. @param {Float32Array} dark @param {number} width @param {number} height */
 function inkOnPaper(dark, width, height) {
   const scale = Math.min(1, PAPER / Math.max(width, height));
-  const [wide, high] = [width, height].map((side) => Math.max(1, Math.round(side * scale)));
-  const small = blurred(scale < 1 ? resized(dark, width, height, wide, high) : dark, wide, high, 0.6);
-  const radius = Math.max(Math.round((0.07 * Math.max(wide, high)) / 2), 2);
-  let paper = extreme(extreme(small, wide, high, radius, 1), wide, high, radius, -1);
-  const level = quantile(paper, 0.95);
-  // What is wide and dark is no paper, but painted: its edge is a line.
-  const painted = where(paper, (value) => value < 0.6 * level);
-  /** @type {import("./raster.js").Plane} */
-  let within = extreme(painted, wide, high, 2, -1);
-  paper = paper.map((value, i) => (painted[i] ? level : value));
-  if (scale < 1) {
-    paper = resized(paper, wide, high, width, height);
-    within = resized(within, wide, high, width, height);
-  }
-  const ink = dark.map((value, i) =>
-    (within[i] > 0.5 ? 0 : Math.max(0, Math.min(1, (paper[i] - value) / Math.max(paper[i], 0.25 * level)))));
+  const [wide, high] = [width, height].map((side) => Math.max(1, rint(side * scale)));
+  const small = scale < 1 ? resized(dark, width, height, wide, high) : dark;
+  const radius = Math.max(rint((WINDOW * Math.max(wide, high)) / 2), 2);
+  const smooth = filtered(small, wide, high, [0.25, 0.5, 0.25]);
+  const lightest = extreme(extreme(smooth, wide, high, radius, 1), wide, high, radius, -1);
+  const level = sheetLevel(lightest);
+  const { painted, paper, step } = paintedAreas(small, lightest, wide, high, level);
+  const beside = scale < 1 ? resized(paper, wide, high, width, height) : paper;
+  let ink = dark.map((value, i) => (beside[i] - value) / Math.max(beside[i], 0.25 * level));
+  const most = quantile(ink);
+  ink = withoutGrain(ink.map((value) => Math.max(0, Math.min(1, value - most))));
+  if (!painted.includes(1)) return ink;
+  const around = surroundings(painted, wide, high);
+  const within = extreme(where(painted, (value, i) => value > 0 && !around[i]), wide, high, 2, -1);
+  const rim = where(painted, (value, i) => value > 0 && !around[i] && !within[i] && step[i] > 0);
+  const line = scale < 1 ? resized(rim, wide, high, width, height, 1, true) : rim;
+  ink = ink.map((value, i) => Math.max(value, Math.max(0, Math.min(1, line[i]))));
+  if (!around.includes(1)) return ink;
+  const desk = extreme(around, wide, high, Math.max(rint((WINDOW * Math.max(wide, high)) / 4), 1), 1);
+  const cut = scale < 1 ? resized(desk, wide, high, width, height, 1, true) : desk;
+  return ink.map((value, i) => (cut[i] > 0.5 ? 0 : value));
+}
+
+/** Returns ink with the paper's grain at 0 and the lines brought to 1. @param {Float32Array} ink */
+function withoutGrain(ink) {
   const pale = ink.filter((value) => value < 0.3);
   const usual = quantile(pale);
   const grain = pale.length ? 1.4826 * quantile(pale.map((value) => Math.abs(value - usual))) : 0;
@@ -165,7 +177,7 @@ function cut(ink, width, height, frame) {
   const small = shrunk(ink, width, height, frame);
   const lines = small.filter((value) => value > 0.1);
   if (!lines.length) return small;
-  const dark = Math.max(quantile(lines), 0.1);
+  const dark = Math.max(median(lines), 0.1);
   return small.map((value) => Math.min(value / dark, 1));
 }
 
@@ -174,7 +186,7 @@ export function lineWidth(inked, width, height, depth = distance(inked, width, h
   const highest = extreme(depth, width, height, 1, 1);
   const widths = [];
   for (let i = 0; i < inked.length; i++) if (inked[i] && depth[i] >= highest[i] - 1e-4) widths.push(2 * depth[i] - 1);
-  return widths.length ? quantile(widths) : 0;
+  return widths.length ? median(widths) : 0;
 }
 
 /**

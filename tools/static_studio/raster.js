@@ -4,8 +4,14 @@
 /** @typedef {[number, number, number, number]} Box left, top, right, bottom */
 
 const FAR = 1e6;
-/** Lengths of steps to the side, across a corner, and of a knight (Borgefors 1986). */
-const FIVE = /** @type {[number, number, number]} */ ([1, 1.4, 2.1969]);
+/** Lengths of steps to the side, across a corner, and of a knight (Borgefors 1986), to the 65536th to which OpenCV has them. */
+const FIVE = /** @type {[number, number, number]} */ ([1, 1.4, 2.1969].map((length) => Math.round(length * 65536) / 65536));
+
+/** Rounds halves to even, as NumPy does. @param {number} value */
+export function rint(value) {
+  const rounded = Math.round(value);
+  return Math.abs(value % 1) === 0.5 && rounded % 2 ? rounded - 1 : rounded;
+}
 
 /**
  * Returns how far each pixel is from the nearest one that is 0, by chamfers, of 5 × 5 unless other lengths are given.
@@ -41,7 +47,7 @@ function nearer(away, at, stride, way, [side, corner, knight]) {
   return Math.min(beside, across, jump);
 }
 
-/** Returns where a condition holds, 1 and 0. @param {Plane} values @param {(value: number, at: number) => boolean} holds */
+/** Returns where a condition holds, 1 and 0. @param {Plane | Int32Array} values @param {(value: number, at: number) => boolean} holds */
 export function where(values, holds) {
   const out = new Uint8Array(values.length);
   for (let i = 0; i < out.length; i++) out[i] = holds(values[i], i) ? 1 : 0;
@@ -160,9 +166,18 @@ export function extreme(values, width, height, radius, way) {
 
 /** Returns a picture blurred by a Gaussian. @param {Plane} values @param {number} width @param {number} height @param {number} sigma */
 export function blurred(values, width, height, sigma) {
-  const radius = Math.max(1, Math.round(4 * sigma));
-  const kernel = Float32Array.from({ length: 2 * radius + 1 }, (_, i) => Math.exp(-((i - radius) ** 2) / (2 * sigma * sigma)));
+  const radius = rint(8 * sigma + 1) >> 1;
+  const kernel = Array.from({ length: 2 * radius + 1 }, (_, i) => Math.exp(-((i - radius) ** 2) / (2 * sigma * sigma)));
   const total = kernel.reduce((sum, value) => sum + value, 0);
+  return filtered(values, width, height, kernel.map((value) => value / total));
+}
+
+/**
+ * Returns a picture convolved along its rows and its columns; beyond its edge it is mirrored.
+ * @param {Plane} values @param {number} width @param {number} height @param {number[]} kernel an odd number of weights
+ */
+export function filtered(values, width, height, kernel) {
+  const radius = kernel.length >> 1;
   const from = new Float32Array(values);
   const line = new Float32Array(Math.max(width, height) + 2 * radius);
   for (const [count, length, step, stride] of [[height, width, 1, width], [width, height, width, 1]]) {
@@ -175,7 +190,7 @@ export function blurred(values, width, height, sigma) {
       for (let k = 0, at = i * stride; k < length; k++, at += step) {
         let sum = 0;
         for (let j = 0; j < kernel.length; j++) sum += kernel[j] * line[k + j];
-        from[at] = sum / total;
+        from[at] = sum;
       }
     }
   }
@@ -184,10 +199,11 @@ export function blurred(values, width, height, sigma) {
 
 /**
  * Returns what each of `to` places along a line is made of, of `from`: first place and weights.
- * @param {number} from @param {number} to @returns {[number, number[]][]}
+ * @param {number} from @param {number} to @param {boolean} cubic @returns {[number, number[]][]}
  */
-function mixture(from, to) {
+function mixture(from, to, cubic) {
   const scale = from / to;
+  if (cubic && scale < 1) return curve(from, to);
   return Array.from({ length: to }, (_, i) => {
     if (scale > 1) { // the mean over an area
       const [start, end] = [i * scale, Math.min((i + 1) * scale, from)];
@@ -204,13 +220,33 @@ function mixture(from, to) {
 }
 
 /**
+ * Returns what `mixture` returns where four places count (Keys 1981), with the slope of OpenCV's.
+ * @param {number} from @param {number} to @returns {[number, number[]][]}
+ */
+function curve(from, to) {
+  const count = Math.min(4, from);
+  return Array.from({ length: to }, (_, i) => {
+    const at = ((i + 0.5) * from) / to - 0.5;
+    const before = Math.floor(at) - 1;
+    const first = Math.min(Math.max(before, 0), from - count);
+    const weights = Array.from({ length: count }, () => 0);
+    for (let k = 0; k < 4; k++) {
+      const away = Math.abs(at - before - k);
+      const weight = away < 1 ? (1.25 * away - 2.25) * away * away + 1 : ((-0.75 * away + 3.75) * away - 6) * away + 3;
+      weights[Math.min(Math.max(before + k, 0), from - 1) - first] += weight; // beyond the edge it goes on as it is
+    }
+    return [first, weights];
+  });
+}
+
+/**
  * Returns a picture of another size: averaged over areas, or interpolated.
  * @param {Plane} values @param {number} width @param {number} height
- * @param {number} wide @param {number} high @param {number} [channels]
+ * @param {number} wide @param {number} high @param {number} [channels] @param {boolean} [cubic] whether by cubic curves, not lines
  */
-export function resized(values, width, height, wide, high, channels = 1) {
-  const across = mixture(width, wide);
-  const down = mixture(height, high);
+export function resized(values, width, height, wide, high, channels = 1, cubic = false) {
+  const across = mixture(width, wide, cubic);
+  const down = mixture(height, high, cubic);
   const rows = new Float32Array(wide * height * channels);
   for (let y = 0; y < height; y++) {
     for (let x = 0; x < wide; x++) {
@@ -257,6 +293,13 @@ export function quantile(values, share = 0.5) {
   return high;
 }
 
+/** Returns the middle one of values, or the mean of the two in the middle. @param {number[] | Float32Array} values one at least */
+export function median(values) {
+  const sorted = new Float32Array(values).sort();
+  const middle = sorted.length >> 1;
+  return sorted.length % 2 ? sorted[middle] : Math.fround((sorted[middle - 1] + sorted[middle]) / 2);
+}
+
 /** Returns the box of what is marked, or null if nothing is. @param {Plane} values @param {number} width @param {number} height @param {number} [above] @returns {Box | null} */
 export function boxOf(values, width, height, above = 0) {
   let [left, top, right, bottom] = [width, height, 0, 0];
@@ -286,7 +329,7 @@ export function part(values, width, height, [left, top, right, bottom], channels
 /** Steps (right, down) to the neighbours of a pixel, clockwise from above. */
 const AROUND = [[0, -1], [1, -1], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1]];
 
-/** Returns lines one pixel wide (Zhang and Suen 1984). @param {Uint8Array} inked @param {number} width @param {number} height */
+/** Returns lines one pixel wide (Zhang and Suen 1984, with the corners of scikit-image). @param {Uint8Array} inked @param {number} width @param {number} height */
 export function thinned(inked, width, height) {
   const stride = width + 2;
   const grid = new Uint8Array(stride * (height + 2));
@@ -320,8 +363,17 @@ export function thinned(inked, width, height) {
   return out;
 }
 
+/**
+ * Neighbourhoods, as bits, of which scikit-image thinks otherwise than the paper: a pixel on a corner goes, and of a line two
+ * pixels wide one side stays. Those that stay, go in the first half of a round, in the second, in both.
+ */
+const OTHERWISE = new Map([[24, 192], [3, 6, 7, 67, 97, 99, 129, 133, 193, 208], [12, 13, 28, 48, 52, 54, 88, 96, 112], [5, 20, 65, 80]]
+  .flatMap((codes, halves) => codes.map((code) => /** @type {[number, number]} */ ([code, halves]))));
+
 /** Whether a pixel goes in either half of a round, by the bits of its neighbours. */
 const GOES = [0, 1].map((half) => Uint8Array.from({ length: 256 }, (_, code) => {
+  const other = OTHERWISE.get(code);
+  if (other !== undefined) return (other >> half) & 1;
   const near = AROUND.map((_step, k) => (code >> k) & 1);
   const sum = near.reduce((total, value) => total + value, 0);
   const begun = near.filter((value, k) => value < near[(k + 1) % 8]).length;

@@ -1,5 +1,6 @@
 """The tables of a benchmark, as Markdown: mean ± spread over the seeds."""
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from math import isnan
 from statistics import mean, stdev
@@ -96,6 +97,9 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
         lines.append(f"{span[0].upper()}{span[1:]}.")
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
+    if plan.test_data:
+        told = ", ".join(f"{name}={json.dumps(value)}" for name, value in plan.test_data.items())
+        lines.append(f"The test split is drawn otherwise than the training split: {told}.")
     lines += [
         f"Seeds: {_seeds(results)}. Test split, pixels on the object; hinted pixels do not count. What takes "
         "no hints is given none."

@@ -181,17 +181,25 @@ class _Batch:
         """Paint what is saved, as it is saved, until Ctrl-C.
 
         Raises:
-            RunError: if a folder or a file that was named is gone.
+            RunError: if a folder that was named is gone.
         """
-        named_places = [Path(word) for word in self._settings.sketches if Path(word).exists()]
+        folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
         watcher = Watcher(job.files.drawing for job in painted)
         print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)
+        told = ""
         while True:
             time.sleep(LOOK)
-            for place in named_places:
-                if not place.exists() and not place.suffix:
+            for place in folders:
+                if not place.exists():
                     raise RunError(f"the folder {place} that is watched is gone.")
-            jobs = {job.files.drawing: job for job in find()}
+            wrong = ""
+            try:
+                jobs = {job.files.drawing: job for job in find()}
+            except InputError as error:  # such as two drawings of one name: one of them will be renamed
+                jobs, wrong = {}, f"normalgan: {one_line(str(error))}"
+            if wrong and wrong != told:
+                print(wrong, file=sys.stderr, flush=True)
+            told = wrong
             saved = watcher.saved(jobs)
             if saved:
                 self.paint(painter, [jobs[each] for each in saved])
@@ -225,6 +233,7 @@ def _jobs(settings: Namespace, outputs: Outputs, content: bytes | None) -> tuple
         content,
         settings.recursive,
         folder,
+        may_be_empty=settings.watch,
     )
     if is_file_name(folder):
         return [plan_file(files, folder, list(outputs.others()))] if files else [], wrong

@@ -17,6 +17,7 @@ def search(
     companions: Sequence[str] = (),
     recursive: bool = False,
     leave_out: Path | None = None,
+    may_be_empty: bool = False,
 ) -> tuple[dict[Path, Path], list[InputError]]:
     """Return the drawings that are named, in order, and what is wrong with the words that name none.
 
@@ -29,6 +30,7 @@ def search(
         companions: what lies beside a drawing and is named its stem with one of these is no drawing.
         recursive: search folders to the bottom; what begins with a dot is passed over.
         leave_out: a folder that is not searched: the output, if it lies in one that is.
+        may_be_empty: whether a folder without a drawing is no error, as the next drawing may go there.
     """
     found: dict[Path, Path] = {}
     errors = []
@@ -44,7 +46,7 @@ def search(
         else:
             matches = [Path(match) for match in sorted(glob(word, recursive=True)) if Path(match).is_file()]
             here = dict.fromkeys(without_companions(matches, companions), Path())
-        if not here:
+        if not here and not (may_be_empty and place.is_dir()):
             errors.append(
                 InputError(
                     f"no sketch found at {word!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."

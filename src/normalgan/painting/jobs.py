@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Literal
 
-from normalgan.drawings import find_companion, find_drawings
+from normalgan.drawings import SUFFIXES, find_companion, find_drawings
 from normalgan.errors import InputError, unwritable
 from normalgan.painting.folders import search
 from normalgan.painting.hint_files import ENDINGS as HINT_ENDINGS
@@ -36,6 +36,11 @@ FILES: dict[str, Literal["png", "exr", "tiff"]] = {
     **{".exr": "exr", ".tif": "tiff", ".tiff": "tiff"},
 }
 """What a map's file may end in, and the format of a map in it; GIF and WebP hold animations."""
+NO_MAPS = {
+    *(each for each in SUFFIXES if each not in FILES),
+    *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
+}
+"""What no folder's name ends in: who names such an output wants a file that is not written."""
 OUTLINE, MODEL = "outline", "model"
 """What a mask may be in place of a file."""
 COMPANIONS = (
@@ -128,6 +133,7 @@ def find_many(
     content: bytes | None,
     recursive: bool,
     folder: Path,
+    may_be_empty: bool = False,
 ) -> tuple[list[DrawingFiles], list[InputError]]:
     """Return the drawings that are named, and what is wrong with the words that name none.
 
@@ -139,6 +145,7 @@ def find_many(
         content: what standard input holds.
         recursive: search folders to the bottom.
         folder: where the maps go; it is not searched.
+        may_be_empty: whether a folder without a drawing is nothing wrong.
 
     Raises:
         InputError: if a file of hints or of the mask is missing.
@@ -146,7 +153,7 @@ def find_many(
     suffix = Path(ending).stem
     companions = (*COMPANIONS, *([suffix] if suffix else []))
     named = [each for each in sketches if each != STDIN]
-    found, wrong = search(named, companions, recursive, folder)
+    found, wrong = search(named, companions, recursive, folder, may_be_empty)
     read = [DrawingFiles(drawing, below=below) for drawing, below in found.items()]
     if STDIN in sketches:
         read.append(DrawingFiles(Path("stdin"), content))
@@ -182,8 +189,19 @@ def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Seque
 
 
 def is_file_name(output: Path) -> bool:
-    """Return whether an output is the name of a map's file, and no folder."""
-    return output.suffix.lower() in FILES and not output.is_dir()
+    """Return whether an output is the name of a map's file, and no folder.
+
+    Raises:
+        InputError: if it is the name of a file of a kind that is not written.
+    """
+    if output.is_dir():
+        return False
+    if output.suffix.lower() in NO_MAPS:
+        raise InputError(
+            f"{output} is no name of a map, which ends in .png, .exr, .tif or .tiff, or if it moves in .gif, "
+            ".webp or .apng; name such a file, or a folder (-o)."
+        )
+    return output.suffix.lower() in FILES
 
 
 def format_of(target: Path, asked: str) -> Literal["png", "exr", "tiff"]:
