@@ -1,7 +1,8 @@
 """Times each step from a drawing to its map, in processor time on one thread: the machine may be busy.
 
-painting_steps.py [MODEL] [--sides 256 512 1024] [--rounds 15]: the model that comes with the package, or
-one by `normalgan export`. The drawings are those of ``examples/sketches``, brought to each size beforehand.
+painting_steps.py [MODEL] [--sides 256 512 1024] [--rounds 15] [--pen 0]: the model that comes with the
+package, or one by `normalgan export`. The drawings are those of ``examples/sketches``, brought to each size
+beforehand; `--pen 6` draws one ellipse within another in place of them, by a pen of 6 pixels at each size.
 Prints JSON: the median of the milliseconds of each step.
 """
 
@@ -17,6 +18,7 @@ from typing import Any
 from unittest.mock import patch
 
 import cv2
+import numpy as np
 from machine import describe
 
 from normalgan.painting import pipeline, preparation
@@ -76,19 +78,32 @@ def once(drawing: Picture, backend: OnnxBackend) -> dict[str, float]:
     return {**taken, "total": total}
 
 
+def ellipses(side: int, width: int) -> Picture:
+    """Return an ellipse within another as a pen of so many pixels draws them."""
+    paper = np.full((side, side, 3), 255, np.uint8)
+    for share in (0.2, 0.33):
+        radii = round(share * side), round(1.15 * share * side)
+        cv2.ellipse(paper, (side // 2, side // 2), radii, 0, 0, 360, (0, 0, 0), width, cv2.LINE_AA)
+    return Picture((paper / np.float32(255)).astype(np.float32), None)
+
+
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("model", nargs="?")
     parser.add_argument("--sides", type=int, nargs="+", default=[256, 512, 1024])
     parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--pen", type=int, default=0)
     given = parser.parse_args()
     cv2.setNumThreads(1)
     backend = OnnxBackend(find_model(given.model), threads=1)
     drawings = [read_picture(path) for path in sorted(SKETCHES.glob("*.png"))]
     figures: dict[str, Any] = {}
     for side in given.sides:
-        sized = [each.resized(fitted(each.size, side)) for each in drawings]
+        if given.pen:
+            sized = [ellipses(side, given.pen)]
+        else:
+            sized = [each.resized(fitted(each.size, side)) for each in drawings]
         for each in sized:
             once(each, backend)
         taken = [once(each, backend) for _ in range(given.rounds) for each in sized]

@@ -15,20 +15,28 @@ pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to s
 
 @pytest.fixture
 def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
-    """An empty drawing, and what of it was sent: longer side of the map, base and bytes of each request."""
+    """An empty drawing, and what of it was sent: longer side of the map, base and bytes of each request.
+
+    While ``holding``, answers to drafts wait in ``held``.
+    """
     with open_studio(opened, server.url) as page:
         page.page.evaluate(
             """() => {
               window.sent = [];
+              window.held = [];
+              window.holding = false;
               const ask = window.fetch;
-              window.fetch = (path, options) => {
+              window.fetch = async (path, options) => {
                 if (path === "/api/paint") {
                   const length = new DataView(options.body.buffer).getUint32(0, true);
                   const fields = JSON.parse(new TextDecoder().decode(options.body.subarray(4, 4 + length)));
                   const bytes = options.body.length - 4 - length;
                   const [{ base }] = fields.layers;
-                  sent.push({ longest: fields.longest, base, number: fields.number, bytes,
-                    aborted: () => options.signal.aborted });
+                  const { longest, draft, number } = fields;
+                  sent.push({ longest, draft, base, number, bytes, aborted: () => options.signal.aborted });
+                  const answer = await ask(path, options);
+                  if (holding && draft) await new Promise((resolve) => held.push(resolve));
+                  return answer;
                 }
                 return ask(path, options);
               };
@@ -68,6 +76,50 @@ def test_no_request_is_broken_off_and_only_what_changed_is_sent(studio: Studio) 
     assert not any(each["aborted"] for each in requests)
     assert all(each["base"] is not None and each["bytes"] < SIDE * SIDE / 4 for each in requests)
     assert page.evaluate("() => document.getElementById('result').dataset.painted") >= "2"
+
+
+@pytest.mark.parametrize(("side", "coarse"), [(512, 256), (256, None)])
+def test_the_end_of_a_stroke_waits_for_no_draft(studio: Studio, side: int, coarse: int | None) -> None:
+    page = studio.page
+    page.evaluate("() => { performance.now = () => 0; }")  # else it is not given up where the machine is slow
+    studio.new(side, side)
+    with studio.repainting():
+        studio.circle()
+    page.evaluate("() => { sent.length = 0; holding = true; }")
+    page.mouse.move(*studio.on_board(100, 100))
+    page.mouse.down()
+    page.mouse.move(*studio.on_board(140, 130))
+    page.wait_for_function("() => held.length === 1")
+    with studio.repainting():
+        page.mouse.up()
+    before = page.locator("#result").get_attribute("data-painted")
+    asked = page.evaluate("sent.map(({ draft, longest }) => [draft, longest])")
+    assert asked == [[True, coarse], [False, None]]
+    # The draft's answer comes late, and is not shown.
+    page.evaluate("() => { held[0](); }")
+    page.wait_for_timeout(100)
+    assert page.locator("#result").get_attribute("data-painted") == before
+    assert page.evaluate("sent.length") == 2
+
+
+def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(studio: Studio) -> None:
+    page = studio.page
+    page.evaluate("() => { window.time = 0; performance.now = () => time; }")
+    studio.new(512, 512)
+    with studio.repainting():
+        studio.circle()
+    page.evaluate("() => { sent.length = 0; holding = true; }")
+    page.mouse.move(*studio.on_board(100, 100))
+    page.mouse.down()
+    page.mouse.move(*studio.on_board(140, 130))
+    page.wait_for_function("() => held.length === 1")
+    page.evaluate("() => { time = 301; holding = false; }")
+    page.mouse.up()
+    page.wait_for_timeout(50)
+    assert page.evaluate("sent.length") == 1
+    with studio.repainting():
+        page.evaluate("() => { held[0](); }")
+    assert page.evaluate("sent.map(({ draft }) => draft)") == [True, False]
 
 
 def test_the_map_goes_when_all_is_erased(studio: Studio) -> None:

@@ -5,7 +5,7 @@ from threading import Event
 import pytest
 
 from normalgan.studio.refusals import TooManyError
-from normalgan.studio.request_queue import RequestQueue
+from normalgan.studio.request_queue import GivenUpError, RequestQueue, Stop
 
 
 async def never() -> None:
@@ -26,6 +26,20 @@ class Work:
         return self.result
 
 
+class Draft(Work):
+    """Work that asks between its two steps whether it is to end."""
+
+    def __init__(self, result: str) -> None:
+        super().__init__(result)
+        self.stop, self.second = Stop(), Event()
+
+    def __call__(self) -> str:
+        super().__call__()
+        self.stop.check()
+        self.second.set()
+        return self.result
+
+
 async def until(event: Event) -> None:
     while not event.is_set():
         await asyncio.sleep(0.001)
@@ -38,7 +52,8 @@ def ask(
     work: Callable[[], str],
     gone: Callable[[], Awaitable[None]] = never,
 ) -> "asyncio.Task[str | None]":
-    return asyncio.ensure_future(queue.do(tab, number, work, gone))
+    stop = work.stop if isinstance(work, Draft) else None
+    return asyncio.ensure_future(queue.do(tab, number, work, gone, stop))
 
 
 def test_the_newest_of_a_tab_wins() -> None:
@@ -151,3 +166,66 @@ def test_what_waits_is_let_go_when_it_closes() -> None:
         assert not waiting.begun.is_set()
 
     asyncio.run(play())
+
+
+def test_a_draft_is_given_up_for_what_is_none() -> None:
+    async def play() -> None:
+        queue = RequestQueue()
+        draft = Draft("draft")
+        first = ask(queue, "a", 1, draft)
+        await until(draft.begun)
+        second = ask(queue, "a", 2, lambda: "whole")
+        assert await first is None  # at once, while its first step is still being done
+        draft.finish.set()
+        assert await second == "whole"
+        assert not draft.second.is_set()
+
+    asyncio.run(play())
+
+
+def test_a_draft_is_finished_for_drafts_and_for_other_tabs_and_what_is_none_is_always() -> None:
+    async def play() -> None:
+        queue = RequestQueue()
+        draft, newer, whole, last = Draft("draft"), Draft("newer"), Work("whole"), Work("last")
+        tasks = [ask(queue, "a", 1, draft)]
+        await until(draft.begun)
+        tasks += [ask(queue, "b", 1, whole), ask(queue, "a", 2, newer)]
+        await asyncio.sleep(0)
+        draft.finish.set()
+        await until(whole.begun)
+        assert draft.second.is_set()
+        tasks.append(ask(queue, "b", 2, last))
+        await asyncio.sleep(0)
+        for work in (whole, newer, last):
+            work.finish.set()
+        # A running one that something newer overtook is not answered, but done: its map is remembered.
+        assert await asyncio.gather(*tasks) == [None, None, "newer", "last"]
+
+    asyncio.run(play())
+
+
+def test_a_draft_is_given_up_for_who_has_gone() -> None:
+    async def play() -> None:
+        queue = RequestQueue()
+        draft, leave = Draft("draft"), asyncio.Event()
+
+        async def gone() -> None:
+            await leave.wait()
+
+        first = ask(queue, "a", 1, draft, gone)
+        await until(draft.begun)
+        leave.set()
+        assert await first is None
+        draft.finish.set()
+        assert await queue.do("b", 1, lambda: "next", never) == "next"
+        assert not draft.second.is_set()
+
+    asyncio.run(play())
+
+
+def test_work_ends_where_it_asks() -> None:
+    stop = Stop()
+    stop.check()
+    stop.ask()
+    with pytest.raises(GivenUpError):
+        stop.check()

@@ -196,6 +196,20 @@ def test_where_there_is_nothing_it_says_so_in_json(client: TestClient) -> None:
         assert answer.json()["error"].endswith(".")
 
 
+@pytest.mark.parametrize(
+    ("fields", "sentence"),
+    [
+        ({"draft": "yes"}, 'draft is "yes"; it is to be one of false, true.'),
+        ({"longest": 15}, "longest is 15; it is to be a whole number from 16 to 2048."),
+    ],
+)
+def test_what_only_maps_are_asked_with_is_checked(
+    client: TestClient, fields: dict[str, Any], sentence: str
+) -> None:
+    answer = client.post("/api/paint", json=asking(**fields))
+    assert (answer.status_code, answer.json()) == (400, {"error": sentence})
+
+
 def test_a_failure_of_ours_is_one_sentence_too(
     client: TestClient, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

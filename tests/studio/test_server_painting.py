@@ -1,6 +1,8 @@
 import base64
 import io
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Event
 from typing import Any
 from urllib.parse import unquote
 
@@ -14,6 +16,8 @@ from studio_client import CENTRE, HEIGHT, RADIUS, WIDTH, Pixels, asking, away, b
 from normalgan.__main__ import main
 from normalgan.normals import decode
 from normalgan.painting.height import integrate
+from normalgan.painting.onnx_backend import OnnxBackend
+from normalgan.painting.upsampling import Coarse, enlarge
 from onnx_models import write_model
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'
@@ -123,6 +127,35 @@ def test_the_object_stays_as_it_was_while_the_outline_is_open(model: Path, tmp_p
         apart[20:22, 20:140] = 0
         anew = client.post("/api/paint", json=asking(3, picture=b64(png(apart))))
         assert "stays as it was" not in unquote(anew.headers["x-warning"])  # its lines are gone
+
+
+def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go, enlarged = Event(), Event(), []
+
+    def held(self: OnnxBackend, *given: Any) -> Any:
+        begun.set()
+        assert go.wait(10)
+        return network(self, *given)
+
+    def counted(coarse: Coarse, *given: Any) -> Any:
+        enlarged.append(coarse)
+        return enlarge(coarse, *given)
+
+    network = OnnxBackend.paint
+    monkeypatch.setattr("normalgan.painting.onnx_backend.upsampler", lambda **_: counted)
+    with serving(model, tmp_path) as client, ThreadPoolExecutor(2) as pool:
+        monkeypatch.setattr(OnnxBackend, "paint", held)
+        draft = pool.submit(client.post, "/api/paint", json=asking(1, draft=True, longest=64))
+        assert begun.wait(10)
+        whole = pool.submit(client.post, "/api/paint", json=asking(2))
+        assert (draft.result(10).status_code, draft.result().content) == (204, b"")
+        go.set()
+        assert whole.result(10).status_code == 200
+        assert len(enlarged) == 1
+        # A draft that nothing overtakes is a map as any other.
+        assert painted(client, number=3, draft=True).tobytes() == whole.result().content
 
 
 def test_a_warning_can_be_read_from_its_header(model: Path, tmp_path: Path) -> None:

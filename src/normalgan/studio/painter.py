@@ -10,11 +10,13 @@ from typing import TypeVar
 import cv2
 import numpy as np
 
+from normalgan.normals import Floats
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.onnx_backend import OnnxBackend
 from normalgan.painting.picture import resize
 from normalgan.painting.pipeline import CLOSED, paint
 from normalgan.painting.preparation import Mark, Prepared, hinted, prepare
+from normalgan.painting.upsampling import Coarse
 from normalgan.studio.drawing import Drawing
 
 __all__ = ["Painter"]
@@ -73,12 +75,13 @@ class Painter:
         self._closed: OrderedDict[str, _Closed] = OrderedDict()
         self._count = 0
 
-    def paint(self, drawing: Drawing, longest: int | None = None) -> NormalMap:
+    def paint(self, drawing: Drawing, longest: int | None, check: Callable[[], None]) -> NormalMap:
         """Return the normal map of a drawing; it may be called by several threads.
 
         Args:
             drawing: the drawing.
             longest: longer side of the map in pixels; None is the drawing's own.
+            check: called between the steps; what it raises ends the painting.
 
         Raises:
             InputError: if the drawing cannot be used.
@@ -86,8 +89,15 @@ class Painter:
         key = drawing.digest(), longest, self._version(drawing.tab)
         painted = self._recalled(self._painted, key)
         if painted is None:
+
+            def upsample(coarse: Coarse, prepared: Prepared, mask: Mark) -> Floats:
+                check()
+                return self.model.upsample(coarse, prepared, mask)
+
+            check()
             prepared, shape = self._prepare(drawing, longest)
-            painted = paint(self.model, hinted(prepared, drawing.read_hints(shape), shape))
+            check()
+            painted = paint(self.model, hinted(prepared, drawing.read_hints(shape), shape), upsample)
             painted = replace(painted, extended=drawing.edit(painted.extended, painted.mask, shape))
             key = *key[:2], self._version(drawing.tab)
             self._remember(self._painted, key, painted, _size_of_map)

@@ -19,12 +19,12 @@ from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.bodies import check_type, gone, read_body
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.exports import take_wish
-from normalgan.studio.fields import Fields, parse_fields, take_integer, take_text
+from normalgan.studio.fields import Fields, parse_fields, take_choice, take_integer, take_text
 from normalgan.studio.layers import Layer, paint_layers, take_layers
 from normalgan.studio.painter import Painter
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.refusals import RefusedError
-from normalgan.studio.request_queue import RequestQueue
+from normalgan.studio.request_queue import RequestQueue, Stop
 
 __all__ = ["PaintingRoutes"]
 
@@ -69,9 +69,10 @@ class PaintingRoutes:
         longest = None
         if fields.get("longest") is not None:
             longest = take_integer(fields, "longest", LEAST_SIDE, MOST_SIDE)
-        work = partial(self._map, layers, longest)
+        stop = Stop() if take_choice(fields, "draft", (False, True), False) else None
+        work = partial(self._map, layers, longest, stop)
         try:
-            map_ = await self._ordered(self._quick, request, fields, work)
+            map_ = await self._ordered(self._quick, request, fields, work, stop=stop)
         except InputError as error:
             if not _is_raw(request) or isinstance(error, RunError | RefusedError):
                 raise
@@ -124,17 +125,29 @@ class PaintingRoutes:
         return fields, take_layers(fields, self._kept, pixels)
 
     async def _ordered(
-        self, queue: RequestQueue, request: Request, fields: Fields, work: Callable[[], T], apart: str = ""
+        self,
+        queue: RequestQueue,
+        request: Request,
+        fields: Fields,
+        work: Callable[[], T],
+        apart: str = "",
+        stop: Stop | None = None,
     ) -> T | None:
         """Return what the work gives, in its turn; None if it is not wanted any more."""
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
-        return await queue.do(tab, take_integer(fields, "number", 0, _LARGEST), work, partial(gone, request))
+        number = take_integer(fields, "number", 0, _LARGEST)
+        return await queue.do(tab, number, work, partial(gone, request), stop)
 
-    def _paint(self, layers: Sequence[Layer], longest: int | None = None) -> NormalMap:
-        return paint_layers(layers, partial(self._painter.paint, longest=longest))
+    def _paint(
+        self, layers: Sequence[Layer], longest: int | None = None, stop: Stop | None = None
+    ) -> NormalMap:
+        check = (stop or Stop()).check
+        return paint_layers(layers, partial(self._painter.paint, longest=longest, check=check))
 
-    def _map(self, layers: Sequence[Layer], longest: int | None) -> tuple[bytes, NormalMap]:
-        painted = self._paint(layers, longest)
+    def _map(
+        self, layers: Sequence[Layer], longest: int | None, stop: Stop | None
+    ) -> tuple[bytes, NormalMap]:
+        painted = self._paint(layers, longest, stop)
         return pixels_of(painted.extended, alpha=painted.mask.astype(np.float32)).tobytes(), painted
 
     def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:

@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from normalgan.studio.refusals import TooManyError
 
-__all__ = ["RequestQueue"]
+__all__ = ["GivenUpError", "RequestQueue", "Stop"]
 
 T = TypeVar("T")
 
@@ -17,16 +17,40 @@ _TABS = 256
 """Tabs whose newest number is remembered."""
 
 
+class GivenUpError(Exception):
+    """Ends work that nobody wants any more; nobody is told of it."""
+
+
+class Stop:
+    """Whether a draft is to be given up; the work asks between its steps."""
+
+    def __init__(self) -> None:
+        self._asked = False
+
+    def ask(self) -> None:
+        """Have the work end at its next step."""
+        self._asked = True
+
+    def check(self) -> None:
+        """Raise `GivenUpError` if the work is to end."""
+        if self._asked:
+            raise GivenUpError
+
+
 @dataclass(eq=False)
 class _Entry(Generic[T]):
+    tab: str
     work: Callable[[], T]
+    stop: Stop | None
     done: "asyncio.Future[T | None]"
 
 
 class RequestQueue:
     """Does one thing at a time, in the order in which tabs have come.
 
-    A tab that asks again before its turn keeps its place, and what it asked for before is never begun.
+    A tab that asks again before its turn keeps its place, and what it asked for before is never begun. What
+    has been begun is finished, or a tab that asks all the time would never get anything; but a draft is
+    given up for what is none.
 
     Args:
         most: tabs that may wait.
@@ -37,10 +61,15 @@ class RequestQueue:
         self._thread = ThreadPoolExecutor(1, "queue")
         self._newest: OrderedDict[str, int] = OrderedDict()
         self._waiting: OrderedDict[str, _Entry[object]] = OrderedDict()
-        self._busy = False
+        self._running: _Entry[object] | None = None
 
     async def do(
-        self, tab: str, number: int, work: Callable[[], T], gone: Callable[[], Awaitable[None]]
+        self,
+        tab: str,
+        number: int,
+        work: Callable[[], T],
+        gone: Callable[[], Awaitable[None]],
+        stop: Stop | None = None,
     ) -> T | None:
         """Return what the work gives, or None if the tab has asked for something newer or has gone.
 
@@ -49,6 +78,8 @@ class RequestQueue:
             number: of the request; a tab's larger number is newer.
             work: what is done in the thread.
             gone: returns when nobody waits for the answer any more.
+            stop: asked to end the work when the tab asks for what is no draft, or has gone; None if this is
+                no draft.
 
         Raises:
             TooManyError: if too many tabs wait.
@@ -59,10 +90,14 @@ class RequestQueue:
         if tab not in self._waiting and len(self._waiting) >= self._most:
             raise TooManyError("too many drawings wait to be painted; try again in a moment.")
         self._remember(tab, number)
-        entry: _Entry[T] = _Entry(work, asyncio.get_running_loop().create_future())
+        entry: _Entry[T] = _Entry(tab, work, stop, asyncio.get_running_loop().create_future())
         older, self._waiting[tab] = self._waiting.get(tab), entry  # type: ignore[assignment]
         if older is not None:
             _settle(older, None)
+        running = self._running
+        if stop is None and running is not None and running.tab == tab and running.stop is not None:
+            running.stop.ask()
+            _settle(running, None)
         self._next()
         leaving = asyncio.ensure_future(gone())
         try:
@@ -79,6 +114,8 @@ class RequestQueue:
         finally:
             leaving.cancel()
             entry.done.cancel()
+            if stop is not None:
+                stop.ask()
             if self._waiting.get(tab) is entry:
                 del self._waiting[tab]
 
@@ -96,15 +133,15 @@ class RequestQueue:
             self._newest.popitem(last=False)
 
     def _next(self) -> None:
-        if self._busy or not self._waiting:
+        if self._running is not None or not self._waiting:
             return
         _, entry = self._waiting.popitem(last=False)
-        self._busy = True
+        self._running = entry
         running = asyncio.get_running_loop().run_in_executor(self._thread, entry.work)
         running.add_done_callback(lambda ended: self._end(entry, ended))
 
     def _end(self, entry: _Entry[object], ended: "asyncio.Future[object]") -> None:
-        self._busy = False
+        self._running = None
         _settle(entry, ended)
         self._next()
 

@@ -22,6 +22,8 @@ const AHEAD = 64;
 const RETRY = 400;
 /** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
 const COARSE = { pen: 256, pin: 512 };
+/** Milliseconds after which a hand that draws is to have seen another map. */
+const GAP = 300;
 /** The server has another drawing than the one that a change was made to. */
 const BEHIND = 409;
 
@@ -46,6 +48,12 @@ export class Painter extends EventTarget {
     this.running = null;
     /** @type {AbortController | null} the heights that are asked for */
     this.climbing = null;
+    /** Whether what is being painted is a draft: a stroke that goes on, or coarser than the drawing. */
+    this.draft = false;
+    /** Since when there has been no new map although there was something to paint. */
+    this.since = 0;
+    /** Milliseconds that the last whole map took. */
+    this.took = 0;
     /** Whether something changed since the last request. */
     this.stale = false;
     /** @type {"pen" | "pin" | null} the gesture that goes on */
@@ -222,9 +230,13 @@ export class Painter extends EventTarget {
 
   /** @param {"pen" | "pin" | null} gesture */
   #touched(gesture) {
+    if (this.whole || !this.painted) this.since = performance.now();
     this.gesture = gesture;
     this.stale = true;
     this.whole = false;
+    // The server gives a draft up for what is none; that would leave a fast hand on a slow machine without maps.
+    const affordable = performance.now() - this.since + this.took < GAP;
+    if (!gesture && this.draft && affordable) this.running = null;
     if (!this.running) this.#run();
   }
 
@@ -238,17 +250,19 @@ export class Painter extends EventTarget {
     this.dispatchEvent(new Event("empty"));
   }
 
-  /** Paints until all that was drawn is on show: what is begun is finished, or a fast hand would never see a map. */
+  /**
+   * Paints until all that was drawn is on show: what is begun is finished, or a fast hand would never see a map; but at
+   * the end of a gesture its draft is not waited for.
+   */
   async #run() {
     const running = new AbortController();
     this.running = running;
     this.climbing?.abort();
-    while (this.stale && !running.signal.aborted) {
+    while (this.stale && this.running === running) {
       try {
-        await this.#paint(running.signal);
+        await this.#paint(running);
       } catch (error) {
-        if (running.signal.aborted) break;
-        this.#failed(error);
+        if (this.running === running) this.#failed(error);
       }
     }
     if (this.running !== running) return;
@@ -257,17 +271,19 @@ export class Painter extends EventTarget {
     this.#doubt();
   }
 
-  /** @param {AbortSignal} signal */
-  async #paint(signal) {
+  /** @param {AbortController} running what it belongs to */
+  async #paint(running) {
     const start = performance.now();
     const { doc } = this.editor;
     const coarse = this.gesture && COARSE[this.gesture];
     const longest = coarse && coarse < Math.max(doc.width, doc.height) ? coarse : null;
+    const draft = this.gesture === "pen" || longest !== null;
+    this.draft = draft;
     this.asked = doc;
     this.stale = false;
     this.dispatchEvent(new Event("painting"));
-    const painted = await this.ask((request) => paint(request, signal), { longest });
-    if (signal.aborted) return;
+    const painted = await this.ask((request) => paint(request, running.signal), { longest, draft });
+    if (this.running !== running) return;
     if (!painted) {
       this.stale = true; // another page of this tab's name has asked for something newer
       return;
@@ -277,7 +293,9 @@ export class Painter extends EventTarget {
     // A gesture that has ended since is refined, whether or not it changed more.
     if (longest && !this.gesture) this.stale = true;
     this.whole = !longest && !this.stale;
-    const ms = Math.round(performance.now() - start);
+    this.since = performance.now();
+    const ms = Math.round(this.since - start);
+    if (!draft) this.took = ms;
     this.dispatchEvent(new CustomEvent("painted", { detail: { ms, whole: this.whole } }));
   }
 

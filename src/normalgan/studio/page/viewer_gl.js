@@ -3,11 +3,9 @@
 import { CHECKER, fitted, inverted, placeOf } from "./viewer_fit.js";
 import { createProgram, createTexture, setLamps } from "./viewer_program.js";
 import { createRelief } from "./viewer_relief.js";
-import { FLAT_FRAGMENT, FLAT_VERTEX } from "./viewer_shaders.js";
+import { FLAT_FRAGMENTS, FLAT_VERTEX } from "./viewer_shaders.js";
 import { MATCAP_SIZE, matcapPixels } from "./viewer_shading.js";
 
-/** @type {Record<string, number>} */
-const VIEWS = { map: 0, lit: 1, matcap: 2, flat: 3 };
 const MAP_UNIT = 0;
 const BALL_UNIT = 1;
 
@@ -29,7 +27,9 @@ function premultiplied(rgba) {
  * @returns {import("./viewer.js").ScenePainter}
  */
 export function createGlPainter(canvas, gl) {
-  const flat = createProgram(gl, FLAT_VERTEX, FLAT_FRAGMENT);
+  /** @param {keyof typeof FLAT_FRAGMENTS} view */
+  const shown = (view) => createProgram(gl, FLAT_VERTEX, FLAT_FRAGMENTS[view]);
+  const flat = { map: shown("map"), lit: shown("lit"), matcap: shown("matcap"), flat: shown("flat") };
   const relief = createRelief(gl, MAP_UNIT);
   const nothing = gl.createVertexArray(); // the triangle comes from gl_VertexID
   const map = createTexture(gl, MAP_UNIT, gl.LINEAR_MIPMAP_LINEAR);
@@ -65,15 +65,16 @@ export function createGlPainter(canvas, gl) {
     const place = placeOf(scene, picture, canvas);
     if (scene.view === "matcap") makeBall(scene.light);
     gl.disable(gl.DEPTH_TEST);
-    gl.useProgram(flat.program);
-    gl.uniform1i(flat.at.map, MAP_UNIT);
-    gl.uniform1i(flat.at.ball, BALL_UNIT);
-    gl.uniform1i(flat.at.view, VIEWS[scene.view]);
-    gl.uniform3fv(flat.at.light, scene.light);
-    setLamps(gl, flat.at, scene);
-    gl.uniform3f(flat.at.checker, CHECKER.side * scene.ratio, Math.round(place[4]), Math.round(place[5]));
-    gl.uniformMatrix3fv(flat.at.way, false, inverted(place));
-    gl.uniform1f(flat.at.height, canvas.height);
+    const { program, at } = flat[scene.view];
+    gl.useProgram(program);
+    // What a view does not have, is null here, and ignored.
+    gl.uniform1i(at.map, MAP_UNIT);
+    gl.uniform1i(at.ball, BALL_UNIT);
+    gl.uniform3fv(at.light, scene.light);
+    setLamps(gl, at, scene);
+    gl.uniform3f(at.checker, CHECKER.side * scene.ratio, Math.round(place[4]), Math.round(place[5]));
+    gl.uniformMatrix3fv(at.way, false, inverted(place));
+    gl.uniform1f(at.height, canvas.height);
     gl.bindVertexArray(nothing);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
@@ -91,7 +92,7 @@ export function createGlPainter(canvas, gl) {
 
   function dispose() {
     relief.dispose();
-    gl.deleteProgram(flat.program);
+    for (const { program } of Object.values(flat)) gl.deleteProgram(program);
     gl.deleteVertexArray(nothing);
     gl.deleteTexture(map);
     gl.deleteTexture(ball);

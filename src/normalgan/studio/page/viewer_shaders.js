@@ -54,35 +54,32 @@ void main() {
   gl_Position = vec4(corner, 0.0, 1.0);
 }`;
 
-/** The map is premultiplied by its alpha, so that filtering mixes no background into the rim. */
-export const FLAT_FRAGMENT = `#version 300 es
+/** What a fragment of a flat view knows: the place in the map that it shows. */
+const FLAT_HEAD = `#version 300 es
 precision highp float;
 precision highp int;
 uniform sampler2D map;
-uniform sampler2D ball;
-uniform int view; // 0 map, 1 lit, 2 matcap, 3 flat
-uniform vec3 light;
-uniform vec3 checker; // side of a cell in pixels, then the map's upper left corner
 uniform mat3 way; // from pixels of the canvas, downwards, to shares of the map
 uniform float height; // of the canvas
-out vec4 colour;
-${CLAY_SHADING}
-${CEL_SHADING}
-vec3 mirrored(vec3 n) {
-  vec2 place = n.z < 0.0 ? normalize(n.xy) : n.xy;
-  return texture(ball, (place + 1.0) / 2.0).rgb;
-}
-void main() {
+out vec4 colour;`;
+const FLAT_PLACE = `
   vec2 pixel = vec2(gl_FragCoord.x, height - gl_FragCoord.y);
   vec2 at = (way * vec3(pixel, 1.0)).xy;
   vec4 texel = texture(map, at);
-  if (at != clamp(at, 0.0, 1.0)) { colour = vec4(0.0); return; }
-  if (view == 0) {
-    vec2 cell = floor((pixel - checker.yz) / checker.x);
-    float grey = mod(cell.x + cell.y, 2.0) * ${number(0.25)} * (1.0 - texel.a);
-    colour = vec4(texel.rgb + 0.5 * grey, texel.a + grey);
-    return;
-  }
+  if (at != clamp(at, 0.0, 1.0)) { colour = vec4(0.0); return; }`;
+
+const MAP_FRAGMENT = `${FLAT_HEAD}
+uniform vec3 checker; // side of a cell in pixels, then the map's upper left corner
+void main() {${FLAT_PLACE}
+  vec2 cell = floor((pixel - checker.yz) / checker.x);
+  float grey = mod(cell.x + cell.y, 2.0) * ${number(0.25)} * (1.0 - texel.a);
+  colour = vec4(texel.rgb + 0.5 * grey, texel.a + grey);
+}`;
+
+/** @param {string} shading GLSL with `vec3 shaded(vec3 n)`, the sRGB colour of a normal */
+const shadedFragment = (shading) => `${FLAT_HEAD}
+${shading}
+void main() {${FLAT_PLACE}
   float alpha = texel.a;
   if (length(vec2(way[0].x, way[1].x)) * float(textureSize(map, 0).x) < 0.99) { // enlarged: the mask's staircase would show
     vec4 around = textureLod(map, at, 1.0);
@@ -91,9 +88,30 @@ void main() {
   }
   if (alpha * texel.a < 0.002) { colour = vec4(0.0); return; }
   vec3 n = normalize(texel.rgb / texel.a * 2.0 - 1.0);
-  vec3 shaded = view == 1 ? srgb(clay(n, light)) : view == 2 ? mirrored(n) : cel(n, light);
-  colour = vec4(shaded * alpha, alpha);
+  colour = vec4(shaded(n) * alpha, alpha);
 }`;
+
+/**
+ * Of each flat view. The map is premultiplied by its alpha, so that filtering mixes no background into the rim.
+ *
+ * One shader each: without a graphics card all that a shader has is worked through for every pixel, whichever way its
+ * branches go, and the map alone needs hardly anything.
+ */
+export const FLAT_FRAGMENTS = {
+  map: MAP_FRAGMENT,
+  lit: shadedFragment(`${CLAY_SHADING}
+uniform vec3 light;
+vec3 shaded(vec3 n) { return srgb(clay(n, light)); }`),
+  matcap: shadedFragment(`
+uniform sampler2D ball;
+vec3 shaded(vec3 n) {
+  vec2 place = n.z < 0.0 ? normalize(n.xy) : n.xy;
+  return texture(ball, (place + 1.0) / 2.0).rgb;
+}`),
+  flat: shadedFragment(`${CEL_SHADING}
+uniform vec3 light;
+vec3 shaded(vec3 n) { return cel(n, light); }`),
+};
 
 /** The relief: a unit is half the longer side of the drawing; the viewer stands `eye` units before it. */
 export const RELIEF_VERTEX = `#version 300 es
