@@ -2,8 +2,9 @@ from typing import Any
 
 import pytest
 
-from normalgan.benchmark.plan import Row
-from normalgan.benchmark.runs import check_shared, timed
+from normalgan.benchmark.plan import Plan, Row
+from normalgan.benchmark.runs import check_shared, shared_settings, timed
+from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.settings import differences, digest, nest, part, without
 from normalgan.errors import InputError
 
@@ -15,6 +16,13 @@ def settings(**model: Any) -> dict[str, Any]:
         "data": {"batch_size": 8, "size": 64},
         "model": {"n_critic": 1, "discriminator": {"class_path": "D"}, "lr_scheduler": schedule, **model},
     }
+
+
+def test_what_the_test_split_cannot_have_is_refused_before_training() -> None:
+    misspelt = {"lines": {"class_path": "RidgesAndValeys"}}
+    plan = Plan("A plan", 100, [Row("mean", "the mean map", classical="mean")], test_data=misspelt)
+    with pytest.raises(InputError, match=r"test_data of the plan cannot be used: .*RidgesAndValleys"):
+        shared_settings(plan, Scale("tiny"))
 
 
 @pytest.mark.parametrize("dotted", [{"a": 1, "a.b": 2}, {"a.b": 2, "a": 1}, {"a.b": {"c": 1}, "a.b.c": 2}])

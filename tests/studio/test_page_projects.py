@@ -55,7 +55,10 @@ def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> N
         assert "Füchslein 1" in studio.page.title()
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
+        studio.page.wait_for_function("() => document.getElementById('result').dataset.painted")
+        assert studio.inked(MIDDLE + 80, MIDDLE)  # what the tab showed
         assert studio.page.locator("#restore").is_hidden()  # it is saved: nothing is left to restore
+        studio.new()
         open_project(studio, "Füchslein 1")
         assert studio.inked(MIDDLE + 80, MIDDLE)
         np.testing.assert_allclose(studio.shown(100, 110), painted, atol=0.01)
@@ -119,7 +122,7 @@ def test_unsaved_work_outlives_a_closed_tab_and_a_killed_server(opened: "Browser
         studio.size = SIDE, SIDE
         with studio.repainting():
             studio.page.locator("#restore-yes").click()
-        assert studio.page.locator("#restore").is_hidden()
+        studio.page.locator("#restore").wait_for(state="hidden")  # once it is kept as this tab's
         for x, y in ((MIDDLE + 80, MIDDLE), (40, 20), (40, 40)):
             assert studio.inked(x, y)
     finally:

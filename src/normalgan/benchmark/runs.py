@@ -89,7 +89,13 @@ def shared_settings(plan: Plan, scale: Scale) -> Settings:
         InputError: if they cannot be used.
     """
     overlays = [part(overlay, ["data", "trainer"]) for overlay in scale.overlays]
-    return compose([{"data": nest(plan.data)}, *overlays, scale.given or {}])
+    layers = [{"data": nest(plan.data)}, *overlays, scale.given or {}]
+    if plan.test_data:
+        try:
+            compose([*layers, {"data": plan.test_data}])  # what cannot be used is refused before any training
+        except InputError as error:
+            raise InputError(f"test_data of the plan cannot be used: {error}") from error
+    return compose(layers)
 
 
 def row_settings(plan: Plan, row: Row, scale: Scale) -> Settings:

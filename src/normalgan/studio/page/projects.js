@@ -11,6 +11,8 @@ import { say, text } from "./text.js";
 
 const CONFLICT = 412;
 const ENDING = ".normalgan";
+/** What the tab remembers: the project that it shows as the server has it. */
+const SHOWN = "normalgan-project";
 
 export class Projects {
   /**
@@ -63,6 +65,7 @@ export class Projects {
       this.status.fail(error);
       return false;
     }
+    sessionStorage.setItem(SHOWN, name);
     // What was drawn while it was being saved stays unsaved.
     const now = editor.history.state;
     const unchanged = now.layers === doc.layers && now.pictures === doc.pictures && now.width === doc.width && now.height === doc.height;
@@ -125,6 +128,8 @@ export class Projects {
    */
   #show(doc, etag, saved = true, past = null) {
     this.etag = etag;
+    if (etag === null) sessionStorage.removeItem(SHOWN);
+    else sessionStorage.setItem(SHOWN, doc.settings.name);
     if (saved) this.autosave.clean = doc;
     this.editor.open(doc, past);
     keepOnly([doc, ...(past?.states ?? [])].flatMap(picturesOf)); // the history of the document before has gone
@@ -172,6 +177,14 @@ export class Projects {
     } catch (error) {
       this.status.fail(error);
     }
+  }
+
+  /** Opens the project that this tab showed before the page was loaded again, if any; it may be gone by now. */
+  async reopen() {
+    const name = sessionStorage.getItem(SHOWN);
+    if (name === null) return;
+    sessionStorage.removeItem(SHOWN);
+    await this.open(name);
   }
 
   /** @param {string} name */

@@ -1,4 +1,4 @@
-/** Start: what the command line named is opened, and unsaved work is offered. */
+/** Start: what the command line named or the tab showed is opened, and unsaved work is offered. */
 
 import { named } from "./api.js";
 import { unsaved } from "./autosave.js";
@@ -19,14 +19,16 @@ const OPENED = "normalgan-opened";
 const SMALL = 96;
 
 /**
- * Opens what the command line named, then offers unsaved work.
+ * Opens what the command line named, or again what the tab showed, then offers unsaved work.
  * @param {Parts} parts
  */
 export async function begin(parts) {
   const { projects, importing, status } = parts;
   try {
     // Once in a tab: a page that is loaded again offers what was made of it since.
-    const first = sessionStorage.getItem(OPENED) ? null : await named().catch((error) => status.fail(error));
+    const again = sessionStorage.getItem(OPENED) !== null;
+    const first = again ? null : await named().catch((error) => status.fail(error));
+    if (again) await projects.reopen();
     if (first !== undefined) sessionStorage.setItem(OPENED, "yes");
     if (first?.kind === "project") await projects.open(first.name);
     if (first?.kind === "document") await projects.load(first.document, null, false);
