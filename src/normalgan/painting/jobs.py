@@ -36,7 +36,7 @@ FILES: dict[str, Literal["png", "exr", "tiff"]] = {
     **{".exr": "exr", ".tif": "tiff", ".tiff": "tiff"},
 }
 """What a map's file may end in, and the format of a map in it; GIF and WebP hold animations."""
-NO_MAPS = {
+_NO_MAPS = {
     *(each for each in SUFFIXES if each not in FILES),
     *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
 }
@@ -196,7 +196,7 @@ def is_file_name(output: Path) -> bool:
     """
     if output.is_dir():
         return False
-    if output.suffix.lower() in NO_MAPS:
+    if output.suffix.lower() in _NO_MAPS:
         raise InputError(
             f"{output} is no name of a map, which ends in .png, .exr, .tif or .tiff, or if it moves in .gif, "
             ".webp or .apng; name such a file, or a folder (-o)."
