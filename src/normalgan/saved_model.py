@@ -42,9 +42,8 @@ def _backend(name: str, size: int | None) -> Backend:
         return OnnxBackend(path)
     # Late: torch takes seconds to import.
     from normalgan.painting.torch_backend import TorchBackend
-    from normalgan.weights.checkpoint import read_checkpoint
-    from normalgan.weights.file import SUFFIX, read_weights
+    from normalgan.weights.checkpoint import read_model
 
-    weights = read_weights(path) if path.suffix.lower() == SUFFIX else read_checkpoint(path).weights(size)
+    weights = read_model(path, size)
     notes = weights.notes
     return TorchBackend(weights.generator(), notes.size, refined=notes.refined, line_widths=notes.line_widths)

@@ -8,8 +8,8 @@ from torch import Tensor, nn
 from normalgan.models import Generator
 from normalgan.models.base import check_channels
 from normalgan.models.condition import make_condition
-from normalgan.weights.checkpoint import read_checkpoint
-from normalgan.weights.file import SUFFIX, find_weights, read_weights
+from normalgan.weights.checkpoint import read_model
+from normalgan.weights.file import find_weights
 from normalgan.weights.notes import Notes
 
 __all__ = ["Deployed", "load"]
@@ -65,7 +65,6 @@ def load(name: str, size: int | None = None, licence: str | None = None) -> tupl
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.
     """
-    path = find_weights(name)
-    weights = read_weights(path) if path.suffix.lower() == SUFFIX else read_checkpoint(path).weights(size)
+    weights = read_model(find_weights(name), size)
     notes = replace(weights.notes, size=size or weights.notes.size, licence=licence or weights.notes.licence)
     return Deployed(weights.generator(), notes.size), notes

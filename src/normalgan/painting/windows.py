@@ -51,8 +51,8 @@ class Window:
 def windows(ink: Floats, tile: Tile, size: int) -> list[Window]:
     """Return the parts of a repeated drawing (H, W) that a network of a size is shown.
 
-    They overlap, so that what the network paints depends little on where an edge of the drawing is: of one
-    that is rolled by a third it paints the same to some 3 degrees, and with half as many windows to some 9.
+    They overlap, so that what the network paints depends little on where an edge of the drawing is. Half as
+    many are too few for that.
     """
     top, bottom, left, right = bounds_of(ink)
     down, across = repeats(tile)

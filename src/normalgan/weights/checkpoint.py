@@ -21,12 +21,12 @@ from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.registry import Registry, find_imported
 from normalgan.torch_files import load_torch_file
-from normalgan.weights.file import Weights
+from normalgan.weights.file import SUFFIX, Weights, read_weights
 from normalgan.weights.network import check_fit
 from normalgan.weights.notes import Notes
 from normalgan.weights.part import ANY_NUMBER, LARGEST, Part, is_plain
 
-__all__ = ["Checkpoint", "read_checkpoint", "settings_to_save"]
+__all__ = ["Checkpoint", "read_checkpoint", "read_model", "settings_to_save"]
 
 _REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
     "generator": (GENERATORS, LARGEST),
@@ -168,6 +168,19 @@ def read_checkpoint(path: Path) -> Checkpoint:
     # Lightning's note on how it builds the model, which is not asked.
     settings = {str(name): value for name, value in settings.items() if name != "_instantiator"}
     return Checkpoint(path, settings, tensors, callbacks)
+
+
+def read_model(path: Path, size: int | None = None) -> Weights:
+    """Return the weights in a file of either kind, safetensors or a checkpoint.
+
+    Args:
+        path: of the file.
+        size: side in pixels of the pictures of a checkpoint's training; None where it says so itself.
+
+    Raises:
+        InputError: if it is missing, damaged, not one of ours, or no size is known.
+    """
+    return read_weights(path) if path.suffix.lower() == SUFFIX else read_checkpoint(path).weights(size)
 
 
 def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:

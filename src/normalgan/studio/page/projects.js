@@ -65,7 +65,7 @@ export class Projects {
       this.status.fail(error);
       return false;
     }
-    sessionStorage.setItem(SHOWN, name);
+    this.#remember(name);
     // What was drawn while it was being saved stays unsaved.
     const now = editor.history.state;
     const unchanged = now.layers === doc.layers && now.pictures === doc.pictures && now.width === doc.width && now.height === doc.height;
@@ -128,8 +128,7 @@ export class Projects {
    */
   #show(doc, etag, saved = true, past = null) {
     this.etag = etag;
-    if (etag === null) sessionStorage.removeItem(SHOWN);
-    else sessionStorage.setItem(SHOWN, doc.settings.name);
+    this.#remember(etag === null ? null : doc.settings.name);
     if (saved) this.autosave.clean = doc;
     this.editor.open(doc, past);
     keepOnly([doc, ...(past?.states ?? [])].flatMap(picturesOf)); // the history of the document before has gone
@@ -183,8 +182,14 @@ export class Projects {
   async reopen() {
     const name = sessionStorage.getItem(SHOWN);
     if (name === null) return;
-    sessionStorage.removeItem(SHOWN);
+    this.#remember(null);
     await this.open(name);
+  }
+
+  /** @param {string | null} name of the project that this tab shows; null: it shows none */
+  #remember(name) {
+    if (name === null) sessionStorage.removeItem(SHOWN);
+    else sessionStorage.setItem(SHOWN, name);
   }
 
   /** @param {string} name */
@@ -194,7 +199,10 @@ export class Projects {
     try {
       const { etag } = await projects.read(name);
       await projects.remove(name, etag);
-      if (name === this.name) this.etag = null;
+      if (name === this.name) {
+        this.etag = null;
+        this.#remember(null);
+      }
     } catch (error) {
       this.status.fail(error);
     }
