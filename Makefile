@@ -7,6 +7,9 @@
 VENV ?= .venv
 BIN := $(VENV)/bin
 RUN := runs/quickstart
+# Python keeps what it has compiled, also where it is told not to: the tests start it some hundred times over, and each
+# of their processes would rewrite the asserts of all tests anew.
+export PYTHONDONTWRITEBYTECODE :=
 # As many processes as cores, but no more than four: each needs 1.5 GB. A file's tests share fixtures, so they stay together.
 PYTEST := $(BIN)/pytest --numprocesses=logical --maxprocesses=4 --dist=loadfile --no-loadscope-reorder --durations=10
 

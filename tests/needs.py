@@ -43,11 +43,15 @@ SHARED_MESHES = Need("../shared/meshes", "real meshes and rigs", "they are not p
 SHARED_SKETCHES = Need("../shared/sketches", "drawings by people", "they are not published")
 INKSCAPE = Need("Inkscape", "its add-on", "apt-get install inkscape python3-lxml python3-numpy xvfb")
 GODOT3 = Need("Godot 3", "its add-on", "apt-get install godot3 godot3-server libgl1-mesa-dri xvfb")
+GODOT4 = Need("Godot 4", "its add-on", "its editor as godot4, or the package godot of a Debian that has it")
 BLENDER = Need("Blender", "its add-on", "apt-get install blender")
 GIMP = Need("GIMP", "its add-on", "apt-get install gimp")
 KRITA = Need("Krita", "its add-on", "apt-get install krita python3-pyqt5 xvfb")
 LUA = Need("Lua", "the script for Aseprite", "apt-get install lua5.4")
-NEEDS = (CHROMIUM, OPENGL, NPM, SHARED_MESHES, SHARED_SKETCHES, INKSCAPE, GODOT3, BLENDER, GIMP, KRITA, LUA)
+NEEDS = (
+    *(CHROMIUM, OPENGL, NPM, SHARED_MESHES, SHARED_SKETCHES),
+    *(INKSCAPE, GODOT3, GODOT4, BLENDER, GIMP, KRITA, LUA),
+)
 
 
 def not_tested(reasons: Iterable[str]) -> list[str]:

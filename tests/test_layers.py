@@ -10,7 +10,7 @@ from interpreter import loaded
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch"},
-    {"files", "registry", "line_widths"},
+    {"files", "registry", "line_widths", "plugin_outputs"},
     {
         "class_settings",
         "metrics",

@@ -3,10 +3,13 @@ import subprocess
 import sys
 
 import pytest
+from torch import Generator, Tensor, zeros
 
 import normalgan
 from normalgan.__main__ import COMMANDS, main
 from normalgan.errors import InputError, unwritable
+from normalgan.hints import HintSampler
+from normalgan.hints.draw import draw_hints
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
@@ -76,6 +79,23 @@ def test_what_goes_wrong_is_a_sentence_and_a_code(
     said = capsys.readouterr().err
     assert said.startswith(f"normalgan: {sentence}")
     assert said.count("\n") == 1
+
+
+def test_a_bug_in_somebody_elses_class_is_told_with_its_place(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Theirs(HintSampler):
+        def sample(self, normal: Tensor, mask: Tensor, rng: Generator) -> Tensor:
+            raise KeyError("density")
+
+    monkeypatch.setattr(
+        "normalgan.cli.run", lambda _: draw_hints(Theirs(), zeros(1, 3, 2, 2), zeros(1, 1, 2, 2), 0)
+    )
+    assert main(["fit"]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith(
+        "normalgan: failed while running: KeyError: 'density' in Theirs.sample (set NORMAL"
+    )
 
 
 def test_a_traceback_can_be_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -263,6 +263,18 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
     assert points[0]["gain"] == max(each["gain"] for each in points)
 
 
+def test_hints_off_the_object_are_told_as_python_tells_them(studio: "Page") -> None:
+    grey = np.rint(255 * (1 - outline(blob((SIDE, SIDE), (250, 260), 120), 3))).astype(np.uint8)
+    on = {"x": 250, "y": 260, "normal": [0, 0, 1]}
+    hints = [on, *({**on, "x": x, "y": 9} for x in (7, 30, 60, 90))]
+    wanted = normalgan.load(SHIPPED)(grey, hints=hints).warning
+    assert wanted.startswith("4 of 5 hints lie off the object, at x 7, y 9; x 30, y 9; x 60, y 9 and 1 more;")
+    answer = studio.evaluate(ASK, [*encoded(grey), {"hints": hints}])
+    assert unquote(answer["warning"]) == wanted.replace("give --mask", "paint the object with the mask brush")
+    answer = studio.evaluate(ASK, [*encoded(grey), {"hints": [{**each, "reach": 40} for each in hints]}])
+    assert not answer["warning"]  # they are no hints, but held to by hand
+
+
 def test_where_the_model_is_unsure_is_told(studio: "Page") -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
     answer = studio.evaluate(ASK, [*encoded(grey), {}, "/api/doubt"])

@@ -1,6 +1,7 @@
 """Prints the rows of the short tables in the docs from the results of a benchmark.
 
 tools/benchmark_rows.py docs/results/benchmark_64.json
+tools/benchmark_rows.py docs/results/ablation_64.json --differences: also each beside the first of the plan
 tools/benchmark_rows.py docs/results/placement_64.json --placements: the tables of where hints lie
 """
 
@@ -44,8 +45,18 @@ def placements(results: Mapping[str, Any]) -> list[str]:
         for runs in methods:
             cells = [figure_cell(f"{placement}-{count}", "angular_mean")(runs) for placement in PLACEMENTS]
             lines.append(f"| {runs[0]['label']} | {' | '.join(cells)} |")
+    return [*lines, *differences(results)]
+
+
+def differences(results: Mapping[str, Any]) -> list[str]:
+    """Return lines of Markdown: each method beside the first one of the plan, with intervals over the meshes.
+
+    Args:
+        results: as `normalgan benchmark` writes them.
+    """
+    methods = _by_method(results)
     first = methods[0]
-    lines += [
+    lines = [
         "",
         f"Its own hints; difference from {first[0]['label']}: no hints, 15 uniform ones, its own:",
         "",
@@ -76,5 +87,6 @@ def _row(runs: Sequence[Any]) -> str:
 
 
 if __name__ == "__main__":
-    tables = placements if "--placements" in sys.argv[2:] else rows
-    print("\n".join(tables(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))))
+    found = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    lines = placements(found) if "--placements" in sys.argv[2:] else rows(found)
+    print("\n".join([*lines, *differences(found)] if "--differences" in sys.argv[2:] else lines))

@@ -5,7 +5,6 @@ is imported when it is asked for: ``import normalgan`` itself takes no time.
 """
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -18,7 +17,8 @@ if TYPE_CHECKING:
     from normalgan.painting.painter import Painter
     from normalgan.saved_model import load
 
-__version__ = version("normalgan")
+    __version__: str
+
 __all__ = [
     "InputError",
     "MeshDataModule",
@@ -49,6 +49,10 @@ _PACKAGES = ("hints", "metrics", "models", "objectives")
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":  # looking it up takes as long as all else that ``normalgan --help`` does
+        from importlib.metadata import version
+
+        return version("normalgan")
     if name in _PACKAGES:
         return import_module(f"normalgan.{name}")
     if name in _MODULES:

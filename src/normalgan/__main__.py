@@ -9,7 +9,7 @@ import os
 import sys
 from importlib import import_module
 
-from normalgan import __version__
+import normalgan
 from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
 from normalgan.late_imports import nothing_collected
 from normalgan.training_help import COMMANDS as TRAINING
@@ -63,7 +63,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(USAGE, end="")
         return 0 if arguments else 2
     if arguments[0] == "--version":
-        print(f"normalgan {__version__}")
+        print(f"normalgan {normalgan.__version__}")
         return 0
     if arguments[0] not in COMMANDS:
         return _fail(_unknown(arguments[0]), 2)
@@ -92,7 +92,7 @@ def main(arguments: list[str] | None = None) -> int:
         if _wants_memory(error):
             return _fail("out of memory; make data.batch_size, data.size or the networks' width smaller.", 1)
         return _fail(
-            f"failed while running: {type(error).__name__}: {brief(error)} "
+            f"failed while running: {type(error).__name__}: {brief(error)}{_culprit(error)} "
             "(set NORMALGAN_TRACEBACK=1 to see where).",
             1,
         )
@@ -101,6 +101,18 @@ def main(arguments: list[str] | None = None) -> int:
 def _unknown(command: str) -> str:
     hint = did_you_mean(command, COMMANDS)
     return f"no command named {command!r}.{hint} The commands are {', '.join(COMMANDS)}."
+
+
+def _culprit(error: Exception) -> str:
+    """Return which method of somebody else's class raised an error, if one did: a bug there is for them."""
+    found, trace = "", error.__traceback__
+    while trace is not None:
+        owner = type(trace.tb_frame.f_locals.get("self"))
+        ours = [base.__module__.partition(".")[0] == "normalgan" for base in owner.__mro__]
+        if not ours[0] and any(ours):
+            found = f" in {owner.__name__}.{trace.tb_frame.f_code.co_name}"
+        trace = trace.tb_next
+    return found
 
 
 def _wants_memory(error: Exception) -> bool:

@@ -20,9 +20,11 @@ from normalgan.hints.noise import turn_hints
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
+from normalgan.models.base import check_painted, check_predictions, check_scores
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
 from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
+from normalgan.objectives.checks import check_losses, check_terms
 from normalgan.objectives.finite import loss_error, not_finite, read_behind
 from normalgan.seeds import derive_seed
 from normalgan.torch_seeds import seed_torch
@@ -153,7 +155,9 @@ class NormalGAN(LightningModule):
         """Return what `forward` does, (N, 3, H, W), or (N, 4, H, W) if the generator paints a confidence."""
         if hints is None:
             hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
-        painted: Tensor = self.generator(make_condition(sketch, hints))
+        condition = make_condition(sketch, hints)
+        painted: Tensor = self.generator(condition)
+        check_painted(self.generator, painted, condition)
         return painted
 
     # --- training -------------------------------------------------------------------------------------
@@ -170,6 +174,7 @@ class NormalGAN(LightningModule):
         generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
         with torch.set_grad_enabled(generates):
             preds = self.generator.predict(condition)
+            check_predictions(self.generator, preds, condition)
         fake: Tensor | None = None  # nothing is done with whole maps that nobody looks at
         if self.discriminator is not None:
             fake = paste_hints(preds.normal, hints).to(condition.dtype)
@@ -178,6 +183,7 @@ class NormalGAN(LightningModule):
             terms = self.reconstruction.terms(
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
+            check_terms(self.reconstruction, terms, alone=self.discriminator is None)
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def training_hints(self, batch: Batch, seed: int) -> Tensor:
@@ -192,10 +198,12 @@ class NormalGAN(LightningModule):
         optimizer, real = self._optimizers()[1], batch["normal"]
         with self.toggled_optimizer(optimizer):
             # Two passes: in one, batch norm would mix the statistics of true and painted maps.
+            scores = (discriminator(condition, normal) for normal in (real, fake))
             loss = self.objective.discriminator_loss(
-                discriminator(condition, real), discriminator(condition, fake)
+                *(check_scores(discriminator, each, condition) for each in scores)
             )
             penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
+            check_losses(self.objective, {"discriminator_loss": loss, "penalty": penalty})
             look = self._watch({"discriminator": loss, "penalty": penalty})
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
@@ -211,7 +219,9 @@ class NormalGAN(LightningModule):
         optimizer = self._optimizers()[0]
         with self.toggled_optimizer(optimizer):
             if self.discriminator is not None and fake is not None:
-                score = self.objective.generator_loss(self.discriminator(condition, fake))
+                scores = check_scores(self.discriminator, self.discriminator(condition, fake), condition)
+                score = self.objective.generator_loss(scores)
+                check_losses(self.objective, {"generator_loss": score})
                 adversarial = Term(score, self.adversarial_weight)
                 if self._logs_share():
                     self._log_share(_weighted(terms), _weighted({"": adversarial}), painted)

@@ -5,7 +5,7 @@ from argparse import HelpFormatter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from lightning.pytorch.cli import LightningArgumentParser
 
@@ -40,6 +40,11 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         # The parser of a class that a setting names; what it says comes back as part of a longer message.
         unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
         super().error(message + (did_you_mean(unknown[1], self._settings()) if unknown else ""), ex)
+
+    def dump(self, *given: Any, **how: Any) -> str:
+        """Return settings as text, as they were parsed: to check them again is a tenth of reading them."""
+        text: str = super().dump(*given, **{"skip_validation": True, **how})
+        return text
 
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
         """Return the help, opened by a usage in which nothing stands between program and command.

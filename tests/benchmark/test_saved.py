@@ -43,8 +43,8 @@ def test_the_shipped_files_measure_the_same() -> None:
     for given, figures in by_weights.items():
         others = dict(by_onnx[given])
         # They are read from bins: what lies at the edge of one may fall into the next.
-        for binned in ("angular_median", "calibration_error"):
-            assert figures.pop(binned) == pytest.approx(others.pop(binned), abs=0.011)
+        for binned, step in (("angular_median", 0.011), ("calibration_error", 0.05)):
+            assert figures.pop(binned) == pytest.approx(others.pop(binned), abs=step)
         assert figures == pytest.approx(others, abs=2e-3)
     assert by_weights["20"]["angular_mean"] != by_weights["0"]["angular_mean"]  # the hints were looked at
     assert saved_method("shipped", 256, CPU).sampler == UniformHints(1, 200, 0.3, "log")

@@ -132,6 +132,7 @@ def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> Non
     for written, said in (
         ("{", "is not JSON"),
         ("{}", "no version or sizes"),
+        ('{"version": "v2", "sizes": []}', "no version or sizes"),
         ('{"version": "v2", "sizes": [1]}', "no"),
     ):
         path.write_text(written)

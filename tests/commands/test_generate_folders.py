@@ -108,6 +108,7 @@ def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.Ca
     for arguments, sentence in (
         (["fox.png", "owl.png", "-o", "z.png"], "z.png is one file, but there are 2 sketches"),
         (["fox.png", "-o", "z.png", "--format", "exr"], "z.png is no exr"),
+        (["fox.png", "-o", "z.exr", "--format", "png"], "z.exr is no png; name a file of that kind"),
         (["fox.png", "-o", "z.gif"], "z.gif would be an animation, but fox.png does not move."),
         (["fox.png", "-o", "fox.png"], "fox.png is read and would be written over"),
     ):

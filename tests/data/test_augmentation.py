@@ -1,3 +1,6 @@
+from collections.abc import Callable
+from typing import Any
+
 import pytest
 import torch
 from torch import Tensor
@@ -5,6 +8,8 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.data.augmentation import (
     Augmentation,
+    BatchAugmentation,
+    augmented,
     change_width,
     drop_lines,
     sample_at,
@@ -242,3 +247,37 @@ def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
 def test_settings_are_checked(settings: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         Augmentation(**settings)  # type: ignore[arg-type]
+
+
+class Odd(BatchAugmentation):
+    """Gives whatever it is told to."""
+
+    def __init__(self, give: Callable[[Batch], Any]) -> None:
+        self.give = give
+
+    def __call__(self, batch: Batch, seed: int) -> Batch:
+        given: Batch = self.give(batch)
+        return given
+
+
+@pytest.mark.parametrize(
+    ("give", "sentence"),
+    [
+        # Lightning passes over None: a run would end well, and have learnt nothing.
+        (lambda batch: None, r"^Odd gave None; an augmentation gives a batch with all that it was given\.$"),
+        (
+            lambda batch: {"sketch": batch["sketch"]},
+            r"^Odd gave a batch without normal; an augmentation gives",
+        ),
+        (
+            lambda batch: {**batch, "mask": batch["mask"][..., ::2]},
+            r"^Odd gave a tensor \(4, 1, 128, 64\) as mask, of which there was a tensor \(4, 1, 128, 128\)",
+        ),
+    ],
+    ids=["nothing", "a part", "half of it"],
+)
+def test_an_augmentation_that_gives_no_such_batch_is_named(
+    give: Callable[[Batch], Any], sentence: str
+) -> None:
+    with pytest.raises(InputError, match=sentence):
+        augmented(Odd(give), sphere(), 0)

@@ -1,5 +1,7 @@
 import json
 import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +10,8 @@ import torch
 from PIL import Image, ImageDraw
 
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.recipe import Loadable
+from normalgan.data.sources import DataSource, SplitSettings
 from normalgan.errors import InputError
 from normalgan.normals import encode
 from normalgan.rendering.lines.occluding import OccludingContours
@@ -132,3 +136,25 @@ def test_animals_are_rendered(tmp_path: Path) -> None:
         item = module.train_dataset[i]
         assert 0.05 < float(item["mask"].mean()) < 0.8
         assert 0.01 < float(item["sketch"].mean()) < 0.5
+
+
+@pytest.mark.parametrize("split", ["val", "test"])
+def test_a_split_that_is_empty_and_asked_for_is_named(split: str) -> None:
+    module = MeshDataModule(animals=3, fractions=(0.5, 0.5 * (split == "test"), 0.5 * (split == "val")))
+    with pytest.raises(InputError, match=f"^there is nothing in the split {split}, which is asked for; give"):
+        getattr(module, f"{split}_dataset")
+
+
+@dataclass(frozen=True)
+class Nothing(DataSource):
+    """Forgets to return anything."""
+
+    def split(self, settings: SplitSettings) -> Mapping[str, Sequence[Loadable]]:
+        return None  # type: ignore[return-value]
+
+
+def test_a_source_that_gives_no_splits_is_named() -> None:
+    with pytest.raises(
+        InputError, match=r"^Nothing gave None; a data source gives what there is by the name"
+    ):
+        _ = MeshDataModule(source=Nothing()).sources

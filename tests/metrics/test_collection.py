@@ -1,12 +1,15 @@
 import math
 import pickle
+from typing import Any
 from unittest import mock
 
 import pytest
 import torch
 from metric_samples import by_numpy, computed, random_batch, turned
+from torch import Tensor
 
-from normalgan.metrics import MeanAngularError, angular_error, normal_map_metrics
+from normalgan.errors import InputError
+from normalgan.metrics import MapMetric, MeanAngularError, StageMetrics, angular_error, normal_map_metrics
 
 NAMES = {
     *("angular_mean", "angular_median", "angular_rmse", "angular_mean_per_image", "l1", "l2"),
@@ -122,3 +125,36 @@ def test_pickles_with_its_state() -> None:
     copy.update(*random_batch(1))
     metrics.update(*random_batch(1))
     assert computed(copy) == computed(metrics)
+
+
+class Odd(MapMetric):
+    """Computes whatever it is told to."""
+
+    label, unit = "odd", "°"
+
+    def __init__(self, figure: Any) -> None:
+        super().__init__()
+        self.computed = figure
+
+    def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
+        """Count nothing."""
+
+    def compute(self) -> Tensor:
+        """Return what it was told to."""
+        figure: Tensor = self.computed
+        return figure
+
+
+@pytest.mark.parametrize(
+    ("figure", "sentence"),
+    [
+        (None, r"^Odd gave None; a metric computes a tensor of one number\.$"),
+        (torch.ones(3), r"^Odd gave a tensor \(3,\); a metric computes a tensor of one number\.$"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:The ``compute`` method of metric Odd")
+def test_a_metric_that_computes_no_number_is_named(figure: Any, sentence: str) -> None:
+    stage = StageMetrics("test", ("hints",), [Odd(figure)])
+    stage.update("hints", torch.zeros(1, 3, 2, 2), torch.zeros(1, 3, 2, 2), torch.ones(1, 1, 2, 2))
+    with pytest.raises(InputError, match=sentence):
+        stage.pop()

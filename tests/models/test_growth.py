@@ -30,6 +30,25 @@ def test_grown_generator_paints_an_enlarged_drawing_as_before(patch: int, detail
     torch.testing.assert_close(large(enlarged), expected, atol=1e-5, rtol=1e-4)
 
 
+def test_grown_generator_of_the_same_resolution_paints_as_before() -> None:
+    small = trained((4, 6, 8), 4, 2)
+    large = ResidualUNetGenerator((4, 7, 8), (1, 2, 4), 4, "batch", 2).eval()
+    grow(small, large)
+    condition = torch.zeros(2, 4, 32, 32)
+    condition[:, 0] = torch.rand(2, 32, 32) * 2 - 1
+    condition[:, :, 5, 7] = 1  # a hint
+    torch.testing.assert_close(large(condition), small(condition), atol=1e-5, rtol=1e-4)
+
+
+def test_blocks_that_are_new_can_learn() -> None:
+    large = ResidualUNetGenerator((4, 6, 8), (1, 2, 2), 4, "batch", 2)
+    grow(trained((4, 6, 8), 4, 2), large)
+    large(torch.rand(2, 4, 32, 32)).square().sum().backward()
+    last = large.encoder[1][1].second.weight  # type: ignore[index]
+    assert last.eq(0).all()
+    assert last.grad.ne(0).any()
+
+
 def test_what_is_new_can_learn() -> None:
     large = ResidualUNetGenerator((5, 9, 8), (1, 1, 2), 4, "batch", 2)
     grow(trained((4, 6, 8), 2, 1), large)
@@ -44,6 +63,7 @@ def test_what_is_new_can_learn() -> None:
     "large",
     [
         ResidualUNetGenerator((4, 6, 8), (1, 1, 2), 2, "batch", 2),
+        ResidualUNetGenerator((4, 6, 8), (1, 1, 2), 8, "batch", 1),
         ResidualUNetGenerator((4, 6, 8), (1, 1, 1), 4, "batch", 2),
         ResidualUNetGenerator((4, 5, 8), (1, 1, 2), 4, "batch", 2),
         ResidualUNetGenerator((4, 6, 8), (1, 1, 2), 4, "none", 2),

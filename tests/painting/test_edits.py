@@ -37,6 +37,22 @@ def test_the_map_at_each_pin_is_the_pins_normal_and_far_from_all_it_is_untouched
     assert np.array_equal(held[away > 14], normals[away > 14])
 
 
+def test_pins_work_alike_wherever_they_lie_on_a_map() -> None:
+    normals, _ = sphere()
+    # At corners, beyond the map, in the middle; the first two reach over its edge.
+    points = np.array([[0.5, 1.5], [127.5, 120.5], [-3, 70], [60.5, 64.5], [66.5, 64.5]], np.float32)
+    wanted = np.array([[0.6, 0, 0.8], [0, 0.6, 0.8], [0, 0, 1], [0.8, 0, 0.6], [-0.8, 0, 0.6]], np.float32)
+    reaches = np.array([9, 14.5, 6, 30, 0], np.float32)
+    held = hold_pins(normals, points, wanted, reaches)
+    inside = np.clip(points, 0, SIDE - 0.5)
+    room = 40
+    larger = np.pad(normals, ((room, room), (room, room), (0, 0)), mode="edge")
+    shifted = hold_pins(larger, inside + room, wanted, reaches)
+    np.testing.assert_allclose(held, shifted[room:-room, room:-room], atol=1e-5)
+    columns, rows = inside.astype(int).T
+    np.testing.assert_allclose(held[rows, columns], wanted, atol=1e-3)
+
+
 @pytest.mark.parametrize("apart", [1, 4, 16])
 def test_opposed_pins_hold_however_near_they_are(apart: int) -> None:
     normals, _ = sphere()

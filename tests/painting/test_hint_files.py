@@ -45,6 +45,10 @@ def test_no_hints_are_no_hints(tmp_path: Path) -> None:
             '[{"x": 1, "y": 2, "normal": [0, 3, 0]}]',
             r"\[0, 3, 0\] of hint 1 of .*, at x 1, y 2, has length 3;",
         ),
+        (
+            '[{"x": 1, "y": 2, "normal": [0.6, 0, -0.8]}]',
+            r"\[0.6, 0, -0.8\] of hint 1 of .*, at x 1, y 2, looks away from the viewer; its z must be 0 o",
+        ),
         ("\x80", "are not a text"),
         ("[" * 100_000, "are no list of hints"),
         ("[" + "9" * 5000 + "]", "are no list of hints"),
@@ -74,3 +78,17 @@ def test_a_list_of_no_hints_size_is_not_read(tmp_path: Path) -> None:
         file.truncate(2**40)
     with pytest.raises(InputError, match=r"a\.json has more than 16777216 bytes; no file of its kind"):
         load_hints(tmp_path / "a.json", (30, 40))
+
+
+def test_a_painted_hint_that_looks_away_is_named_and_one_that_is_rounded_is_taken(tmp_path: Path) -> None:
+    image = Image.new("RGBA", (40, 30), (0, 0, 0, 0))
+    image.putpixel((7, 20), (255, 128, 127, 255))  # z of 0 has no colour of 8 bits: 127 is -0.004
+    image.save(tmp_path / "a.png")
+    assert load_hints(tmp_path / "a.png", (30, 40)).normals[0, 2] == pytest.approx(0, abs=0.01)
+    (tmp_path / "a.json").write_text('[{"x": 7, "y": 20, "normal": [1, 0, -0.004]}]')
+    assert len(load_hints(tmp_path / "a.json", (30, 40)).points) == 1
+    image.putpixel((9, 20), (128, 128, 0, 255))
+    image.save(tmp_path / "a.png")
+    named = r"the colour \[128, 128, 0\] at x 9, y 20 of .* looks away from the viewer: its z is -1\.00"
+    with pytest.raises(InputError, match=named):
+        load_hints(tmp_path / "a.png", (30, 40))

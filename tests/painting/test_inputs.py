@@ -109,6 +109,10 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
         {"hints": np.ones((*GREY.shape, 4))},
         r"^the hint at x 0, y 0 has length 1\.73; a normal has length 1\.$",
     ),
+    "hints that look away": (
+        {"hints": np.tile(np.array([0, 0.6, -0.8, 1]), (*GREY.shape, 1))},
+        r"^the hint at x 0, y 0 has z -0\.8 and looks away from the viewer; the z of a normal must be 0",
+    ),
     "listed wrongly": (
         {"hints": [{"x": 1}]},
         r'^hint 1 of the list is {"x": 1}; a hint has x, y',

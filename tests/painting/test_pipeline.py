@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from normalgan.painting.hint_files import Hints
 from normalgan.painting.jobs import MODEL
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.onnx_backend import OnnxBackend
+from normalgan.painting.painter import Painter
 from normalgan.painting.picture import Picture
 from normalgan.painting.pipeline import paint
 from normalgan.painting.preparation import prepare
@@ -260,3 +262,26 @@ def test_the_same_picture_gives_the_same_map_wherever_it_lies_in_memory(model: P
     for i in range(12):
         ballast.append(np.empty(16 + 1016 * i + 4 * i, np.uint8))
         assert (paint(session, prepare(picture, 64)).extended == first).all()
+
+
+def test_hints_off_the_object_are_told_with_their_places(model: Path) -> None:
+    picture, filled = drawn(1)
+    rows, columns = np.nonzero(filled)
+    y, x = int(np.median(rows)), int(np.median(columns))
+    on = {"x": x, "y": y, "normal": [0, 0, 1]}
+    off = [{**on, "x": each, "y": 3} for each in (2, 5, 11, 17)]
+
+    def said(*hints: dict[str, Any], size: int | None = None) -> str:
+        return Painter(OnnxBackend(model))(picture, list(hints), size=size).warning
+
+    assert said(on) == ""
+    edge = {**on, "x": int(columns[rows == y].min()) - 2, "y": y}  # of the line: the mask there is a guess
+    assert said(on, edge) == ""
+    one = (
+        "1 of 2 hints lies off the object, at x 2, y 3; move it onto it, or give --mask if the mask is wrong"
+    )
+    assert said(on, off[0]) == one
+    assert said(on, off[0], size=900) == one  # places are those of the drawing
+    assert "4 of 5 hints lie off the object, at x 2, y 3; x 5, y 3; x 11, y 3 and 1 more; mo" in said(
+        on, *off
+    )

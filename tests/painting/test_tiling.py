@@ -180,3 +180,13 @@ def test_a_hint_at_an_edge_counts_on_both_sides(model: Path) -> None:
 def test_the_way_has_to_be_one_that_there_is(model: Path) -> None:
     with pytest.raises(InputError, match=r"tile is 'xy'; a drawing is repeated along x, y or both\."):
         Painter(OnnxBackend(model))(stones(), tile="xy")  # type: ignore[arg-type]
+
+
+def test_hints_off_a_tiles_object_are_told_once_and_where_they_were_given(model: Path) -> None:
+    page = np.full((128, 128), 255, np.uint8)
+    cv2.circle(page, (64, 64), 40, 0, 3, cv2.LINE_AA)
+    hints = [{"x": x, "y": x, "normal": [0, 0, 1]} for x in (64, 4)]
+    y, x = np.mgrid[:128, :128] + 0.5
+    disc = np.hypot(x - 64, y - 64) < 40
+    painted = Painter(OnnxBackend(model))(page, hints, disc, tile="both", size=256)
+    assert painted.warning.startswith("1 of 2 hints lies off the object, at x 4, y 4; move it onto it")

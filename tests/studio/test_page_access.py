@@ -150,3 +150,14 @@ def test_dark_and_light_follow_the_system_until_switched(opened: "Browser", serv
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
         assert brightness() < 60
+
+
+@pytest.mark.parametrize("card", ["history", "paper"])
+def test_escape_closes_a_card_and_the_keys_go_on_from_its_button(studio: Studio, card: str) -> None:
+    summary = studio.page.locator(f"#{card} summary")
+    summary.focus()
+    studio.page.keyboard.press("Enter")
+    assert studio.page.evaluate(f"document.getElementById('{card}').open")
+    studio.page.keyboard.press("Escape")
+    assert not studio.page.evaluate(f"document.getElementById('{card}').open")
+    assert summary.evaluate("node => node === document.activeElement")

@@ -102,10 +102,27 @@ def test_the_end_of_a_stroke_waits_for_no_draft(studio: Studio, side: int, coars
     assert page.evaluate("sent.length") == 2
 
 
-def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(studio: Studio) -> None:
+@pytest.mark.parametrize(
+    ("took", "since", "waits"), [(0, 260, False), (0, 301, True), (200, 60, False), (200, 90, True)]
+)
+def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
+    studio: Studio, took: int, since: int, waits: bool
+) -> None:
+    """A whole map takes so many milliseconds; the pen lifts so many after a map, while a draft is painted."""
     page = studio.page
     page.evaluate("() => { window.time = 0; performance.now = () => time; }")
     studio.new(512, 512)
+    page.evaluate(
+        """(took) => {
+          const ask = window.fetch;
+          window.fetch = async (path, options) => {
+            const answer = await ask(path, options);
+            if (path === "/api/paint" && !sent.at(-1).draft) time += took;
+            return answer;
+          };
+        }""",
+        took,
+    )
     with studio.repainting():
         studio.circle()
     page.evaluate("() => { sent.length = 0; holding = true; }")
@@ -113,12 +130,16 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(studio
     page.mouse.down()
     page.mouse.move(*studio.on_board(140, 130))
     page.wait_for_function("() => held.length === 1")
-    page.evaluate("() => { time = 301; holding = false; }")
-    page.mouse.up()
-    page.wait_for_timeout(50)
-    assert page.evaluate("sent.length") == 1
+    page.evaluate("(since) => { time += since; holding = false; }", since)
+    if waits:
+        page.mouse.up()
+        page.wait_for_timeout(50)
+        assert page.evaluate("sent.length") == 1
     with studio.repainting():
-        page.evaluate("() => { held[0](); }")
+        if waits:
+            page.evaluate("() => { held[0](); }")
+        else:
+            page.mouse.up()
     assert page.evaluate("sent.map(({ draft }) => draft)") == [True, False]
 
 

@@ -78,11 +78,32 @@ def test_a_point_is_pinned_and_moved_on_the_result(studio: Studio) -> None:
     page.locator("#point-done").click()
     page.mouse.move(*studio.on_result(100, 110))
     page.mouse.down()
-    page.mouse.move(*studio.on_result(130, 140), steps=4)
-    with studio.repainting():
+    with studio.repainting():  # on a busy machine all is painted before the hand lets go, and nothing after
+        page.mouse.move(*studio.on_result(130, 140), steps=4)
         page.mouse.up()
     np.testing.assert_allclose(studio.shown(130, 140), bent, atol=0.12)
     assert np.linalg.norm(studio.shown(100, 110) - bent) > 0.3
+
+
+def test_a_sheet_that_shows_nothing_is_not_blended_with_the_map(studio: Studio) -> None:
+    page, sheet = studio.page, studio.page.locator("#result-sheet")
+    sheet.wait_for(state="hidden")
+    at = studio.on_result(MIDDLE + 80, MIDDLE)  # on the circle
+    page.keyboard.press("o")
+    sheet.wait_for(state="visible")
+    page.wait_for_timeout(150)
+    assert studio.screen()[round(at[1]), round(at[0])].max() < 100
+    page.keyboard.press("o")
+    sheet.wait_for(state="hidden")
+    # What is drawn while it is hidden is on it when it is shown again.
+    with studio.repainting():
+        studio.line((MIDDLE - 20, MIDDLE), (MIDDLE + 20, MIDDLE))
+    page.keyboard.press("o")
+    sheet.wait_for(state="visible")
+    page.mouse.move(2, 2)
+    page.wait_for_timeout(150)
+    at = studio.on_result(MIDDLE, MIDDLE)
+    assert studio.screen()[round(at[1]), round(at[0])].max() < 100
 
 
 def test_a_divider_shows_the_drawing_beside_its_map(studio: Studio) -> None:

@@ -267,3 +267,37 @@ def test_a_large_picture_that_is_made_smaller_is_said_to_be(
         studio.page.locator("#choose button[value=traced]").click()
         studio.wait_for_status("3000 × 2000 pixels became 2048 × 1365")
         assert studio.page.locator("#pixels").inner_text() == "2048 × 1365"
+
+
+def test_work_that_was_undone_again_is_not_offered_as_unsaved(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        studio.circle()
+        save_as(studio, "hen")
+        studio.wait_for_status("Saved")
+        kept = "fetch('/api/autosave').then((answer) => answer.json()).then((list) => list.length)"
+        sent = "dispatchEvent(new Event('pagehide'))"  # as it is some seconds later
+        studio.line((20, 20), (60, 20))
+        studio.page.evaluate(sent)
+        studio.page.wait_for_function(f"async () => await {kept} === 1")
+        studio.page.keyboard.press("Control+z")
+        studio.page.evaluate(sent)
+        studio.page.wait_for_function(f"async () => await {kept} === 0")
+        studio.page.reload()
+        studio.page.wait_for_selector("html[data-ready]")
+        assert studio.page.locator("#restore").is_hidden()
+
+
+def test_a_stroke_that_goes_on_while_another_drawing_is_opened_is_in_neither(studio: Studio) -> None:
+    page = studio.page
+    page.mouse.move(*studio.on_board(40, 40))
+    page.mouse.down()
+    page.mouse.move(*studio.on_board(90, 90))
+    page.evaluate("document.getElementById('new').click()")
+    page.locator("#new-dialog").wait_for()
+    page.evaluate("document.querySelector('#new-dialog button.strong').click()")
+    page.locator("#new-dialog").wait_for(state="hidden")
+    page.mouse.move(*studio.on_board(150, 150))
+    page.mouse.up()
+    assert page.locator("#undo").is_disabled()
+    assert not studio.inked(120, 120)

@@ -96,6 +96,7 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
         (hint(normal=[0, 0, float("nan")]), "hint 1 of the request is"),
         (hint(normal=[0, 0, 1e308]), "a normal has length 1"),
         (hint(normal=[0, 0, 0]), "a normal has length 1"),
+        (hint(normal=[0, 0, -1]), "looks away from the viewer; its z must be 0 or more"),
         (hint(normal=[0, 1]), "hint 1 of the request is"),
         (hint(x=10**400), "a hint has x, y and a normal of three numbers"),
         (hint(x=WIDTH), "outside its drawing of 160 × 120 pixels"),

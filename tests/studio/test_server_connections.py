@@ -1,6 +1,6 @@
 import json
+import select
 import socket
-import time
 from contextlib import ExitStack
 
 import psutil
@@ -8,6 +8,7 @@ import pytest
 from studio_client import asking
 from studio_process import Studio, send, slow
 
+from normalgan.studio import bodies
 from normalgan.studio.connection import MOST_AT_ONCE
 
 PATHS = (
@@ -110,15 +111,18 @@ def test_heads_that_trickle_shut_nobody_out(served: Studio) -> None:
 
 
 def test_bodies_that_trickle_shut_nobody_out(served: Studio) -> None:
-    trickling = []
-    for _ in range(80):
-        client = socket.create_connection(("127.0.0.1", served.port), timeout=30)
-        client.sendall(head(served, "Content-Length: 5000") + b"{")
-        trickling.append(client)
-    time.sleep(1)  # all are being read
-    assert served.ask("POST", "/api/paint", asking(1, tab="among"))[0] == 200
-    for client in trickling[:64]:  # those that were there first have made room
-        client.sendall(b" ")
-        assert client.recv(100).startswith(b"HTTP/1.1 408")
-    for client in trickling:
-        client.close()
+    with ExitStack() as clients:
+        trickling: list[socket.socket] = []
+        read_on: list[socket.socket] = []
+        for _ in range(80):
+            client = clients.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=30))
+            client.sendall(head(served, "Content-Length: 5000") + b"{")
+            trickling.append(client)
+            read_on.append(client)
+            if len(read_on) > bodies.MOST_AT_ONCE:
+                # Long before the server loses patience, which would end them all.
+                (given_up,) = select.select(read_on, [], [], bodies.PATIENCE - 5)[0]
+                assert given_up.recv(100).startswith(b"HTTP/1.1 408")
+                read_on.remove(given_up)
+        assert read_on == trickling[-bodies.MOST_AT_ONCE :]  # those that were there first have made room
+        assert served.ask("POST", "/api/paint", asking(1, tab="among"))[0] == 200

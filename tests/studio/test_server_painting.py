@@ -281,7 +281,12 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
         inside = held[42:48, 44:56].reshape(-1, 3).mean(0)
         assert np.abs(inside / np.linalg.norm(inside) - area["normal"]).max() < 0.05
         assert np.abs(held[42, 89] - [0, 0, 1]).max() < 0.2 < np.abs(bare[42, 89] - [0, 0, 1]).max()
-        for wrong in ({"areas": 3}, {"areas": [3]}, {"areas": [{**area, "points": [1, 2]}]}):
+        for wrong in (
+            {"areas": 3},
+            {"areas": [3]},
+            {"areas": [{**area, "points": [1, 2]}]},
+            {"areas": [{**area, "normal": [0, 0, -1]}]},
+        ):
             assert client.post("/api/paint", json=asking(3, **wrong)).status_code == 400
         far = [{**pins[0], "reach": -1}]
         assert "reach is -1" in client.post("/api/paint", json=asking(4, hints=far)).json()["error"]

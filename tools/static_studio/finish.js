@@ -1,7 +1,7 @@
 /** Finish: what the network painted at the drawing's size and place, as normalgan.painting does it in Python. */
 
 import { Unpaintable, shrunk } from "./prepare.js";
-import { boxOf, distance, part, quantile, resized, where } from "./raster.js";
+import { boxOf, distance, extreme, part, quantile, resized, where } from "./raster.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame */
 /** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
@@ -9,6 +9,8 @@ import { boxOf, distance, part, quantile, resized, where } from "./raster.js";
 const [PRESENT, LEAST, CLOSED] = [0.6, 0.02, 0.8];
 const [CELL, RIM, ENLARGED, LARGEST] = [4, 16, 1.2, 4];
 const SWEEPS = 6;
+/** How far beside the mask a hint may lie, as a share of the longer side; and of how many it is said where they are. */
+const [BESIDE, FEW] = [0.005, 3];
 
 /**
  * Returns normals, x, y, z for each pixel, the mask, and what is to be said of it.
@@ -62,6 +64,24 @@ function chosen({ mask, closed, guessed }, present) {
     mask: mask.map((value, i) => value | present[i]),
     said: `its outline is not closed, only ${Math.round(100 * closed)}% of its lines enclose anything; where they do not, the mask is the model's guess (close the gaps, or choose another Object)`,
   };
+}
+
+/**
+ * Returns what is to be said of hints that lie off the object; empty if none does.
+ * @param {{x: number, y: number}[]} hints in pixels of the drawing @param {number} scale pixels of the mask to one of these
+ * @param {{mask: Uint8Array, width: number, height: number}} map
+ */
+export function hintsOff(hints, scale, { mask, width, height }) {
+  if (!hints.length) return "";
+  const near = extreme(Float32Array.from(mask), width, height, Math.max(Math.round(BESIDE * Math.max(width, height)), 1), 1);
+  /** @param {number} value @param {number} most */
+  const held = (value, most) => Math.min(Math.max(Math.floor((Math.floor(value) + 0.5) * scale), 0), most - 1);
+  const off = hints.filter(({ x, y }) => !near[held(y, height) * width + held(x, width)]);
+  if (!off.length) return "";
+  const places = off.slice(0, FEW).map(({ x, y }) => `x ${Math.floor(x)}, y ${Math.floor(y)}`).join("; ");
+  const more = off.length > FEW ? ` and ${off.length - FEW} more` : "";
+  const [lie, them] = off.length === 1 ? ["lies", "it"] : ["lie", "them"];
+  return `${off.length} of ${hints.length} hints ${lie} off the object, at ${places}${more}; move ${them} onto it, or paint the object with the mask brush if the mask is wrong`;
 }
 
 /** Brings a square of the network to the drawing's place and size. @param {Float32Array} square @param {Prepared} prepared @param {number} channels */

@@ -2,7 +2,7 @@
 
 import * as ort from "./ort.wasm.min.mjs";
 import { compose } from "./compose.js";
-import { finish, restored } from "./finish.js";
+import { finish, hintsOff, restored } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
 import { doubt, suggest } from "./suggest.js";
@@ -93,7 +93,8 @@ async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
     const feeds = { sketch: new ort.Tensor("float32", lines.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
     const { normal, confidence } = await session.run(feeds);
-    const { normals, mask, warning } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale));
+    const { normals, mask, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale));
+    const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
     hold({ normals, mask, width, height }, hints, areas, scale);
     // Only few ask for it, and it is as large as the map.
     return { normals, mask, width, height, warning, confidence: null, certainty: () => restored(confidence.data, lines, 1) };

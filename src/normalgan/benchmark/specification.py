@@ -87,8 +87,10 @@ def _read(path: Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise InputError(f"the specification {path} is not JSON ({brief(error)}); {right}") from error
     sizes = content.get("sizes") if isinstance(content, dict) else None
-    good = isinstance(sizes, list) and all(
-        isinstance(one, dict) and isinstance(one.get("size"), int) for one in sizes
+    good = (
+        isinstance(sizes, list)
+        and bool(sizes)
+        and all(isinstance(one, dict) and isinstance(one.get("size"), int) for one in sizes)
     )
     if not good or not isinstance(content.get("version"), str):
         raise InputError(f"the specification {path} has no version or sizes; {right}")

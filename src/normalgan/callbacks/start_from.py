@@ -23,7 +23,7 @@ class StartFrom(Callback):
     Args:
         weights: a file of safetensors, a checkpoint, or ``shipped`` for what comes with the package; its
             generator is of the same class and settings as the run's.
-        grow: whether it is a smaller one, of half the resolution and perhaps fewer channels, which the run's
+        grow: whether it is a smaller one, of half the resolution or fewer channels or blocks, which the run's
             begins by painting like; see `normalgan.models.growth`.
     """
 

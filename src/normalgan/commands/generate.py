@@ -4,7 +4,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
-from dataclasses import fields, replace
+from dataclasses import fields
 from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -70,9 +70,7 @@ def generate(settings: Namespace) -> int:
         raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
     if settings.layers and packing.given:
         raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
-    outputs = Outputs(**{field.name: getattr(settings, field.name) for field in fields(Outputs)})
-    if is_file_name(Path(settings.output)):
-        outputs = replace(outputs, format=format_of(Path(settings.output), outputs.format))
+    outputs = _outputs(settings)
     flat_map((8, 8)).stronger(settings.strength)  # refuses what is none
     if settings.output == STDOUT:
         return _to_standard_output(settings, outputs)
@@ -99,6 +97,18 @@ def generate(settings: Namespace) -> int:
     if settings.watch:
         batch.watch(painter, jobs, lambda: find()[0])
     return batch.code(len(jobs) + len(wrong))
+
+
+def _outputs(settings: Namespace) -> Outputs:
+    """Return what is to be written.
+
+    Raises:
+        InputError: if the settings of it do not go together.
+    """
+    given = {field.name: getattr(settings, field.name) for field in fields(Outputs)}
+    output = Path(settings.output)
+    form = format_of(output, settings.format) if is_file_name(output) else settings.format
+    return Outputs(**given | {"format": form or "png"})
 
 
 class _Batch:

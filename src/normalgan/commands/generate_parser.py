@@ -7,6 +7,7 @@ from typing import Literal
 
 from normalgan.commands.light_parser import LightParser
 from normalgan.painting.engines import CONVENTIONS, Engine
+from normalgan.painting.normal_map import Format
 from normalgan.painting.outputs import Outputs, engine_defaults
 from normalgan.painting.tile import Tile
 
@@ -84,7 +85,12 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     )
     _add_folders(parser.add_argument_group("Folders"))
     _add_sheets(parser.add_argument_group("Several drawings in one file"))
-    parser.add_class_arguments(Outputs, skip={*_FLAGS, "height_scale"})
+    parser.add_argument(
+        "--format",
+        type=Format | None,
+        help="of the map; exr and tiff hold floats; null is that of the file that -o names, png of a folder",
+    )
+    parser.add_class_arguments(Outputs, skip={*_FLAGS, "format", "height_scale"})
     parser.add_argument(
         "--height-scale",
         type=float | Literal["batch"] | None,

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import Any, cast
 
 import torch
 import torch.nn.functional as F
@@ -12,6 +12,7 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics import unit_vectors
+from normalgan.plugin_outputs import called, refused, shown
 from normalgan.registry import Registry
 from normalgan.torch_seeds import seed_torch
 
@@ -56,6 +57,7 @@ __all__ = [
     "AUGMENTATIONS",
     "Augmentation",
     "BatchAugmentation",
+    "augmented",
     "change_width",
     "drop_lines",
     "move_hints",
@@ -65,6 +67,29 @@ __all__ = [
     "turn_normals",
     "wobble",
 ]
+
+
+def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch:
+    """Return a batch that an augmentation has changed.
+
+    Raises:
+        InputError: if it gave no batch with the same parts of the same sizes back: Lightning would pass over
+            None, and train on nothing.
+    """
+    given: object = augmentation(batch, seed)
+    asked = "an augmentation gives a batch with all that it was given"
+    if not isinstance(given, dict):
+        raise refused(augmentation, given, asked)
+    for name, before in batch.items():
+        after = given.get(name)
+        if name not in given:
+            raise InputError(f"{called(augmentation)} gave a batch without {name}; {asked}.")
+        if isinstance(before, Tensor) and not (isinstance(after, Tensor) and after.shape == before.shape):
+            raise InputError(
+                f"{called(augmentation)} gave {shown(after)} as {name}, of which there was "
+                f"{shown(before)}; sizes stay as they are."
+            )
+    return cast(Batch, given)
 
 
 def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:

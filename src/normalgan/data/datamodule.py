@@ -1,7 +1,7 @@
 """MeshDataModule: from meshes, animals or pairs to batches, and from drawings to be predicted."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ from torch.utils.data import DataLoader
 
 from normalgan.animals import herd
 from normalgan.batch import Batch
-from normalgan.data.augmentation import BatchAugmentation
+from normalgan.data.augmentation import BatchAugmentation, augmented
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.items import Item, decode
 from normalgan.data.loaders import Loaders
@@ -31,6 +31,7 @@ from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.painting.jobs import find_files
+from normalgan.plugin_outputs import refused
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
@@ -217,7 +218,9 @@ class MeshDataModule(LightningDataModule):
         settings = SplitSettings(self.fractions, self.split_seed, self.split_file, self.seed, self.variation)
         if self.source is None:
             return self._meshes(settings)
-        found = self.source.split(settings)
+        found: object = self.source.split(settings)
+        if not isinstance(found, Mapping):
+            raise refused(self.source, found, "a data source gives what there is by the name of the split")
         if unknown := set(found) - set(SPLITS):
             raise InputError(
                 f"{type(self.source).__name__} has a split {min(unknown)!r}; the splits are "
@@ -335,6 +338,11 @@ class MeshDataModule(LightningDataModule):
         return self._open("test")
 
     def _open(self, split: str) -> SampleDataset:
+        if not self.kept[split]:
+            raise InputError(
+                f"there is nothing in the split {split}, which is asked for; give it a share in "
+                "data.fractions, or names in data.split_file."
+            )
         stores = open_samples(self.cache, self.kept, self.views_per_mesh, self.recipe, self.nearby)
         return SampleDataset(stores[split], self.memory)
 
@@ -376,7 +384,8 @@ class MeshDataModule(LightningDataModule):
         if self.augmentation is None or trainer is None or not trainer.training:
             return batch
         step = trainer.fit_loop.total_batch_idx
-        return self.augmentation(batch, derive_seed("augment", self.seed, step, trainer.global_rank))
+        seed = derive_seed("augment", self.seed, step, trainer.global_rank)
+        return augmented(self.augmentation, batch, seed)
 
     # --- what others ask ------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.models import Generator
-from normalgan.models.base import check_channels
+from normalgan.models.base import check_painted
 from normalgan.models.condition import make_condition
 from normalgan.weights.checkpoint import read_model
 from normalgan.weights.file import find_weights
@@ -31,8 +31,9 @@ class Deployed(nn.Module):
         self.generator = generator
         self.size = size
         self.eval().requires_grad_(False)
-        painted = self._painted(*self.example(1))
-        check_channels(generator, painted)
+        example = self.example(1)
+        painted = self._painted(*example)
+        check_painted(generator, painted, make_condition(*example))
         self.outputs = ["normal", "confidence"][: painted.shape[1] - 2]
 
     @property

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
+from normalgan.errors import InputError
 from normalgan.hints.base import ErrorHintSampler, HintSampler
 from normalgan.hints.encode import hints_at
+from normalgan.plugin_outputs import called, refused
 from normalgan.seeds import derive_seed
 
 __all__ = ["draw_hints", "draw_hints_by_name"]
@@ -23,11 +25,51 @@ def draw_hints(
         mask: (N, 1, H, W), 1 on the object.
         seed: of all randomness.
         error: (N, 1, H, W), for an `ErrorHintSampler`, of what the generator paints without hints.
+
+    Raises:
+        InputError: if the sampler gives anything but a tensor of the mask's shape. Its values are not looked
+            at, as that would wait for the device: `draw_hints_by_name` does, in validation.
     """
+    return hints_at(normal, _sampled(sampler, normal, mask, seed, error))
+
+
+def _sampled(sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, error: Tensor | None) -> Tensor:
+    """Return (N, 1, H, W), where a sampler puts hints."""
     rng = torch.Generator(device=normal.device).manual_seed(seed)
     if error is not None and isinstance(sampler, ErrorHintSampler):
-        return hints_at(normal, sampler.sample_by_error(error.to(normal.dtype), mask, rng))
-    return hints_at(normal, sampler.sample(normal, mask, rng))
+        where = sampler.sample_by_error(error.to(normal.dtype), mask, rng)
+    else:
+        where = sampler.sample(normal, mask, rng)
+    _check_shape(sampler, where, mask)
+    return where
+
+
+def _check_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
+    """Raise `InputError` if a sampler gave anything but a tensor of the mask's shape, on its device."""
+    if not isinstance(where, Tensor) or where.shape != mask.shape:
+        raise refused(sampler, where, _asked(mask))
+    if where.device != mask.device:
+        raise InputError(
+            f"{called(sampler)} gave hints on {where.device}; hints are on the device of the normals, "
+            f"{mask.device}."
+        )
+
+
+def _check_values(sampler: HintSampler, where: Tensor, mask: Tensor) -> None:
+    """Raise `InputError` if a sampler gave anything but 1 and 0, or a hint off the object."""
+    odd = where[(where != 0) & (where != 1)]
+    if len(odd):
+        raise InputError(f"{called(sampler)} gave hints with the value {float(odd[0]):g}; {_asked(mask)}.")
+    off = int(((where == 1) & (mask < 0.5)).sum())
+    if off:
+        raise InputError(
+            f"{called(sampler)} gave {off} hints off the object; hints must lie where mask is 1: elsewhere "
+            "the true normal is zero."
+        )
+
+
+def _asked(mask: Tensor) -> str:
+    return f"hints are a tensor {tuple(mask.shape)} here, 1 at a hinted pixel and 0 elsewhere"
 
 
 def draw_hints_by_name(
@@ -47,9 +89,16 @@ def draw_hints_by_name(
         names: of the samples, N of them.
         seed: another seed gives other hints.
         error: as in `draw_hints`.
+
+    Raises:
+        InputError: if the sampler gives anything but 1 and 0 on the object, in the mask's shape.
     """
     # On the CPU, whatever the device: a GPU draws other numbers from the same seed.
     errors = [None] * len(names) if error is None else error.cpu().split(1)
     singles = zip(normal.cpu().split(1), mask.cpu().split(1), errors, names, strict=True)
-    drawn = [draw_hints(sampler, n, m, derive_seed("hints", seed, name), e) for n, m, e, name in singles]
+    drawn = []
+    for each, inside, wrong, name in singles:
+        where = _sampled(sampler, each, inside, derive_seed("hints", seed, name), wrong)
+        _check_values(sampler, where, inside)
+        drawn.append(hints_at(each, where))
     return torch.cat(drawn).to(normal.device)

@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from typing import cast
 
+import torch
 from torch import Tensor, nn
 from torchmetrics import MetricCollection
 
 from normalgan.metrics.base import MapMetric
 from normalgan.metrics.collection import normal_map_metrics
+from normalgan.plugin_outputs import refused
 
 __all__ = ["StageMetrics"]
 
@@ -26,6 +28,7 @@ class StageMetrics(nn.Module):
 
     def __init__(self, stage: str, rows: Sequence[str], only: Sequence[MapMetric] | None = None) -> None:
         super().__init__()
+        self.stage = stage
         self.rows = nn.ModuleDict(
             {
                 row: normal_map_metrics(f"{stage}/{row}/")
@@ -51,10 +54,20 @@ class StageMetrics(nn.Module):
         cast(MetricCollection, self.rows[row]).update(preds, target, mask)
 
     def pop(self) -> dict[str, Tensor]:
-        """Return all figures, reduced over processes, and begin anew."""
+        """Return all figures, reduced over processes, and begin anew.
+
+        Raises:
+            InputError: if a metric gives anything but one number.
+        """
         figures: dict[str, Tensor] = {}
-        for module in self.rows.values():
+        for row, module in self.rows.items():
             collection = cast(MetricCollection, module)
-            figures |= collection.compute()
+            found: dict[str, object] = collection.compute()
+            for name, computed in found.items():
+                value = torch.tensor(computed) if isinstance(computed, float) else computed
+                if not isinstance(value, Tensor) or value.numel() != 1:
+                    metric = collection[name.removeprefix(f"{self.stage}/{row}/")]
+                    raise refused(metric, value, "a metric computes a tensor of one number")
+                figures[name] = value
             collection.reset()
         return figures

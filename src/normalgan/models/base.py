@@ -4,9 +4,11 @@ import inspect
 from abc import ABC, abstractmethod
 from typing import Any, Self
 
+import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
+from normalgan.plugin_outputs import called, refused, shown
 from normalgan.predictions import Predictions
 from normalgan.registry import Registry
 
@@ -17,7 +19,9 @@ __all__ = [
     "Discriminator",
     "Generator",
     "Network",
-    "check_channels",
+    "check_painted",
+    "check_predictions",
+    "check_scores",
 ]
 
 INPUT_CHANNELS = 4
@@ -67,20 +71,59 @@ class Generator(Network):
         Args:
             condition: (N, 4, H, W) as `forward` takes it.
         """
-        output = self(condition).float()  # under autocast it may be bfloat16
+        output = self(condition)
+        check_painted(self, output, condition)
+        output = output.float()  # under autocast it may be bfloat16
         return Predictions(output[:, :3], confidence=output[:, 3:] if output.shape[1] > 3 else None)
 
 
-def check_channels(generator: nn.Module, painted: Tensor) -> None:
-    """Make sure that what a generator painted, (N, C, H, W), is normals, perhaps with their confidence.
+def check_painted(generator: nn.Module, painted: object, condition: Tensor) -> None:
+    """Make sure that a generator painted normals of the sketches' size, perhaps with their confidence.
+
+    Args:
+        generator: that painted it.
+        painted: right is (N, 3, H, W), or (N, 4, H, W).
+        condition: (N, 4, H, W), what it was given.
 
     Raises:
-        InputError: if it has other than 3 or 4 channels.
+        InputError: if it is anything else.
     """
+    count, _, height, width = condition.shape
+    if not isinstance(painted, Tensor) or painted.ndim != 4 or len(painted) != count:
+        asked = f"a generator gives a tensor {(count, 3, height, width)} here, or one of 4 channels with the "
+        raise refused(generator, painted, asked + "confidence")
     channels = painted.shape[1]
     if channels not in {3, 4}:
         raise InputError(
-            f"{type(generator).__name__} paints {channels} channels; a model has 3, or 4 with the confidence."
+            f"{called(generator)} paints {channels} channels; a model has 3, or 4 with the confidence."
+        )
+    if painted.shape[2:] != condition.shape[2:]:
+        raise InputError(
+            f"{called(generator)} paints {painted.shape[3]} × {painted.shape[2]} pixels for a sketch of "
+            f"{width} × {height}; a map is as large as its sketch."
+        )
+
+
+def check_predictions(generator: nn.Module, preds: object, condition: Tensor) -> None:
+    """Make sure that what ``predict`` of a generator gave the losses is what they take.
+
+    Raises:
+        InputError: if it is not, or lies on no path of gradients while these are wanted.
+    """
+    count, _, height, width = condition.shape
+    name = f"{called(generator)}.predict"
+    if not isinstance(preds, Predictions):
+        raise InputError(f"{name} gave {shown(preds)}; it gives normalgan.predictions.Predictions.")
+    for part, channels in (("direction", 3), ("presence", 1), ("confidence", 1)):
+        value, wanted = getattr(preds, part), (count, channels, height, width)
+        if value is None and part != "direction":
+            continue
+        if not isinstance(value, Tensor) or value.shape != wanted:
+            raise InputError(f"{name} gave {shown(value)} as {part}; it is a tensor {wanted} here.")
+    if torch.is_grad_enabled() and not preds.direction.requires_grad:
+        raise InputError(
+            f"{called(generator)} paints maps that no gradient leads back from; do not detach them, and give "
+            "it parameters to learn."
         )
 
 
@@ -97,6 +140,27 @@ class Discriminator(Network):
             condition: (N, 4, H, W) as the generator sees it.
             normal: (N, 3, H, W) true or painted.
         """
+
+
+def check_scores(discriminator: nn.Module, scores: object, condition: Tensor) -> tuple[Tensor, ...]:
+    """Return what a discriminator said, if it is scores.
+
+    Args:
+        discriminator: that said it.
+        scores: right is a tuple or a list of tensors (N, …).
+        condition: (N, 4, H, W), what it was given.
+
+    Raises:
+        InputError: if they are none.
+    """
+    asked = f"a discriminator gives a tuple of scores, a tensor ({len(condition)}, …) a head"
+    # A bare tensor can be iterated over as well: its samples would be taken for heads.
+    if not isinstance(scores, tuple | list) or not scores:
+        raise refused(discriminator, scores, asked)
+    for each in scores:
+        if not isinstance(each, Tensor) or each.ndim < 1 or len(each) != len(condition):
+            raise refused(discriminator, scores, asked)
+    return tuple(scores)
 
 
 GENERATORS: Registry[Generator] = Registry(Generator, "normalgan.generators")  # type: ignore[type-abstract]

@@ -6,25 +6,25 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
+from normalgan.models.residual import ResidualBlock
 from normalgan.models.residual_generator import ResidualUNetGenerator
 
 __all__ = ["grow"]
 
-_HEARD = torch.tensor([0.25, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean, a hint lies in one pixel
-
 
 @torch.no_grad()
 def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
-    """Give a generator of twice the resolution and more channels the weights of a smaller one, in place.
+    """Give a larger generator the weights of a smaller one, in place.
 
-    Where no hint is, a drawing enlarged to twice the size is then painted as the smaller one paints the
-    drawing, each pixel four times. Channels that only the larger one has begin at random and unheard: the
-    weights by which others listen to them are zero, and learn.
+    One of the same resolution then paints what the smaller one paints. One of twice the resolution, where no
+    hint is, paints a drawing enlarged to twice the size as the smaller one paints the drawing, each pixel
+    four times. Channels that only the larger one has begin at random and unheard: the weights by which
+    others listen to them are zero, and learn. So do further blocks, which at first add nothing.
 
     Args:
         small: folds squares of so many pixels.
-        large: folds squares of twice the side, in its detail layers too; as many levels and blocks, each
-            level at least as wide; of the same norm.
+        large: folds squares of the same or of twice the side, in its detail layers too; as many levels, each
+            at least as wide and of at least as many blocks; of the same norm.
 
     Raises:
         InputError: if they do not go together so.
@@ -33,17 +33,24 @@ def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
         Chen, Goodfellow, Shlens 2016, "Net2Net: Accelerating Learning via Knowledge Transfer".
     """
     _check(small, large)
-    _put(small.stem, large.stem, weight=_finer(small.stem.weight, small.patch, _HEARD))
+    scale = large.patch // small.patch
+    heard = torch.tensor([1 / scale**2, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean, a hint one pixel
+    _put(small.stem, large.stem, weight=_finer(small.stem.weight, small.patch, scale, heard))
     first, last = (cast(nn.Conv2d, small.detail[index]) for index in (0, 2))
     coarse, given = first.weight.tensor_split(2, dim=1)
-    listens = [_finer(coarse, small.fold, torch.tensor(0.25)), _finer(given, small.fold, _HEARD)]
+    mean = torch.tensor(1 / scale**2)
+    listens = [_finer(coarse, small.fold, scale, mean), _finer(given, small.fold, scale, heard)]
     _put(first, large.detail[0], weight=torch.cat(listens, dim=1))
     for one, other in ((last, large.detail[2]), (small.heads, large.heads)):
-        _put(one, other, weight=_repeated(one.weight, small.fold), bias=_repeated(_bias(one), small.fold))
+        weight, bias = (_repeated(values, small.fold, scale) for values in (one.weight, _bias(one)))
+        _put(one, other, weight=weight, bias=bias)
     levels = zip([*small.encoder, *small.decoder], [*large.encoder, *large.decoder], strict=True)
     for blocks, more_blocks in levels:
-        for layer, wider in zip(_layers(blocks), _layers(more_blocks), strict=True):
+        for layer, wider in zip(_layers(blocks), _layers(more_blocks), strict=False):
             _put(layer, wider)
+        for block in list(more_blocks.children())[_count(blocks) :]:
+            for parameter in cast(ResidualBlock, block).second.parameters():
+                nn.init.zeros_(parameter)
     for up, wider in zip(small.ups, large.ups, strict=True):
         _put(up, wider)
     # Behind the features of a level, of which there are more now, come four channels of hints.
@@ -82,21 +89,21 @@ def _put(
     _bias(larger).detach()[: len(source)] = _bias(convolution) if bias is None else bias
 
 
-def _finer(weight: Tensor, side: int, share: Tensor) -> Tensor:
-    """Return weights (O, 5 × side², k, k) for inputs folded in squares of twice the side, each its share."""
+def _finer(weight: Tensor, side: int, scale: int, share: Tensor) -> Tensor:
+    """Return weights (O, 5 × side², k, k) for squares of ``scale`` × side that are folded, each its share."""
     out, _, *kernel = weight.shape
     squares = weight.reshape(out, 5, side, side, *kernel) * share
-    return _doubled(squares, 2).reshape(out, -1, *kernel)
+    return _enlarged(squares, 2, scale).reshape(out, -1, *kernel)
 
 
-def _repeated(weight: Tensor, side: int) -> Tensor:
-    """Return weights (5 × side² × R, …) for outputs unfolded to squares of twice the side."""
+def _repeated(weight: Tensor, side: int, scale: int) -> Tensor:
+    """Return weights (5 × side² × R, …) for outputs unfolded to squares of ``scale`` × side."""
     rest = weight.shape[1:]
-    return _doubled(weight.reshape(5, side, side, -1, *rest), 1).reshape(-1, *rest)
+    return _enlarged(weight.reshape(5, side, side, -1, *rest), 1, scale).reshape(-1, *rest)
 
 
-def _doubled(squares: Tensor, axis: int) -> Tensor:
-    return squares.repeat_interleave(2, axis).repeat_interleave(2, axis + 1)
+def _enlarged(squares: Tensor, axis: int, scale: int) -> Tensor:
+    return squares.repeat_interleave(scale, axis).repeat_interleave(scale, axis + 1)
 
 
 def _places(counts: list[int], room: list[int]) -> Tensor:
@@ -107,6 +114,10 @@ def _places(counts: list[int], room: list[int]) -> Tensor:
 
 def _layers(blocks: nn.Module) -> list[nn.Module]:
     return [layer for layer in blocks.modules() if isinstance(layer, nn.Conv2d | nn.BatchNorm2d)]
+
+
+def _count(blocks: nn.Module) -> int:
+    return len(list(blocks.children()))
 
 
 def _widths(network: ResidualUNetGenerator) -> list[int]:
@@ -120,15 +131,16 @@ def _bias(layer: nn.Conv2d) -> Tensor:
 
 
 def _check(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
-    shapes = [
-        [network.norm, *(len(_layers(level)) for level in [*network.encoder, *network.decoder])]
-        for network in (small, large)
-    ]
-    widths = zip(_widths(small), _widths(large), strict=False)
-    fits = shapes[0] == shapes[1] and all(few <= many for few, many in widths)
-    if not fits or (large.patch, large.fold) != (2 * small.patch, 2 * small.fold):
+    levels = [[_count(level) for level in [*net.encoder, *net.decoder]] for net in (small, large)]
+    widths = [_widths(net) for net in (small, large)]
+    fits = small.norm == large.norm and all(
+        len(few) == len(many) and all(a <= b for a, b in zip(few, many, strict=True))
+        for few, many in (levels, widths)
+    )
+    patch, detail = small.patch, small.fold
+    if not fits or (large.patch, large.fold) not in ((patch, detail), (2 * patch, 2 * detail)):
         raise InputError(
-            "a generator grows into one of the same norm, levels and blocks, at least as wide, whose patch "
-            f"and detail are twice as large: {2 * small.patch} and {2 * small.fold}, not {large.patch} and "
-            f"{large.fold}."
+            "a generator grows into one of the same norm and levels, each of at least as many blocks and "
+            f"channels, with a patch and detail of {patch} and {detail} or of {2 * patch} and {2 * detail}, "
+            f"not {large.patch} and {large.fold}."
         )

@@ -55,16 +55,21 @@ def hold_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) 
     apart = np.hypot(columns[:, None] - columns[None], rows[:, None] - rows[None])
     basis = _wendland(apart / reaches[None]).astype(np.float64)
     shares = np.linalg.lstsq(basis, turns.astype(np.float64), rcond=None)[0]
-    field = np.zeros((height, width, 3), np.float32)
-    for row, column, reach, share in zip(rows, columns, reaches, shares, strict=True):
-        top, left = max(row - int(reach), 0), max(column - int(reach), 0)
-        box = np.s_[top : row + int(reach) + 1, left : column + int(reach) + 1]
+    # Where no pin reaches, which is most of the map, nothing is computed.
+    whole = reaches.astype(int)
+    top, left = max(int((rows - whole).min()), 0), max(int((columns - whole).min()), 0)
+    reached = np.s_[top : int((rows + whole).max()) + 1, left : int((columns + whole).max()) + 1]
+    field = np.zeros(normals[reached].shape, np.float32)
+    for row, column, reach, share in zip(rows - top, columns - left, reaches, shares, strict=True):
+        first, leftmost = max(row - int(reach), 0), max(column - int(reach), 0)
+        box = np.s_[first : row + int(reach) + 1, leftmost : column + int(reach) + 1]
         y, x = np.ogrid[: field[box].shape[0], : field[box].shape[1]]
-        away = np.hypot(x + left - column, y + top - row) / reach
+        away = np.hypot(x + leftmost - column, y + first - row) / reach
         field[box] += _wendland(away)[..., None] * share.astype(np.float32)
     touched = np.abs(field).sum(-1) > 1e-6
     held = normals.copy()
-    held[touched] = _facing(_turned(normals[touched], field[touched]))
+    part = held[reached]
+    part[touched] = _facing(_turned(part[touched], field[touched]))
     return held
 
 

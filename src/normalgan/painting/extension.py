@@ -28,20 +28,34 @@ def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_])
     """
     if known.all():
         return normals
-    there = known.astype(np.float32)
     sweeps = _SWEEPS if (needed & ~known).any() else 0
     # Opposite neighbours cancel at a point; there the surface faces the viewer.
-    vectors = unit(_pushed_and_pulled(normals, there, sweeps), front=True)
-    return np.asarray(cv2.copyTo(normals, known.astype(np.uint8), vectors), np.float32)
+    vectors = unit(_pushed_and_pulled(normals, known, sweeps), front=True)
+    return np.asarray(cv2.copyTo(normals, known.view(np.uint8), vectors), np.float32)
 
 
-def _pushed_and_pulled(values: Floats, known: Floats, sweeps: int) -> Floats:
-    """Return values (H, W, 3) that go on from where they are ``known``, 1 and not 0."""
-    levels = [cv2.merge([*(plane * known for plane in cv2.split(values)), known])]
+def _pushed_and_pulled(values: Floats, known: NDArray[np.bool_], sweeps: int) -> Floats:
+    """Return values (H, W, 3) that go on from where they are known."""
+    mask = known.view(np.uint8)
+    kept = cv2.copyTo(values, mask, np.zeros_like(values))
+    levels = [np.asarray(cv2.merge([*cv2.split(kept), known.astype(np.float32)]), np.float32)]
     while max(levels[-1].shape[:2]) > 1:
         h, w = levels[-1].shape[:2]
         half = cv2.resize(levels[-1], ((w + 1) // 2, (h + 1) // 2), interpolation=cv2.INTER_AREA)
         levels.append(np.asarray(half.reshape((h + 1) // 2, (w + 1) // 2, 4), np.float32))
+    # At the finest scale a pixel is known or not: it is copied, where coarser ones are known in part.
+    filled = cv2.resize(_settled(levels[1:], sweeps), known.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    for _ in range(sweeps):
+        filled = cv2.copyTo(kept, mask, filled)
+        filled = cv2.filter2D(filled, -1, _MEAN, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(cv2.copyTo(kept, mask, filled), np.float32)
+
+
+def _settled(levels: list[Floats], sweeps: int) -> Floats:
+    """Return values (h, w, 3) at the first of several scales, (h, w, 4), that halve down to one pixel.
+
+    A pixel's fourth value says how much of it is known, and its others are as much of a value.
+    """
     coarse = np.asarray(levels[-1][..., :3] / np.maximum(levels[-1][..., 3:], 1e-12), np.float32)
     for level in reversed(levels[:-1]):
         h, w = level.shape[:2]

@@ -13,7 +13,7 @@ from normalgan.decoding import Decoded, Pixels
 from normalgan.drawings import LARGEST, SMALLEST
 from normalgan.errors import InputError, brief
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
-from normalgan.normals import Floats, normalize
+from normalgan.normals import BACK, Floats, normalize
 from normalgan.painting.hint_files import Hints, load_hints, parse_hints
 from normalgan.painting.jobs import MODEL, OUTLINE
 from normalgan.painting.masks import load_mask, mask_of
@@ -193,6 +193,13 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
         raise InputError(
             f"the hint at x {columns[first]}, y {rows[first]} has length {length[first]:.3g}; "
             "a normal has length 1."
+        )
+    away = np.flatnonzero(normals[:, 2] < BACK * length)
+    if len(away):
+        first = away[0]
+        raise InputError(
+            f"the hint at x {columns[first]}, y {rows[first]} has z {normals[first, 2]:.3g} and looks away "
+            "from the viewer; the z of a normal must be 0 or more."
         )
     points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
     return Hints(points, normalize(normals))

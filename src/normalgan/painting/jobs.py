@@ -204,18 +204,18 @@ def is_file_name(output: Path) -> bool:
     return output.suffix.lower() in FILES
 
 
-def format_of(target: Path, asked: str) -> Literal["png", "exr", "tiff"]:
+def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
     """Return the format of a map whose file has a name.
 
     Args:
         target: the file.
-        asked: the format that was asked for; png is what nobody needs to ask for.
+        asked: the format that was asked for; None if none was.
 
     Raises:
         InputError: if they disagree.
     """
     found = FILES[target.suffix.lower()]
-    if asked not in {"png", found}:
+    if asked not in {None, found}:
         raise InputError(f"{target} is no {asked}; name a file of that kind, or leave --format out.")
     return found
 

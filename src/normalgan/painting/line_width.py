@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 from normalgan.normals import Floats
 from normalgan.painting.framing import Frame
+from normalgan.painting.levels import median
 
 __all__ = ["Mark", "areas", "line_width", "middle", "show"]
 
@@ -63,7 +64,8 @@ def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
     It is told by a quarter of the pixels that they are thinned with. On these, a line is found to be half as
     wide and deep, to a pixel: where that might make a difference the answer is no.
     """
-    inked = _finer(frame, _ROUGH).marked(ink)
+    marked = _finer(frame, _ROUGH).marked(ink)
+    inked = marked[_around(marked, 1)]
     depth = _depth(inked)
     known = widths[0] * _ROUGH + 1 <= _width(inked, depth) <= widths[1] * _ROUGH - 1
     return known and float(depth.max()) + 1 <= _THIN * frame.size * _ROUGH
@@ -81,13 +83,14 @@ def line_width(inked: Mark) -> float:
     >>> round(line_width(inked))
     5
     """
+    inked = inked[_around(inked, 1)]
     return _width(inked, _depth(inked))
 
 
 def _width(inked: Mark, depth: Floats) -> float:
     # Pixels as far inside as their neighbours or farther lie on the middle of a line.
     ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(1e-4))
-    return float(np.median(2 * depth[ridge] - 1)) if ridge.any() else 0.0
+    return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
 
 
 def _around(marked: Mark, room: int) -> tuple[slice, slice]:
@@ -151,6 +154,6 @@ def _edge(inked: Mark, thick: Mark) -> Mark:
 
 def _depth(inked: Mark) -> Floats:
     """Return how far inside the ink each pixel lies, (H, W), 1 at its edge."""
-    padded = np.pad(inked, 1).astype(np.uint8)
+    padded = cv2.copyMakeBorder(inked.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)
     return np.asarray(depth[1:-1, 1:-1], np.float32)

@@ -20,6 +20,7 @@ __all__ = [
     "shadows",
     "steps",
     "surroundings",
+    "wide_and_dark",
 ]
 
 _PAINTED = 0.8
@@ -66,6 +67,17 @@ def paper_colour(paper: Floats) -> Floats:
     lightest = np.array([each.quantile(0.95) for each in counted])
     # Where more than half is painted, the median is paint.
     return np.maximum(np.where(level < 0.7 * lightest, lightest, level), 0.04).astype(np.float32)
+
+
+def wide_and_dark(paper: Floats, level: Floats) -> Mark:
+    """Return where a drawing may be painted or shaded, (H, W).
+
+    Args:
+        paper: (H, W, 3), the lightest colour about each pixel; (H, W) if it is grey.
+        level: (3,) or (1,), the sheet's colour.
+    """
+    wide: Mark = darkest(np.asarray(paper / level, np.float32)) < _PAINTED
+    return wide
 
 
 def steps(darkness: Floats) -> Mark:
@@ -151,7 +163,7 @@ def painted_areas(
         step: (H, W), where it gets darker within a few pixels.
         shadow: (H, W), where the sheet lies in a shadow, and is not painted.
     """
-    wide: Mark = (darkest(paper / level) < _PAINTED) & ~shadow
+    wide = wide_and_dark(paper, level) & ~shadow
     if not wide.any():
         return wide, paper
     painted, paper = np.zeros_like(wide), paper.copy()

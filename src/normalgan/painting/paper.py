@@ -15,6 +15,7 @@ from normalgan.painting.painted import (
     shadows,
     steps,
     surroundings,
+    wide_and_dark,
 )
 from normalgan.painting.picture import fitted, resize
 
@@ -49,9 +50,11 @@ def ink_on_paper(colour: Floats) -> tuple[Floats, bool]:
     small = colour if max(shape) <= _SIDE else resize(colour, fitted(shape, _SIDE))
     paper = _paper(small)
     level = paper_colour(paper)
-    step = steps(darkest(small / level))
     scenery = has_scenery(paper, level)
-    painted, paper = painted_areas(small, paper, level, step, shadows(small, paper, level))
+    painted = step = wide_and_dark(paper, level)
+    if painted.any():  # in most drawings nothing is
+        step = steps(darkest(small / level))
+        painted, paper = painted_areas(small, paper, level, step, shadows(small, paper, level))
     beside = _enlarged(paper, shape)
     ink = np.empty(shape, np.float32)
     for rows in strips(colour.shape):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 __all__ = ["Mark", "patches"]
 
 Mark = NDArray[np.bool_]
+_CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
 def patches(marked: Mark) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
@@ -21,7 +22,9 @@ def patches(marked: Mark) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
     """
     count, found = cv2.connectedComponents(marked.view(np.uint8), connectivity=8)
     numbers = np.asarray(found, np.int32)
-    places = np.flatnonzero(numbers)
+    # Only what lies at a patch's edge can be its first or last pixel: of wide patches that is little.
+    inner = cv2.erode(marked.view(np.uint8), _CROSS, borderType=cv2.BORDER_CONSTANT, borderValue=0) > 0
+    places = np.flatnonzero(marked & ~inner)
     owners = numbers.ravel()[places]
     rows, columns = np.divmod(places, numbers.shape[1])
     sizes = [_extents(owners, along, count) for along in (columns, rows)]

@@ -17,7 +17,7 @@ from normalgan.painting.preparation import Mark, Prepared
 from normalgan.painting.upsampling import Coarse, Upsampler
 from normalgan.painting.vectors import lengths, unit
 
-__all__ = ["CLOSED", "coarse_of", "finish", "paint"]
+__all__ = ["CLOSED", "coarse_of", "finish", "hints_off", "paint"]
 
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
@@ -25,6 +25,11 @@ _LEAST = 0.02
 """Painted vectors that are shorter have no direction."""
 CLOSED = 0.8
 """Share of the ink that must enclose something for the outline to be believed."""
+
+_BESIDE = 0.005
+"""How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
+_FEW = 3
+"""Of so many hints it is said where they are."""
 
 _STRAIGHT = (
     "its outline has a wide gap, which was closed by a straight line; "
@@ -82,11 +87,38 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     if pins is not None and 0 < len(pins.points) <= MOST_PINS:
         reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
         normals = hold_pins(normals, pins.points, pins.normals, reaches)
+    if pins is not None and prepared.given is not None:
+        off = hints_off(prepared.given.points, pins.points, mask)
+        warning = "; ".join(filter(None, [warning, off]))
     alpha = edge if prepared.alpha is None else np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
     if prepared.alpha is not None and prepared.painted is not None:
         by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
         alpha = np.where(by_hand == 0, alpha, edge)
     return NormalMap(normals, mask, alpha, prepared.seen, shown, warning)
+
+
+def hints_off(drawn: Floats, points: Floats, mask: Mark) -> str:
+    """Return what is to be said of hints that lie off the object, a part of a sentence; empty if none does.
+
+    Args:
+        drawn: (K, 2), where the hints are, in pixels of the drawing.
+        points: (K, 2), the same in pixels of the mask.
+        mask: (H, W), the object.
+    """
+    beside = max(round(_BESIDE * max(mask.shape)), 1)
+    near = cv2.dilate(mask.astype(np.uint8), np.ones((2 * beside + 1,) * 2, np.uint8))
+    columns, rows = np.floor(points).astype(int).T
+    inside = near[np.clip(rows, 0, mask.shape[0] - 1), np.clip(columns, 0, mask.shape[1] - 1)]
+    off = np.floor(drawn[inside == 0]).astype(int)
+    if not len(off):
+        return ""
+    more = f" and {len(off) - _FEW} more" if len(off) > _FEW else ""
+    places = "; ".join(f"x {x}, y {y}" for x, y in off[:_FEW])
+    lie, them = ("lies", "it") if len(off) == 1 else ("lie", "them")
+    return (
+        f"{len(off)} of {len(drawn)} hints {lie} off the object, at {places}{more}; move {them} onto it, or "
+        "give --mask if the mask is wrong"
+    )
 
 
 def _soft_edge(mask: Mark, shape: tuple[int, int]) -> Floats:
@@ -118,7 +150,7 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: Mark, length: Floats | No
     if needed.any():
         usual = float(np.percentile(length[needed], 95))
         known |= needed & (length > max(0.1 * usual, _LEAST))
-    return Coarse(unit(preds), known, needed)
+    return Coarse(unit(preds, length=length), known, needed)
 
 
 def paint(backend: Backend, prepared: Prepared, upsample: Upsampler | None = None) -> NormalMap:

@@ -40,6 +40,7 @@ class Prepared:
         held: whether the outline is open and the mask is the one before it was.
         scenery: whether the mask comes from the outline, and what is behind the object is painted too.
         line_widths: of the lines that the model is shown as they were drawn.
+        given: the hints in pixels of the drawing, if they are to be looked for on the object; or None.
     """
 
     shape: tuple[int, int]
@@ -56,6 +57,7 @@ class Prepared:
     held: bool = False
     scenery: bool = False
     line_widths: LineWidths = USUAL_WIDTHS
+    given: Hints | None = None
 
 
 def prepare(
@@ -123,7 +125,7 @@ def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:
     """Return a prepared drawing framed about a box in pixels of its ``ink``; give hints afterwards."""
     frame = Frame.about(bounds, prepared.ink.shape, prepared.frame.size)
     seen = show(prepared.ink, frame, prepared.line_widths)
-    return replace(prepared, frame=frame, seen=seen, hints=None, pins=None)
+    return replace(prepared, frame=frame, seen=seen, hints=None, pins=None, given=None)
 
 
 def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> Prepared:
@@ -135,7 +137,8 @@ def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> P
         shape: (H, W) of the drawing.
     """
     if hints is None:
-        return replace(prepared, hints=None, pins=None)
+        return replace(prepared, hints=None, pins=None, given=None)
     points = hints.points * (prepared.ink.shape[1] / shape[1])
     pins = Hints(hints.points * np.float32(prepared.shape[1] / shape[1]), hints.normals)
-    return replace(prepared, hints=prepared.frame.cut_points(points, hints.normals), pins=pins)
+    seen = prepared.frame.cut_points(points, hints.normals)
+    return replace(prepared, hints=seen, pins=pins, given=hints)

@@ -16,7 +16,7 @@ from normalgan.painting.line_width import show
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.outline_mask import fill_outline
 from normalgan.painting.picture import MOST_WORKED, Picture, fitted, resize
-from normalgan.painting.pipeline import CLOSED, finish
+from normalgan.painting.pipeline import CLOSED, finish, hints_off
 from normalgan.painting.preparation import Mark, Prepared
 from normalgan.painting.tile import Tile, middle, repeats, resize_tile, wrapped
 from normalgan.painting.upsampling import Upsampler
@@ -83,6 +83,7 @@ def paint_tile(
     around = wrapped(ink, tile, room)
     origin = (around.shape[0] - ink.shape[0]) // 2, (around.shape[1] - ink.shape[1]) // 2
     frame = _frame_of(around, shown[0])
+    given = hints
     if hints is not None:
         hints = Hints(hints.points * np.float32(worked[1] / picture.shape[1]), hints.normals)
     painted, confidence = paint_windows(backend, shown, frame, tile, worked, origin, hints)
@@ -113,6 +114,9 @@ def paint_tile(
         confidence=None if preds.confidence is None else inner(preds.confidence),
         tile=tile,
     )
+    if given is not None and hints is not None:
+        off = hints_off(given.points, hints.points, whole.mask)
+        whole = replace(whole, warning="; ".join(filter(None, [whole.warning, off])))
     return whole if worked == shape else _enlarged(whole, shape, tile)
 
 

@@ -5,7 +5,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
-from normalgan.models.base import check_channels
+from normalgan.models.base import check_painted
 from normalgan.models.condition import make_condition
 from normalgan.normals import Floats
 from normalgan.painting.upsampling import upsampler
@@ -48,16 +48,15 @@ class TorchBackend:
             hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
 
         Raises:
-            InputError: if the generator paints other than 3 or 4 channels.
+            InputError: if the generator paints other than 3 or 4 channels, or maps of another size.
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)
         given = torch.from_numpy(sketch)[None, None].to(self._device)
         with torch.no_grad():
-            preds: Tensor = self._generator(
-                make_condition(given, torch.from_numpy(hints)[None].to(self._device))
-            )
-        check_channels(self._generator, preds)
+            condition = make_condition(given, torch.from_numpy(hints)[None].to(self._device))
+            preds: Tensor = self._generator(condition)
+        check_painted(self._generator, preds, condition)
         return channels_last(preds[0, :3]), preds[0, 3].float().cpu().numpy() if preds.shape[1] > 3 else None
 
 

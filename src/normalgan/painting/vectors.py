@@ -15,17 +15,23 @@ def lengths(vectors: Floats) -> Floats:
     # Not by cv2.magnitude: its last bits depend on where in the memory the result lies.
     out = np.empty(vectors.shape[:2], np.float32)
     for strip in strips(vectors.shape):
-        np.sqrt(sum(plane * plane for plane in cv2.split(vectors[strip])), out=out[strip])
+        squares = vectors[strip] * vectors[strip]
+        np.add(squares[..., 0], squares[..., 1], out=out[strip])
+        out[strip] += squares[..., 2]
+        np.sqrt(out[strip], out=out[strip])
     return out
 
 
-def unit(vectors: Floats, front: bool = False, out: Floats | None = None) -> Floats:
+def unit(
+    vectors: Floats, front: bool = False, out: Floats | None = None, length: Floats | None = None
+) -> Floats:
     """Return unit vectors (H, W, 3) of float32 ones.
 
     Args:
         vectors: (H, W, 3).
         front: whether those shorter than 1e-8 are to face the viewer; else they become zero.
         out: (H, W, 3), what the result is written to, be it the vectors themselves; None is a new array.
+        length: (H, W), as `lengths` gives them, if they are known already.
 
     >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()
     [[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]]
@@ -34,12 +40,11 @@ def unit(vectors: Floats, front: bool = False, out: Floats | None = None) -> Flo
     """
     out = np.empty(vectors.shape, np.float32) if out is None else out
     for strip in strips(vectors.shape):
-        planes = cv2.split(vectors[strip])
-        length = np.sqrt(sum(plane * plane for plane in planes))
-        there = length > _NONE
-        scale = there / np.maximum(length, _NONE)
-        planes = [plane * scale for plane in planes]
+        own = lengths(vectors[strip]) if length is None else length[strip]
+        there = own > _NONE
+        scale = there / np.maximum(own, _NONE)
+        # Three planes alike: NumPy takes many times as long to stretch one over the last axis.
+        np.multiply(vectors[strip], cv2.merge([scale, scale, scale]), out=out[strip])
         if front and not there.all():
-            planes[2] += ~there
-        cv2.merge(planes, dst=out[strip])
+            out[strip][..., 2] += ~there
     return out

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
+from normalgan.rendering.checks import check_strokes
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Floats, Maps
@@ -132,7 +133,8 @@ def draw_strokes(
     Returns:
         No strokes, where the style gets none from the view.
     """
-    strokes, maps = lines.trace(view, rng("lines")), view.maps()
+    strokes = list(check_strokes(lines, lines.trace(view, rng("lines")), view.size))
+    maps = view.maps()
     return hand.draw(strokes, maps, rng("hand")) if hand is not None and strokes else (strokes, maps)
 
 

@@ -1,5 +1,6 @@
 """View: an object, where it is seen from, and its maps at whatever size a line style asks for."""
 
+from normalgan.rendering.checks import check_maps
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
@@ -28,5 +29,7 @@ class View:
     def maps(self, scale: int = 1) -> Maps:
         """Return the maps with ``scale`` times as many pixels a side as the sketch; each is rendered once."""
         if scale not in self._maps:
-            self._maps[scale] = self.renderer.render(self.mesh, self.camera, scale * self.size)
+            size = scale * self.size
+            rendered = self.renderer.render(self.mesh, self.camera, size)
+            self._maps[scale] = check_maps(self.renderer, rendered, size)
         return self._maps[scale]

@@ -12,6 +12,7 @@ from normalgan.commands.light_parser import LightParser
 from normalgan.painting.onnx_backend import find_model
 from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
+from normalgan.studio.memory import keep_memory
 from normalgan.studio.opening import find_opened
 from normalgan.studio.painter import Painter
 from normalgan.studio.serving import listen, serve
@@ -59,6 +60,7 @@ def studio(settings: Namespace) -> int:
     Raises:
         InputError: if something cannot be used.
     """
+    keep_memory()
     decoding.start()  # while the model is loaded
     store = DocumentStore(
         Path(settings.projects) if settings.projects else user_data_path("normalgan", False)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.normals import Floats
+from normalgan.normals import BACK, Floats
 from normalgan.painting.edits import (
     MOST_PINS,
     REACH,
@@ -200,13 +200,14 @@ def read_areas(given: Any) -> list[Area]:
             size = None if each.get("size") is None else float(each["size"])
             length = float(np.linalg.norm(normal))
             fits = len(points) <= MOST_POINTS and bool(np.isfinite(points).all()) and 0.75 < length < 1.25
+            fits = fits and bool(normal[2] >= BACK * length)
             fits = fits and (len(points) >= 3 if size is None else len(points) >= 1 and 0 < size <= MOST_SIDE)
         except (TypeError, ValueError, KeyError, AttributeError):
             fits = False
         if not fits:
             raise InputError(
                 f"area {number} is {json.dumps(each)[:60]}; it has points x, y, x, y, … (3 or more, or 1 and "
-                f"a size; {MOST_POINTS} at the most) and a normal of length 1."
+                f"a size; {MOST_POINTS} at the most) and a normal of length 1 whose z is 0 or more."
             )
         inside = np.clip(points, -MOST_SIDE, 2 * MOST_SIDE)
         areas.append(Area(inside, normal / np.float32(length), size))

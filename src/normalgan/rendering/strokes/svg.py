@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from skimage.measure import approximate_polygon
 
 from normalgan.rendering.strokes.outline import outline
 from normalgan.rendering.strokes.stroke import Doubles, Stroke
@@ -57,6 +56,8 @@ def _path(stroke: Stroke) -> str:
 
 
 def _data(points: Doubles) -> str:
+    from skimage.measure import approximate_polygon  # loads scipy.signal, half a second: pixels do without
+
     points = approximate_polygon(points, _EXACT)
     return "M" + "L".join(f"{_number(x)} {_number(y)}" for x, y in points)
 

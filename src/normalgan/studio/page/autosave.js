@@ -66,9 +66,17 @@ export class Autosave extends EventTarget {
     clearTimeout(this.timer);
     this.timer = 0;
     const doc = this.editor.history.state;
-    if (!this.dirty || isEmpty(doc) || this.sent === doc || this.connection.away) return;
-    this.sending = this.#send(doc);
+    if (this.connection.away) return;
+    if (!this.dirty) this.sending = this.sending.then(() => this.#withdraw());
+    else if (!isEmpty(doc) && this.sent !== doc) this.sending = this.#send(doc);
     await this.sending;
+  }
+
+  /** Takes back what the server holds where all that changed was undone: it would be offered as unsaved work. */
+  async #withdraw() {
+    if (this.dirty || this.sent === null) return;
+    this.sent = null;
+    await autosaves.remove(this.tab).catch((error) => this.#failed(error));
   }
 
   /** @param {import("./document.js").Doc} doc */

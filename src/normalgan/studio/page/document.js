@@ -192,9 +192,11 @@ const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
   (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror));
+/** Below this z a normal looks away from the viewer; above it may be rounded. */
+const BACK = -0.02;
 /** @param {any} value */
 const isNormal = (value) =>
-  Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05;
+  Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05 && value[2] >= BACK;
 /** @type {Check} */
 const isHint = (value) =>
   isNumber(value.x) && isNumber(value.y) && isNormal(value.normal) && (value.reach === undefined || isNumber(value.reach));

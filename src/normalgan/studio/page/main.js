@@ -108,6 +108,12 @@ const create = async () => {
   projects.create(newWidth.valueAsNumber, newHeight.valueAsNumber);
 };
 const escape = () => {
+  const card = /** @type {HTMLDetailsElement | null} */ (document.querySelector("details[open]"));
+  if (card) {
+    card.open = false;
+    card.querySelector("summary")?.focus();
+    return;
+  }
   drop();
   editor.set({ chosen: -1, area: -1, suggestions: [], selection: NOTHING });
 };
@@ -126,7 +132,10 @@ const turn = (degrees) => {
   const { camera, x, y } = middle();
   camera.turn(x, y, (degrees * Math.PI) / 180);
 };
-editor.addEventListener("open", () => view.fit());
+editor.addEventListener("open", () => {
+  drop(); // a stroke that was begun on the drawing before
+  view.fit();
+});
 const remove = () => {
   if (editor.tool !== "select") points.remove();
   else if (select.remove()) status.say(text.selectRemoved);

@@ -22,8 +22,11 @@ const AHEAD = 64;
 const RETRY = 400;
 /** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
 const COARSE = { pen: 256, pin: 512 };
-/** Milliseconds after which a hand that draws is to have seen another map. */
+/** Milliseconds after which a hand that draws is to have seen another map, and how many of them what is foreseen may be late. */
 const GAP = 300;
+const LATE = 30;
+/** How fast the time that a map is foreseen to take falls, from one map to the next; it rises at once. */
+const FALL = 0.5;
 /** The server has another drawing than the one that a change was made to. */
 const BEHIND = 409;
 
@@ -52,7 +55,7 @@ export class Painter extends EventTarget {
     this.draft = false;
     /** Since when there has been no new map although there was something to paint. */
     this.since = 0;
-    /** Milliseconds that the last whole map took. */
+    /** Milliseconds that a whole map is foreseen to take, until it is handed to the viewer. */
     this.took = 0;
     /** Whether something changed since the last request. */
     this.stale = false;
@@ -234,8 +237,8 @@ export class Painter extends EventTarget {
     this.gesture = gesture;
     this.stale = true;
     this.whole = false;
-    // The server gives a draft up for what is none; that would leave a fast hand on a slow machine without maps.
-    const affordable = performance.now() - this.since + this.took < GAP;
+    // The server gives a draft up for what is none, and the hand sees no map until that is there: it goes on to draw, maybe.
+    const affordable = performance.now() + this.took - this.since <= GAP - LATE;
     if (!gesture && this.draft && affordable) this.running = null;
     if (!this.running) this.#run();
   }
@@ -293,10 +296,11 @@ export class Painter extends EventTarget {
     // A gesture that has ended since is refined, whether or not it changed more.
     if (longest && !this.gesture) this.stale = true;
     this.whole = !longest && !this.stale;
-    this.since = performance.now();
-    const ms = Math.round(this.since - start);
-    if (!draft) this.took = ms;
+    const ms = Math.round(performance.now() - start);
     this.dispatchEvent(new CustomEvent("painted", { detail: { ms, whole: this.whole } }));
+    this.since = performance.now();
+    const took = this.since - start;
+    if (!draft) this.took = Math.max(took, this.took + FALL * (took - this.took));
   }
 
   /** Asks for the heights of the map, once. */

@@ -61,10 +61,14 @@ export class Sheet {
   #draw() {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
-    const { context } = this;
-    const stale = this.stale ?? ALL;
+    const { canvas, context } = this;
+    // What was drawn before it was hidden is no longer so.
+    const stale = canvas.hidden ? ALL : this.stale ?? ALL;
     this.stale = null;
-    const { width, height } = this.canvas;
+    // Blending even an empty sheet with what lies below takes most of the time of a frame where there is no graphics card.
+    canvas.hidden = !this.veil && this.parts.every(({ lines, paper }) => !lines && !paper);
+    if (canvas.hidden) return;
+    const { width, height } = canvas;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.save();
     if (Number.isFinite(stale.left)) this.#clip(stale);

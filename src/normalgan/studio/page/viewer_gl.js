@@ -12,10 +12,15 @@ const BALL_UNIT = 1;
 /** Returns a copy of RGBA bytes whose colours are multiplied by their alpha. @param {Uint8Array} rgba */
 function premultiplied(rgba) {
   const copy = new Uint8Array(rgba);
-  for (let i = 3; i < copy.length; i += 4) {
-    const alpha = copy[i];
+  const pixels = new Uint32Array(copy.buffer);
+  for (let pixel = 0; pixel < pixels.length; pixel++) {
+    const alpha = copy[4 * pixel + 3];
     if (alpha === 255) continue;
-    for (let k = i - 3; k < i; k++) copy[k] = Math.round((copy[k] * alpha) / 255);
+    if (alpha === 0) {
+      pixels[pixel] = 0; // nearly all that are not opaque
+      continue;
+    }
+    for (let k = 4 * pixel; k < 4 * pixel + 3; k++) copy[k] = Math.round((copy[k] * alpha) / 255);
   }
   return copy;
 }

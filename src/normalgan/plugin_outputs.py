@@ -1,0 +1,44 @@
+"""What plug-ins give, as errors name it: a wrong shape is refused where it comes from, not where it hurts."""
+
+from torch import Tensor
+
+from normalgan.errors import InputError
+
+__all__ = ["called", "refused", "shown"]
+
+
+def called(plugin: object) -> str:
+    """Return what a plug-in is called: the name of its class."""
+    return type(plugin).__name__
+
+
+def refused(plugin: object, gave: object, asked: str) -> InputError:
+    """Return what to raise for a thing that a plug-in gave.
+
+    Args:
+        plugin: that gave it.
+        gave: the thing.
+        asked: what would be right, a sentence without its full stop.
+    """
+    return InputError(f"{called(plugin)} gave {shown(gave)}; {asked}.")
+
+
+def shown(value: object) -> str:
+    """Return a value in few words: of a tensor its shape, of anything else its type.
+
+    >>> import torch
+    >>> shown(torch.zeros(2, 1)), shown((torch.zeros(2), 3)), shown(None)
+    ('a tensor (2, 1)', 'a tuple of (a tensor (2,), an int)', 'None')
+    """
+    match value:
+        case None:
+            return "None"
+        case Tensor():
+            return f"a tensor {tuple(value.shape)}"
+        case tuple() | list() if value:
+            return f"a {type(value).__name__} of ({', '.join(shown(each) for each in value[:3])})"
+        case tuple() | list() | dict() if not value:
+            return f"an empty {type(value).__name__}"
+        case _:
+            name = type(value).__name__
+            return f"a{'n' * (name[0].lower() in 'aeiou')} {name}"

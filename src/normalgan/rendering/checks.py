@@ -1,0 +1,58 @@
+"""Checks of what renderers and line styles give, before it is worked on: they may be somebody else's."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.stroke import Stroke
+
+__all__ = ["check_maps", "check_strokes"]
+
+
+def check_maps(renderer: object, maps: object, size: int) -> Maps:
+    """Return what a renderer gave, if it is maps of ``size`` pixels a side.
+
+    Raises:
+        InputError: if it is anything else.
+    """
+    name = type(renderer).__name__
+    if not isinstance(maps, Maps):
+        raise InputError(f"{name} gave {type(maps).__name__}; a renderer gives normalgan.rendering.Maps.")
+    for part, wanted in (("normal", (size, size, 3)), ("depth", (size, size)), ("mask", (size, size))):
+        value: object = getattr(maps, part)
+        if not isinstance(value, np.ndarray) or value.shape != wanted:
+            given = f"shape {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
+            raise InputError(f"{name} gave a {part} of {given}; here it is an array of shape {wanted}.")
+    if maps.mask.dtype != np.bool_:
+        raise InputError(f"{name} gave a mask of {maps.mask.dtype}; it is bool, True on the object.")
+    if not np.isfinite(maps.normal).all():
+        raise InputError(f"{name} gave normals that are no numbers; they are unit vectors, 0 off the object.")
+    return maps
+
+
+def check_strokes(style: object, strokes: object, size: int) -> Sequence[Stroke]:
+    """Return what a line style gave, if it is strokes for a picture of ``size`` pixels a side.
+
+    Raises:
+        InputError: if it is anything else. What lies far outside is refused and not cut off: to draw a line
+            takes time and memory for every pixel along it.
+    """
+    name = type(style).__name__
+    asked, given = "a line style gives a list of Stroke", type(strokes).__name__
+    if not isinstance(strokes, list | tuple):
+        raise InputError(f"{name} gave {given}; {asked}.")
+    if others := [type(each).__name__ for each in strokes if not isinstance(each, Stroke)]:
+        raise InputError(f"{name} gave {given} of {others[0]}; {asked}.")
+    for stroke in strokes:
+        for part in ("points", "width", "darkness"):
+            if not np.isfinite(getattr(stroke, part)).all():
+                raise InputError(f"{name} gave a stroke whose {part} are no numbers; they must be finite.")
+        low, high = float(stroke.points.min()), float(stroke.points.max())
+        if low < -size or high > 2 * size or not 0 <= stroke.width.min() <= stroke.width.max() <= 4 * size:
+            raise InputError(
+                f"{name} gave a stroke from {low:.6g} to {high:.6g} pixels, up to "
+                f"{stroke.width.max():.6g} wide, for a sketch of {size}; points and widths are in its pixels."
+            )
+    return strokes
