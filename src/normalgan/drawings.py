@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from normalgan.decoding import Decoded, Pixels, decode
 from normalgan.errors import InputError
 from normalgan.limits import read_bounded
-from normalgan.normals import BACK, Green, flip_green, normalize, read_exr, vectors
+from normalgan.normals import LEAST_Z, Green, flip_green, normalize, read_exr, vectors
 
 __all__ = [
     "LARGEST",
@@ -214,7 +214,7 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
             f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is no "
             f"normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
         )
-    away = np.flatnonzero(given[:, 2] < BACK * length)
+    away = np.flatnonzero(given[:, 2] < LEAST_Z * length)
     if len(away):
         first = away[0]
         raise InputError(

@@ -198,9 +198,9 @@ class NormalGAN(LightningModule):
         optimizer, real = self._optimizers()[1], batch["normal"]
         with self.toggled_optimizer(optimizer):
             # Two passes: in one, batch norm would mix the statistics of true and painted maps.
-            scores = (discriminator(condition, normal) for normal in (real, fake))
             loss = self.objective.discriminator_loss(
-                *(check_scores(discriminator, each, condition) for each in scores)
+                check_scores(discriminator, discriminator(condition, real), condition),
+                check_scores(discriminator, discriminator(condition, fake), condition),
             )
             penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
             check_losses(self.objective, {"discriminator_loss": loss, "penalty": penalty})

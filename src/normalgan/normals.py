@@ -17,7 +17,7 @@ from normalgan.errors import InputError, brief
 from normalgan.files import write_bytes
 
 __all__ = [
-    "BACK",
+    "LEAST_Z",
     "Bits",
     "Floats",
     "Green",
@@ -45,7 +45,7 @@ Bits = Literal[8, 16]
 Green = Literal["up", "down"]
 """Which way of y a file holds as green: up as in OpenGL, down as in DirectX."""
 Floats = NDArray[np.float32]
-BACK = -0.02
+LEAST_Z = -0.02
 """A unit normal whose z is below this looks away from the viewer; above it may be the rounding of 8 bits."""
 _STRIP = 2**16
 """Values of a strip: what is computed of so many stays in a processor's cache."""

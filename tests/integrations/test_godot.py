@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,10 @@ from add_ons import FOX, ROOT, install, own_command, program, start
 from numpy.typing import NDArray
 from PIL import Image
 
-from needs import GODOT3, GODOT4
+from needs import GODOT3, GODOT4, Need
 from normalgan.__main__ import main
 
-PROJECT = """config_version=4
+PROJECT_3 = """config_version=4
 
 [application]
 config/name="lit"
@@ -25,7 +26,7 @@ window/size/height=320
 [editor_plugins]
 enabled=PoolStringArray( "normalgan" )
 """
-IMPORT = """[remap]
+IMPORT_3 = """[remap]
 importer="normalgan"
 type="PackedScene"
 [deps]
@@ -34,7 +35,7 @@ source_file="res://fox.png"
 strength=1.0
 cut_out=true
 """
-LIT = """extends SceneTree
+LIT_3 = """extends SceneTree
 # The imported drawing under one light, as a picture.
 
 func _init():
@@ -81,7 +82,7 @@ enabled=PackedStringArray("res://addons/normalgan/plugin.cfg")
 [rendering]
 renderer/rendering_method="gl_compatibility"
 """
-IMPORT_4 = IMPORT.replace("PackedScene", "CanvasTexture")
+IMPORT_4 = IMPORT_3.replace("PackedScene", "CanvasTexture")
 LIT_4 = """extends SceneTree
 ## The imported drawing under one light, as a picture.
 
@@ -113,161 +114,171 @@ func shoot() -> void:
 BACK, BELLY = np.s_[50:110, 100:250], np.s_[150:190, 120:250]
 
 
+@dataclass(frozen=True)
+class Godot:
+    """What a test has to know of a version of Godot.
+
+    Attributes:
+        need: what is said where it is missing.
+        names: its programs: the first that is there and of this version edits.
+        begins: what it says its version is, as far as that is fixed.
+        engine: the name of its import settings (``normalgan generate --engine``).
+        add_on: the name of its add-on.
+        project: a project file with the add-on.
+        plain: the same without the add-on.
+        asked: the import settings of a drawing.
+        script: a scene under one light, which leaves a picture.
+        imported: the folder of what was imported.
+        scene: the imported drawing there.
+        texture: the imported normal map there.
+        importing: the words that import what is new in a project.
+        player: the name of the program that shows a scene, if not that which edits.
+        playing: the words that show a scene, before that of the light's place.
+        settings: how the lines of a normal map's import settings begin.
+    """
+
+    need: Need
+    names: tuple[str, ...]
+    begins: str
+    engine: str
+    add_on: str
+    project: str
+    plain: str
+    asked: str
+    script: str
+    imported: str
+    scene: str
+    texture: str
+    importing: tuple[str, ...]
+    player: str | None
+    playing: tuple[str, ...]
+    settings: tuple[str, ...]
+
+    def program(self) -> str:
+        """Return the program that edits, whose name may be that of another version too, or skip."""
+        for name in self.names:
+            if found := shutil.which(name):
+                said = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
+                if said.stdout.startswith(self.begins):
+                    return found
+        pytest.skip(self.need.reason(f"there is no {' and no '.join(self.names)} of version {self.begins}x"))
+
+    def open(self, project: Path, **environment: str) -> str:
+        """Import what is new in a project, without a window, and return what was said."""
+        done = start([self.program(), "--path", str(project), *self.importing], project.parent, environment)
+        return done.stdout + done.stderr
+
+    def lit(self, project: Path, where: str) -> NDArray[np.float64]:
+        """Return the scene with its light above or below, as grey."""
+        player = self.program() if self.player is None else program(self.need, self.player)
+        command = [player, "--audio-driver", "Dummy", "--path", str(project), *self.playing, where]
+        done = start(command, project.parent, {"LIBGL_ALWAYS_SOFTWARE": "1"}, screen=True)
+        with Image.open(project / "shot.png") as image:
+            assert image.size == (320, 320), done.stdout + done.stderr
+            return np.asarray(image.convert("L"), dtype=np.float64)
+
+    def found(self, project: Path, pattern: str) -> list[Path]:
+        """Return what was imported under such names."""
+        return list((project / self.imported).glob(pattern))
+
+
+GODOT_3 = Godot(
+    need=GODOT3,
+    names=("godot3-server",),
+    begins="3.",
+    engine="godot3",
+    add_on="godot3",
+    project=PROJECT_3,
+    plain=PROJECT_3,  # its add-on is registered when it is installed
+    asked=IMPORT_3,
+    script=LIT_3,
+    imported=".import",
+    scene="fox.png-*.scn",
+    texture="fox_n.png-*.stex",
+    importing=("--editor", "--quit"),
+    player="godot3",
+    playing=("--video-driver", "GLES2", "-s", "lit.gd"),
+    settings=("compress", "flags", "detect"),
+)
+GODOT_4 = Godot(
+    need=GODOT4,
+    names=("godot4", "godot"),
+    begins="4.",
+    engine="godot",
+    add_on="godot4",
+    project=PROJECT_4,
+    plain=PROJECT_4.replace('"res://addons/normalgan/plugin.cfg"', ""),
+    asked=IMPORT_4,
+    script=LIT_4,
+    imported=".godot/imported",
+    scene="fox.png-*.res",
+    texture="fox_n.png-*.ctex",
+    importing=("--headless", "--import"),
+    player=None,
+    playing=("-s", "lit.gd", "--"),
+    settings=("compress", "roughness", "process", "detect"),
+)
+
+
+@pytest.fixture(params=[GODOT_3, GODOT_4], ids=["3", "4"])
+def godot(request: pytest.FixtureRequest) -> Godot:
+    """Each Godot that is installed."""
+    given: Godot = request.param
+    given.program()
+    return given
+
+
 @pytest.fixture
-def project(tmp_path: Path) -> Path:
-    """A project of Godot 3 with the add-on and a drawing that is to be imported by it."""
-    program(GODOT3, "godot3-server")
+def project(godot: Godot, tmp_path: Path) -> Path:
+    """A project with the add-on and a drawing that is to be imported by it."""
     folder = tmp_path / "game"
     folder.mkdir()
     script = own_command(tmp_path)
-    install("godot3", tmp_path, "--to", str(folder), "--normalgan", str(script))
-    (folder / "project.godot").write_text(PROJECT, encoding="utf-8")
+    install(godot.add_on, tmp_path, "--to", str(folder), "--normalgan", str(script))
+    (folder / "project.godot").write_text(godot.project, encoding="utf-8")
     (folder / "fox.png").write_bytes(FOX.read_bytes())
-    (folder / "fox.png.import").write_text(IMPORT, encoding="utf-8")
-    (folder / "lit.gd").write_text(LIT, encoding="utf-8")
+    (folder / "fox.png.import").write_text(godot.asked, encoding="utf-8")
+    (folder / "lit.gd").write_text(godot.script, encoding="utf-8")
     return folder
 
 
-def imported(project: Path, **environment: str) -> str:
-    """Open the project in the editor without a window, which imports, and return what was said."""
-    editor = ["godot3-server", "--path", str(project), "--editor", "--quit"]
-    done = start(editor, project.parent, environment)
-    return done.stdout + done.stderr
-
-
-def lit(project: Path, where: str) -> NDArray[np.float64]:
-    """Return the scene with its light above or below, as grey."""
-    player = ["godot3", "--audio-driver", "Dummy", "--video-driver", "GLES2", "--path", str(project)]
-    environment = {"LIBGL_ALWAYS_SOFTWARE": "1"}
-    done = start([*player, "-s", "lit.gd", where], project.parent, environment, screen=True)
-    with Image.open(project / "shot.png") as image:
-        assert image.size == (320, 320), done.stderr
-        return np.asarray(image.convert("L"), dtype=np.float64)
-
-
 @pytest.mark.slow  # starts Godot three times
-def test_an_imported_drawing_is_lit_from_where_the_light_is(project: Path) -> None:
-    program(GODOT3, "godot3")
-    program(GODOT3, "xvfb-run")
-    said = imported(project)
-    assert list((project / ".import").glob("fox.png-*.scn")), said
-    assert not list((project / ".import").glob("*.normal.png"))
-    above, below = lit(project, "above"), lit(project, "below")
+def test_an_imported_drawing_is_lit_from_where_the_light_is(godot: Godot, project: Path) -> None:
+    program(godot.need, "xvfb-run")
+    said = godot.open(project)
+    assert godot.found(project, godot.scene), said
+    assert not godot.found(project, "*.normal.png")
+    above, below = godot.lit(project, "above"), godot.lit(project, "below")
     assert above[BACK].mean() > below[BACK].mean() + 20
     assert above[BELLY].mean() < below[BELLY].mean() - 20
 
 
 @pytest.mark.slow  # starts Godot
-def test_a_map_for_godot_3_is_imported_as_a_normal_map(tmp_path: Path) -> None:
-    program(GODOT3, "godot3-server")
+def test_a_map_for_godot_is_imported_as_a_normal_map(godot: Godot, tmp_path: Path) -> None:
     folder = tmp_path / "game"
     folder.mkdir()
-    (folder / "project.godot").write_text(PROJECT, encoding="utf-8")
-    assert main(["generate", str(FOX), "-o", str(folder), "--engine", "godot3"]) == 0
+    (folder / "project.godot").write_text(godot.plain, encoding="utf-8")
+    assert main(["generate", str(FOX), "-o", str(folder), "--engine", godot.engine]) == 0
     asked = (folder / "fox_n.png.import").read_text(encoding="utf-8")
-    said = imported(folder)
-    assert list((folder / ".import").glob("fox_n.png-*.stex")), said
+    said = godot.open(folder)
+    assert godot.found(folder, godot.texture), said
     written = (folder / "fox_n.png.import").read_text(encoding="utf-8")
-    settings = [line for line in asked.splitlines() if line.startswith(("compress", "flags", "detect"))]
+    settings = [line for line in asked.splitlines() if line.startswith(godot.settings)]
     assert len(settings) == 5
     assert not set(settings) - set(written.splitlines())
 
 
 @pytest.mark.slow  # starts Godot
-def test_without_normalgan_one_sentence_says_what_to_do(project: Path) -> None:
-    said = imported(project, NORMALGAN="/nowhere/normalgan")
+def test_without_normalgan_one_sentence_says_what_to_do(godot: Godot, project: Path) -> None:
+    said = godot.open(project, NORMALGAN="/nowhere/normalgan")
     assert "normalgan was not found; install it and run integrations/install.py again" in said
-    assert not list((project / ".import").glob("*.scn"))
+    assert not godot.found(project, godot.scene)
 
 
 @pytest.mark.slow  # starts Godot
-def test_what_the_command_says_is_shown(project: Path) -> None:
+def test_what_the_command_says_is_shown(godot: Godot, project: Path) -> None:
     (project / "fox.png").write_bytes(b"no picture")
-    assert "normalgan: " in (said := imported(project))
-    assert "is not an image that can be read" in said
-
-
-@pytest.fixture
-def project_4(tmp_path: Path) -> Path:
-    """A project of Godot 4 with the add-on and a drawing that is to be imported by it."""
-    godot_4()
-    folder = tmp_path / "game"
-    folder.mkdir()
-    script = own_command(tmp_path)
-    install("godot4", tmp_path, "--to", str(folder), "--normalgan", str(script))
-    (folder / "project.godot").write_text(PROJECT_4, encoding="utf-8")
-    (folder / "fox.png").write_bytes(FOX.read_bytes())
-    (folder / "fox.png.import").write_text(IMPORT_4, encoding="utf-8")
-    (folder / "lit.gd").write_text(LIT_4, encoding="utf-8")
-    return folder
-
-
-def godot_4() -> str:
-    """Return the program of Godot 4, whose name may be that of others too, or skip."""
-    for name in ("godot4", "godot"):
-        found = shutil.which(name)
-        if found and subprocess.check_output([found, "--version"], text=True).startswith("4."):
-            return found
-    pytest.skip(GODOT4.reason("there is no godot4, and no godot of version 4"))
-
-
-def imported_4(project: Path, **environment: str) -> str:
-    """Import what is new in the project without a window, and return what was said."""
-    done = start([godot_4(), "--headless", "--path", str(project), "--import"], project.parent, environment)
-    return done.stdout + done.stderr
-
-
-def lit_4(project: Path, where: str) -> NDArray[np.float64]:
-    """Return the scene with its light above or below, as grey."""
-    player = [godot_4(), "--audio-driver", "Dummy", "--path", str(project), "-s", "lit.gd", "--", where]
-    done = start(player, project.parent, {"LIBGL_ALWAYS_SOFTWARE": "1"}, screen=True)
-    with Image.open(project / "shot.png") as image:
-        assert image.size == (320, 320), done.stdout + done.stderr
-        return np.asarray(image.convert("L"), dtype=np.float64)
-
-
-@pytest.mark.slow  # starts Godot three times
-def test_a_drawing_imported_by_godot_4_is_lit_from_where_the_light_is(project_4: Path) -> None:
-    program(GODOT4, "xvfb-run")
-    said = imported_4(project_4)
-    assert list((project_4 / ".godot" / "imported").glob("fox.png-*.res")), said
-    assert not list((project_4 / ".godot" / "imported").glob("*.normal.png"))
-    above, below = lit_4(project_4, "above"), lit_4(project_4, "below")
-    assert above[BACK].mean() > below[BACK].mean() + 20
-    assert above[BELLY].mean() < below[BELLY].mean() - 20
-
-
-@pytest.mark.slow  # starts Godot
-def test_a_map_for_godot_4_is_imported_as_a_normal_map(tmp_path: Path) -> None:
-    godot_4()
-    folder = tmp_path / "game"
-    folder.mkdir()
-    (folder / "project.godot").write_text(
-        PROJECT_4.replace("PackedStringArray(", "PackedStringArray() #"), "utf-8"
-    )
-    assert main(["generate", str(FOX), "-o", str(folder), "--engine", "godot"]) == 0
-    asked = (folder / "fox_n.png.import").read_text(encoding="utf-8")
-    said = imported_4(folder)
-    assert list((folder / ".godot" / "imported").glob("fox_n.png-*.ctex")), said
-    written = (folder / "fox_n.png.import").read_text(encoding="utf-8")
-    settings = [
-        line for line in asked.splitlines() if line.startswith(("compress", "roughness", "process", "detect"))
-    ]
-    assert len(settings) == 5
-    assert not set(settings) - set(written.splitlines())
-
-
-@pytest.mark.slow  # starts Godot
-def test_godot_4_says_what_to_do_without_normalgan(project_4: Path) -> None:
-    said = imported_4(project_4, NORMALGAN="/nowhere/normalgan")
-    assert "normalgan was not found; install it and run integrations/install.py again" in said
-    assert not list((project_4 / ".godot" / "imported").glob("*.res"))
-
-
-@pytest.mark.slow  # starts Godot
-def test_godot_4_shows_what_the_command_says(project_4: Path) -> None:
-    (project_4 / "fox.png").write_bytes(b"no picture")
-    assert "normalgan: " in (said := imported_4(project_4))
+    assert "normalgan: " in (said := godot.open(project))
     assert "is not an image that can be read" in said
 
 

@@ -81,9 +81,9 @@ def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch
     if not isinstance(given, dict):
         raise refused(augmentation, given, asked)
     for name, before in batch.items():
-        after = given.get(name)
         if name not in given:
             raise InputError(f"{called(augmentation)} gave a batch without {name}; {asked}.")
+        after = given[name]
         if isinstance(before, Tensor) and not (isinstance(after, Tensor) and after.shape == before.shape):
             raise InputError(
                 f"{called(augmentation)} gave {shown(after)} as {name}, of which there was "

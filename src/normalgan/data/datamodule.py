@@ -31,7 +31,7 @@ from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.painting.jobs import find_files
-from normalgan.plugin_outputs import refused
+from normalgan.plugin_outputs import called, refused
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
@@ -223,7 +223,7 @@ class MeshDataModule(LightningDataModule):
             raise refused(self.source, found, "a data source gives what there is by the name of the split")
         if unknown := set(found) - set(SPLITS):
             raise InputError(
-                f"{type(self.source).__name__} has a split {min(unknown)!r}; the splits are "
+                f"{called(self.source)} has a split {min(unknown)!r}; the splits are "
                 f"{', '.join(SPLITS)}."
             )
         return {split: list(found.get(split, [])) for split in SPLITS}

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
-from normalgan.painting.levels import median
 
 __all__ = ["Bounds", "Frame", "bounds_of", "united"]
 
@@ -113,7 +112,7 @@ def _darkness(shown: Floats) -> float:
     lines is brought back to that.
     """
     lines = shown[shown > 0.1]
-    return max(median(lines), 0.1) if lines.size else 1.0
+    return max(float(np.median(lines)), 0.1) if lines.size else 1.0
 
 
 def bounds_of(ink: Floats) -> Bounds:

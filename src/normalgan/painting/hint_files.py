@@ -11,7 +11,7 @@ import numpy as np
 from normalgan.drawings import read_hints
 from normalgan.errors import InputError
 from normalgan.limits import read_bounded
-from normalgan.normals import BACK, Floats, normalize
+from normalgan.normals import LEAST_Z, Floats, normalize
 
 __all__ = ["ENDINGS", "MOST_LISTED", "Hints", "load_hints", "parse_hints"]
 
@@ -85,7 +85,7 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
                 f"the normal [{nx:g}, {ny:g}, {nz:g}] of hint {number} of {path}, at x {x:g}, y {y:g}, "
                 f"has length {length:.3g}; a normal has length 1."
             )
-        if nz < BACK * length:
+        if nz < LEAST_Z * length:
             raise InputError(
                 f"the normal [{nx:g}, {ny:g}, {nz:g}] of hint {number} of {path}, at x {x:g}, y {y:g}, "
                 "looks away from the viewer; its z must be 0 or more."

@@ -13,7 +13,7 @@ from normalgan.decoding import Decoded, Pixels
 from normalgan.drawings import LARGEST, SMALLEST
 from normalgan.errors import InputError, brief
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
-from normalgan.normals import BACK, Floats, normalize
+from normalgan.normals import LEAST_Z, Floats, normalize
 from normalgan.painting.hint_files import Hints, load_hints, parse_hints
 from normalgan.painting.jobs import MODEL, OUTLINE
 from normalgan.painting.masks import load_mask, mask_of
@@ -194,7 +194,7 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
             f"the hint at x {columns[first]}, y {rows[first]} has length {length[first]:.3g}; "
             "a normal has length 1."
         )
-    away = np.flatnonzero(normals[:, 2] < BACK * length)
+    away = np.flatnonzero(normals[:, 2] < LEAST_Z * length)
     if len(away):
         first = away[0]
         raise InputError(

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 from normalgan.normals import Floats
 from normalgan.painting.framing import Frame
-from normalgan.painting.levels import median
 
 __all__ = ["Mark", "areas", "line_width", "middle", "show"]
 
@@ -90,7 +89,7 @@ def line_width(inked: Mark) -> float:
 def _width(inked: Mark, depth: Floats) -> float:
     # Pixels as far inside as their neighbours or farther lie on the middle of a line.
     ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(1e-4))
-    return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
+    return float(np.median(2 * depth[ridge] - 1)) if ridge.any() else 0.0
 
 
 def _around(marked: Mark, room: int) -> tuple[slice, slice]:

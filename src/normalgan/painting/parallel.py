@@ -33,16 +33,18 @@ def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | E
     [(1, ZeroDivisionError('integer division or modulo by zero')), (2, 10)]
     """
     count = workers(len(jobs))
-    with ThreadPoolExecutor(count) as pool:
-        waiting: deque[tuple[J, Future[R]]] = deque()
-        try:
-            for job in jobs:
-                waiting.append((job, pool.submit(work, job)))
-                yield from _drained(waiting, count)
-            yield from _drained(waiting, 0)
-        finally:
-            for _, future in waiting:
-                future.cancel()
+    pool = ThreadPoolExecutor(count)
+    waiting: deque[tuple[J, Future[R]]] = deque()
+    try:
+        for job in jobs:
+            waiting.append((job, pool.submit(work, job)))
+            yield from _drained(waiting, count)
+        yield from _drained(waiting, 0)
+    finally:
+        # What is under way is not waited for. Who leaves early, as by an exception, leaves this to be
+        # collected with it, in whatever thread that happens: one that is just starting would wait for itself
+        # for ever, as joining takes the lock that it holds. The interpreter waits for all before it ends.
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _drained(waiting: deque[tuple[J, Future[R]]], left: int) -> Iterator[tuple[J, R | Exception]]:

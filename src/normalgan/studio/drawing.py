@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.normals import BACK, Floats
+from normalgan.normals import LEAST_Z, Floats
 from normalgan.painting.edits import (
     MOST_PINS,
     REACH,
@@ -200,7 +200,7 @@ def read_areas(given: Any) -> list[Area]:
             size = None if each.get("size") is None else float(each["size"])
             length = float(np.linalg.norm(normal))
             fits = len(points) <= MOST_POINTS and bool(np.isfinite(points).all()) and 0.75 < length < 1.25
-            fits = fits and bool(normal[2] >= BACK * length)
+            fits = fits and bool(normal[2] >= LEAST_Z * length)
             fits = fits and (len(points) >= 3 if size is None else len(points) >= 1 and 0 < size <= MOST_SIDE)
         except (TypeError, ValueError, KeyError, AttributeError):
             fits = False

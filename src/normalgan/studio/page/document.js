@@ -193,10 +193,10 @@ const isLine = (value) =>
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
   (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror));
 /** Below this z a normal looks away from the viewer; above it may be rounded. */
-const BACK = -0.02;
+const LEAST_Z = -0.02;
 /** @param {any} value */
 const isNormal = (value) =>
-  Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05 && value[2] >= BACK;
+  Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05 && value[2] >= LEAST_Z;
 /** @type {Check} */
 const isHint = (value) =>
   isNumber(value.x) && isNumber(value.y) && isNormal(value.normal) && (value.reach === undefined || isNumber(value.reach));
