@@ -35,6 +35,13 @@ def test_a_plan_is_read(tmp_path: Path) -> None:
     assert read.row("a") is read.rows[0]
 
 
+def test_a_class_named_by_its_path_keeps_the_settings_it_is_given_alone(tmp_path: Path) -> None:
+    """With its defaults written down, `params` of an optimiser among them, no row could be put together."""
+    changes = {"model.discriminator_optimizer": {"class_path": "torch.optim.Adam", "init_args": {"lr": 1e-4}}}
+    rows = [{"name": "a", "label": "A", "configs": ["x.yaml"], "changes": changes}]
+    assert read_plan(written(tmp_path, plan(rows=rows))).rows[0].changes == changes
+
+
 def test_plans_are_told_from_overlays() -> None:
     assert is_plan(PLANS / "fourlegs.yaml")
     assert not is_plan(ROOT / "configs" / "cpu.yaml")

@@ -230,8 +230,11 @@ def _read(kind: type[Part], content: Settings, where: str, **given: Any) -> Part
     parser.add_class_arguments(kind, skip=set(given))
     try:
         # A copy: the parser changes what it parses.
-        checked = parser.parse_object(deepcopy(content))
-        return kind(**given, **{name: getattr(checked, name) for name in vars(checked)})
+        checked = vars(parser.parse_object(deepcopy(content)))
+        # Settings stay as they are written: to the parser a mapping with the path of a class is that class, and it
+        # writes down all defaults of it, of which `normalgan fit` would refuse some.
+        written = {name: content[name] for name in checked if isinstance(content.get(name), dict)}
+        return kind(**given, **checked | written)
     except InputError as error:
         raise InputError(f"{where} cannot be used: {error}") from error
     except (TypeError, ValueError) as error:
