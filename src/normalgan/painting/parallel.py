@@ -16,16 +16,19 @@ _MOST = 8
 
 
 def workers(jobs: int) -> int:
-    """Return how many drawings are to be worked on at once: as many as there are cores for."""
+    """Return how many drawings are to be worked on at once: one more than there are cores for.
+
+    One of them waits: for the disk to have its map, or for the other process to decode its drawing.
+    """
     # The scheduler's own count where there is one: a container may have fewer cores than its machine.
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(min(cores, jobs, _MOST), 1)
+    return max(min(cores + 1, jobs, _MOST), 1)
 
 
 def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | Exception]]:
     """Yield each job with what came of it, or the exception that stopped it, in order.
 
-    A thread for each core does whole jobs. NumPy, OpenCV and ONNX Runtime let others run while they compute,
+    Each thread does whole jobs. NumPy, OpenCV and ONNX Runtime let others run while they compute,
     so that threads, each with a network that runs on one core, keep all cores busy; a network that is spread
     over all cores would wait for the rest of each job, which cannot be.
 
