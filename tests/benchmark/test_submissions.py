@@ -66,6 +66,7 @@ def test_the_inputs_are_the_tests_and_what_is_painted_of_them_is_measured(
     theirs(inputs, folder, given)
     submission = read_submission(folder)
     assert (submission.name, submission.counts) == ("theirs", (0, 5))
+    assert not submission.method().timed
     measured = measure(submission.method(), [given], HintTests([0, 5], seed=3), CPU)
     facing = given["normal"][:, 2:].clamp(-1, 1).acos().rad2deg()[given["mask"] > 0].mean()
     assert measured.figures["0"]["angular_mean"] == pytest.approx(float(facing), abs=0.1)

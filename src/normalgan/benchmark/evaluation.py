@@ -124,7 +124,9 @@ class Evaluation:
         cost = {
             "parameters": parameters(network) if network else 0,
             "flops": flops(network, size, device) if network else 0,
-            "images_per_second": images_per_second(method, next(self.batches()), device),
+            "images_per_second": images_per_second(method, next(self.batches()), device)
+            if method.timed
+            else 0,
         }
         where = {"machine": describe_machine(device), "versions": describe_versions(), "commit": commit()}
         return {**measured, "cost": cost, **where}
