@@ -207,3 +207,28 @@ def test_a_critic_alone_may_teach(tmp_path: Path) -> None:
     taught = gan(reconstruction=Loss(lambda difference: {}), hint_sampler=Sampler(lambda mask: mask > 0))
     trainer(tmp_path).fit(taught, loader(2))
     assert taught.trainer.global_step == 2
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (
+            {"generator": nn.Conv2d(4, 3, 1)},
+            r"^generator must be an object of a class of Generator, not a Conv2d\.$",
+        ),
+        ({"discriminator": "PatchDiscriminator"}, r"^discriminator must be .* not 'PatchDiscriminator'\.$"),
+        ({"hint_sampler": Sampler}, r"^hint_sampler must be .* not the class Sampler; write Sampler\(…\)\.$"),
+        (
+            {"objective": None},
+            r"^objective must be an object of a class of AdversarialObjective, not None\.$",
+        ),
+        ({"reconstruction": nn.L1Loss()}, r"^reconstruction must be .* of Reconstruction, not a L1Loss\.$"),
+        (
+            {"generator_optimizer": torch.optim.Adam([nn.Parameter(torch.zeros(1))])},
+            r"^generator_optimizer must make an optimiser of parameters, such as partial.*, not be an Adam",
+        ),
+    ],
+)
+def test_a_part_that_is_none_is_told_when_the_model_is_made(given: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        gan(**given)

@@ -161,4 +161,4 @@ def check_size(path: Path, trained: int | None, size: int) -> None:
         InputError: if they differ.
     """
     if trained not in {None, size}:
-        raise InputError(f"{path} was trained at {trained} pixels, not {size}; give --data.size {trained}.")
+        raise InputError(f"{path} was trained at {trained} pixels, not {size}; data.size must be {trained}.")

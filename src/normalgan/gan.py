@@ -26,6 +26,7 @@ from normalgan.models.statistics import average_statistics
 from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.objectives.checks import check_losses, check_terms
 from normalgan.objectives.finite import loss_error, not_finite, read_behind
+from normalgan.plugin_outputs import check_kind, shown
 from normalgan.seeds import derive_seed
 from normalgan.torch_seeds import seed_torch
 from normalgan.weights.checkpoint import settings_to_save
@@ -110,6 +111,25 @@ class NormalGAN(LightningModule):
             raise InputError(f"adversarial_weight must be 0 or more, not {adversarial_weight}.")
         if not 0 <= hint_noise <= 90:
             raise InputError(f"hint_noise must be 0 to 90 degrees, not {hint_noise}.")
+        kinds: dict[str, tuple[object, type]] = {
+            "generator": (generator, Generator),
+            "discriminator": (discriminator, Discriminator),
+            "hint_sampler": (hint_sampler, HintSampler),
+            "objective": (objective, AdversarialObjective),
+            "reconstruction": (reconstruction, Reconstruction),
+        }
+        for name, (value, kind) in kinds.items():
+            if not (name == "discriminator" and value is None):
+                check_kind(name, value, kind)
+        for name, optimizer in {
+            "generator_optimizer": generator_optimizer,
+            "discriminator_optimizer": discriminator_optimizer,
+        }.items():
+            if not callable(optimizer):
+                raise InputError(
+                    f"{name} must make an optimiser of parameters, such as "
+                    f"partial(torch.optim.Adam, lr=1e-4), not be {shown(optimizer)}."
+                )
         if discriminator is not None:
             objective.check(discriminator)
         with warnings.catch_warnings():

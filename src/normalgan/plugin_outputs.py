@@ -4,7 +4,22 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 
-__all__ = ["called", "refused", "shown"]
+__all__ = ["called", "check_kind", "refused", "shown"]
+
+
+def check_kind(setting: str, value: object, kind: type) -> None:
+    """Make sure that a setting is an object of a kind, as in Python anything may be given.
+
+    Raises:
+        InputError: if it is a name, a class that was not called, or anything else.
+    """
+    if isinstance(value, kind):
+        return
+    given = repr(value) if isinstance(value, str) else shown(value)
+    if isinstance(value, type):
+        given = f"the class {value.__name__}"
+        given += f"; write {value.__name__}(…)" if issubclass(value, kind) else ""
+    raise InputError(f"{setting} must be an object of a class of {kind.__name__}, not {given}.")
 
 
 def called(plugin: object) -> str:

@@ -10,9 +10,11 @@ import pytest
 import yaml
 
 from normalgan.__main__ import main
+from normalgan.benchmark.evaluation import Evaluation
 from normalgan.benchmark.plan import read_plan
-from normalgan.benchmark.runs import plan_runs
+from normalgan.benchmark.runs import plan_runs, shared_settings
 from normalgan.benchmark.scale import read_scale
+from normalgan.data.datamodule import MeshDataModule
 
 ROOT = Path(__file__).parents[2]
 
@@ -84,6 +86,20 @@ def test_the_mean_of_the_training_maps_comes_first_on_a_fresh_cache(
     assert main([*given, "--set", f"data.cache={tmp_path / 'cache'}"]) == 0, capsys.readouterr().out
     (result,) = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))["runs"]
     assert result["row"] == "mean"
+
+
+def test_a_plan_that_trains_nothing_renders_the_test_split_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tracks are such plans: for one row of five seconds all training views would be rendered."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "plan.yaml"
+    path.write_text(yaml.safe_dump({**PLAN, "rows": PLAN["rows"][:1]}), encoding="utf-8")
+    plan, scale = read_plan(path), read_scale([])
+    rendered: list[set[str]] = []
+    monkeypatch.setattr(MeshDataModule, "render", lambda data, **how: rendered.append({*data.kept}))
+    assert Evaluation(plan, shared_settings(plan, scale)).data.of_pairs is False
+    assert rendered == [{"test"}]
 
 
 @pytest.mark.slow  # trains thrice in other processes, which import lightning

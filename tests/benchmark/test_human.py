@@ -1,6 +1,8 @@
 """Drawings by people: small made-up files in the layouts of three data sets, with a mesh and its camera."""
 
 import json
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -194,7 +196,7 @@ def test_the_truth_painted_by_its_formula_has_no_error(tmp_path: Path, write: An
         assert found.left_out[0].endswith("is left out: cameras.json has no view 8_2_cat.")
     else:
         assert names == ["ball/ball_p7_traced", "ball/ball_p8_freehand"]
-        assert "1 prompts are left out" in found.left_out[0]
+        assert "of 1 of 2 prompts cameras.json has no view, such as boat.png" in found.left_out[0]
         assert "boat.png" in found.left_out[0]
     painter: Painter = truth  # type: ignore[assignment]
     measured = measure_drawings(found.drawings[:1], painter, 0, 1, print)
@@ -237,6 +239,78 @@ def test_opensketch_from_a_folder_to_a_report(tmp_path: Path, capsys: pytest.Cap
     assert str(tmp_path) not in json.dumps({**results, "left_out": []})
     assert {path.name for path in out.iterdir()} == {"results.json", "table.md", "gallery.png"}
     assert "ball/Professional1_view1_concept | concept |" in (out / "table.md").read_text(encoding="utf-8")
+
+
+def edited(path: Path, change: Callable[[Any], Any]) -> None:
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps(change(content)))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda sketch: {**sketch, "strokes": [None, *sketch["strokes"]]}, "not laid out like OpenSketch"),
+        (lambda sketch: {**sketch, "strokes": {"a": 1}}, "not laid out like OpenSketch"),
+        (lambda sketch: {**sketch, "canvas": {**sketch["canvas"], "pen_width": -3}}, "-3 wide and 0.5 dark"),
+        (lambda sketch: {**sketch, "canvas": {**sketch["canvas"], "pen_width": 1e9}}, r"5e\+08 wide"),
+    ],
+    ids=["a stroke that is null", "strokes by name", "a negative pen", "a pen that takes all memory"],
+)
+def test_a_damaged_sketch_of_opensketch_is_left_out_alone(
+    tmp_path: Path, change: Callable[[Any], Any], message: str
+) -> None:
+    write_opensketch(tmp_path)
+    place = tmp_path / "sketches" / "Professional1" / "ball"
+    (place / "view1_presentation.json").write_bytes((place / "view1_concept.json").read_bytes())
+    edited(place / "view1_concept.json", change)
+    found = find_drawings(tmp_path)
+    assert [one.group for one in found.drawings] == ["presentation"]
+    assert re.search(message, found.left_out[0])
+
+
+def test_opensketch_is_read_from_within_the_folder_of_an_object(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_opensketch(tmp_path)
+    monkeypatch.chdir(tmp_path / "sketches" / "Professional1" / "ball")
+    with pytest.raises(InputError, match=r"there is no ball\.obj anywhere in the folder"):
+        find_drawings(Path())
+
+
+def test_points_that_are_no_pairs_are_counted() -> None:
+    points = np.random.default_rng(0).normal(size=(9, 3))
+    with pytest.raises(InputError, match=r"^9 points of it are given, and 8 places where they are drawn\.$"):
+        fit_projection(points, points[:8, :2])
+
+
+@pytest.mark.parametrize("drawings", [[1], None, "p8"])
+def test_a_prompt_without_drawings_by_participant_is_left_out_alone(tmp_path: Path, drawings: Any) -> None:
+    write_tracings(tmp_path)
+    edited(tmp_path / "drawings.json", lambda content: {"ball.png": drawings})
+    found = find_drawings(tmp_path)
+    assert [one.group for one in found.drawings] == ["traced"]
+    assert found.left_out[-1] == "drawings.json: ball.png is left out: it has no drawings by participant."
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"opacity": 0}, r"none of its lines can be seen on the sheet"),
+        ({"path": "0,1,1,0,9,9,0,9,1"}, r"lie apart: their boxes share 0%; is the camera for a sheet of 800"),
+    ],
+    ids=["invisible", "elsewhere"],
+)
+def test_a_drawing_that_is_not_of_its_object_is_not_measured(
+    tmp_path: Path, change: dict[str, Any], message: str
+) -> None:
+    write_tracings(tmp_path)
+    edited(
+        tmp_path / "drawings.json",
+        lambda content: {"ball.png": {"p8": [{**content["ball.png"]["p8"][0], **change}]}},
+    )
+    drawn = next(one for one in find_drawings(tmp_path).drawings if one.group == "freehand")
+    with pytest.raises(InputError, match=message):
+        sample_of(drawn)
 
 
 @pytest.mark.parametrize(

@@ -85,6 +85,12 @@ def test_what_is_missing_is_left_out_and_what_has_no_figure_is_a_dash() -> None:
     assert line(text, "What it costs", "the mean") == ["–", "–", "5.0", "–", "–"]
 
 
+def test_what_was_not_painted_here_has_no_speed() -> None:
+    read = result(None, 30.0, cost={"parameters": 0, "flops": 0, "images_per_second": 0})
+    text = markdown(PLAN, Scale("cpu"), {"mean": [read]})
+    assert line(text, "What it costs", "the mean")[2] == "–"
+
+
 def test_that_the_test_is_drawn_otherwise_is_said() -> None:
     results = {"mean": [result(None, 30.0)]}
     otherwise = replace(PLAN, test_data={"lines": {"class_path": "RidgesAndValleys"}})

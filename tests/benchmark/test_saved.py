@@ -70,7 +70,7 @@ def test_noise_sampler_and_weights_come_from_the_file(tmp_path: Path) -> None:
 def test_models_of_another_size_or_kind(tmp_path: Path) -> None:
     onnx = str(SHIPPED.with_suffix(".onnx"))
     for name in ("shipped", onnx):
-        with pytest.raises(InputError, match=r"was trained at 256 pixels, not 64; give --data.size 256"):
+        with pytest.raises(InputError, match=r"was trained at 256 pixels, not 64; data.size must be 256"):
             saved_method(name, 64, CPU)
     for name in ("gone.onnx", "gone.safetensors", "gone.ckpt"):
         with pytest.raises(InputError, match=f"there (is|are) no .* {name}"):

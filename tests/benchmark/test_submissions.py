@@ -11,6 +11,7 @@ import torch
 
 from needs import SHARED_MESHES
 from normalgan.batch import Batch
+from normalgan.benchmark import command
 from normalgan.benchmark.measure import HintTests, measure
 from normalgan.benchmark.plan import read_plan
 from normalgan.benchmark.points import hint_points
@@ -65,11 +66,26 @@ def test_the_inputs_are_the_tests_and_what_is_painted_of_them_is_measured(
     theirs(inputs, folder, given)
     submission = read_submission(folder)
     assert (submission.name, submission.counts) == ("theirs", (0, 5))
+    assert not submission.method().timed
     measured = measure(submission.method(), [given], HintTests([0, 5], seed=3), CPU)
     facing = given["normal"][:, 2:].clamp(-1, 1).acos().rad2deg()[given["mask"] > 0].mean()
     assert measured.figures["0"]["angular_mean"] == pytest.approx(float(facing), abs=0.1)
     assert measured.figures["5"]["angular_mean"] == pytest.approx(0, abs=0.25)  # of 8 bits
     assert measured.figures["0"]["mask_iou"] == 1
+
+
+@pytest.mark.parametrize(("levels", "kind"), [(255, np.uint8), (65535, np.uint16)], ids=["8 bits", "16 bits"])
+def test_grey_on_the_object_says_as_little_as_transparency(
+    tmp_path: Path, given: Batch, levels: int, kind: type[np.unsignedinteger[Any]]
+) -> None:
+    for name in given["name"]:
+        path = tmp_path / "0" / f"{name}.png"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        assert cv2.imwrite(str(path), np.full((32, 32, 3), (levels + 1) // 2, kind))
+    (tmp_path / "submission.json").write_text(json.dumps({"name": "theirs"}))
+    figures = measure(read_submission(tmp_path).method(), [given], HintTests([0]), CPU).figures["0"]
+    assert figures["angular_mean"] == pytest.approx(90)
+    assert figures["mask_iou"] == 0
 
 
 def test_a_submission_that_cannot_be_used_is_answered_by_a_sentence(tmp_path: Path, given: Batch) -> None:
@@ -184,3 +200,15 @@ def test_tracks_are_those_of_the_meshes(track: str, settings: dict[str, Any]) ->
     (wanted,) = (one for one in frozen if (one["track"], one["size"]) == (track, 256))
     found = specify(MeshDataModule(**settings, lines=lines, test_views=plan["test_views"]), HintTests([0]))
     assert {**found, "track": track} == wanted
+
+
+def test_the_packages_own_specification_is_found_where_there_is_no_clone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found: list[bool] = []
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(command, "check", lambda plan, scale, path: found.append(path.is_file()))
+    monkeypatch.setattr(command, "write_test_inputs", lambda plan, scale, folder: 0)
+    named = ["--config", "configs/benchmark/people.yaml", "--spec", "configs/benchmark/v2.json"]
+    assert command.run([*named, "--inputs", "inputs"]) == 0
+    assert found == [True]

@@ -79,7 +79,7 @@ def test_a_checkpoint_of_another_size_is_refused(bench: Bench, trained: Path, tm
     outcome = bench.run(
         "test", tmp_path, "--ckpt_path", trained / "checkpoints" / "last.ckpt", "--data.size", 64
     )
-    outcome.refused("was trained at 32 pixels, not 64; give --data.size 32.")
+    outcome.refused("was trained at 32 pixels, not 64; data.size must be 32.")
 
 
 @pytest.mark.filterwarnings("default")

@@ -158,3 +158,21 @@ def test_a_source_that_gives_no_splits_is_named() -> None:
         InputError, match=r"^Nothing gave None; a data source gives what there is by the name"
     ):
         _ = MeshDataModule(source=Nothing()).sources
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"source": "pairs/"}, r"^data\.source must be an object of a class of DataSource, not 'pairs/'\.$"),
+        ({"lines": "Silhouette"}, r"^data\.lines must be an object of a class of LineDrawing, not 'Silhouette'"),
+        ({"lines": OccludingContours}, r"not the class OccludingContours; write OccludingContours\(…\)\.$"),
+        ({"renderer": None}, r"^data\.renderer must be an object of a class of Renderer, not None\.$"),
+        ({"augmentation": True}, r"^data\.augmentation must be an object of a class of BatchAug.* not a bool"),
+        ({"species": "birds"}, r"^data\.species is a list of names, such as \['birds'\], not 'birds'\.$"),
+    ],
+)
+def test_what_python_may_give_and_a_command_may_not_is_told_at_once(
+    given: dict[str, object], sentence: str
+) -> None:
+    with pytest.raises(InputError, match=sentence):
+        MeshDataModule(**given)  # type: ignore[arg-type]

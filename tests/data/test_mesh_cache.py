@@ -5,6 +5,7 @@ import pytest
 from toys import Octahedron
 
 from normalgan.data.mesh_cache import MeshCache
+from normalgan.errors import InputError
 from normalgan.rendering.mesh import Mesh
 
 BYTES = 6 * 12 + 8 * 12 + 6 * 12
@@ -53,3 +54,14 @@ def test_a_worker_starts_with_an_empty_cache() -> None:
     handed = pickle.loads(pickle.dumps(meshes))
     assert (len(handed), handed.bytes, len(meshes)) == (0, 0, 1)
     assert handed.take(0).name == "a"
+
+
+def test_what_is_no_mesh_is_refused_before_it_is_kept() -> None:
+    class Empty(Octahedron):
+        def load(self) -> Mesh:
+            return None  # type: ignore[return-value]
+
+    meshes = MeshCache([Empty("a")], limit=BYTES)
+    with pytest.raises(InputError, match="its load gave NoneType"):
+        meshes.take(0)
+    assert len(meshes) == meshes.bytes == 0

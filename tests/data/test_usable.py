@@ -6,6 +6,7 @@ from toys import Octahedron
 
 from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
+from normalgan.rendering.mesh import Mesh
 
 SOURCES = [Octahedron("a"), Octahedron("b", flaw="has no faces"), Octahedron("c", 0.3)]
 
@@ -14,6 +15,17 @@ def test_a_bad_mesh_is_told_apart_from_good_ones(tmp_path: Path) -> None:
     reasons = find_unusable(str(tmp_path), SOURCES)
     assert reasons == {"b": "b has no faces."}
     assert leave_out(SOURCES, reasons, "train") == [SOURCES[0], SOURCES[2]]
+
+
+class Legless(Octahedron):
+    """Somebody else's, which raises what it likes."""
+
+    def load(self) -> Mesh:
+        raise KeyError("legs")
+
+
+def test_a_source_that_raises_anything_leaves_out_that_mesh_alone(tmp_path: Path) -> None:
+    assert find_unusable(str(tmp_path), [Legless("d"), *SOURCES[:1]]) == {"d": "KeyError: 'legs'."}
 
 
 def test_it_is_asked_once(tmp_path: Path) -> None:

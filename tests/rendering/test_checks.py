@@ -1,4 +1,4 @@
-"""What renderers and line styles of somebody else give: a wrong thing is one sentence."""
+"""What sources, renderers and line styles of somebody else give: a wrong thing is one sentence."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,9 +10,9 @@ import pytest
 from normalgan.animals import Animal
 from normalgan.errors import InputError
 from normalgan.rendering import Camera, EmbreeRenderer, Maps, Renderer, Views
-from normalgan.rendering.lines import LineDrawing
+from normalgan.rendering.lines import LineDrawing, Mixture
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.samples import draw_strokes
+from normalgan.rendering.samples import Recipe, draw_strokes
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
 
@@ -109,3 +109,51 @@ def test_a_renderer_that_gives_no_such_maps_is_named(
 ) -> None:
     with pytest.raises(InputError, match=sentence):
         View(*seen, OddRenderer(give), 32).maps()
+
+
+@dataclass(frozen=True)
+class Named(Odd):
+    """Another style that gives whatever it is told to."""
+
+
+def test_a_wrong_style_of_a_mixture_is_named_and_not_the_mixture(seen: tuple[Mesh, Camera]) -> None:
+    view = View(*seen, EmbreeRenderer(), 32)
+    mixed = Mixture([Odd([line(0, 9)]), Named(None)], [0, 1])
+    with pytest.raises(InputError, match=r"^Named gave NoneType; a line style gives a list of Stroke\.$"):
+        draw_strokes(view, mixed, None, lambda _: np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("give", "sentence"),
+    [
+        (lambda mesh: None, r"^its load gave NoneType; what is rendered is a normalgan\.rendering\.Mesh\.$"),
+        (lambda mesh: (mesh.vertices, mesh.faces), r"^its load gave tuple; what is rendered is a"),
+        (
+            lambda mesh: replace(mesh, vertices=mesh.vertices.tolist()),
+            r"^its load gave a Mesh whose vertices are no array of \(V, 3\) finite floats\.$",
+        ),
+        (
+            lambda mesh: replace(mesh, normals=mesh.normals * np.nan),
+            r"^its load gave a Mesh whose normals are no array of \(V, 3\) finite floats\.$",
+        ),
+        (
+            lambda mesh: replace(mesh, faces=mesh.faces[:0]),
+            r"^its load gave a Mesh whose faces are no array of \(F, 3\) whole numbers\.$",
+        ),
+        (
+            lambda mesh: replace(mesh, normals=mesh.normals[:7]),
+            r"^its load gave a Mesh of \d+ vertices and 7 normals; each vertex has one\.$",
+        ),
+        (
+            lambda mesh: replace(mesh, faces=mesh.faces + 1),
+            r"^its load gave a Mesh whose faces name the vertices 1 to (\d+); it has 0 to \d+\.$",
+        ),
+    ],
+    ids=["nothing", "a tuple", "lists", "no numbers", "no face", "few normals", "faces from 1"],
+)
+def test_a_source_that_loads_no_such_mesh_is_told(
+    seen: tuple[Mesh, Camera], give: Callable[[Mesh], Any], sentence: str
+) -> None:
+    recipe = Recipe(Views(), EmbreeRenderer(), Odd([]), size=32)
+    with pytest.raises(InputError, match=sentence):
+        recipe.render(give(seen[0]), 0)

@@ -39,6 +39,11 @@ def test_files_that_are_no_pictures_and_no_projects_are_told(
     (tmp_path / "notes.txt").write_text("milk, bread", encoding="utf-8")
     newer = {"format": "normalgan-studio", "version": 99, "width": 64, "height": 64}
     (tmp_path / "newer.normalgan").write_text(json.dumps(newer), encoding="utf-8")
+    pins = [{"x": 9, "y": 9, "normal": normal} for normal in ([0, 0, 1], [0, 0.6, -0.8])]
+    layer = {"id": 1, "name": "Legs", "visible": True, "strokes": [], "hints": pins}
+    layer |= {"areas": [], "mask": [], "source": None}
+    away = {**newer, "version": 5, "layers": [layer], "active": 1, "pictures": []}
+    (tmp_path / "away.normalgan").write_text(json.dumps(away), encoding="utf-8")
     (tmp_path / "half.normalgan").write_text('{"format": "normalgan-studio", "stro', encoding="utf-8")
     with open_studio(opened, server.url, tolerate=("status of 400",)) as studio:
         page = studio.page
@@ -48,7 +53,11 @@ def test_files_that_are_no_pictures_and_no_projects_are_told(
         page.set_input_files("#import-file", files=tmp_path / "notes.txt")
         studio.wait_for_status("“notes.txt” was not imported: ")
         assert ".png" in studio.status()  # what would be right
-        for file, words in (("newer", "made by a newer studio"), ("half", "no project of the studio")):
+        for file, words in (
+            ("newer", "made by a newer studio"),
+            ("half", "no project of the studio"),
+            ("away", "point 2 of the layer “Legs” in this project has [0,0.6,-0.8] as its direction, which"),
+        ):
             page.locator("#open").click()
             with page.expect_file_chooser() as chooser:
                 page.locator("#open-file-button").click()

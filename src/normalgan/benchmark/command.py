@@ -12,6 +12,7 @@ from normalgan.benchmark.scale import Scale, read_budget, read_scale
 from normalgan.commands.light_parser import LightParser
 from normalgan.errors import InputError
 from normalgan.files import write_bytes
+from normalgan.shipped_configs import find_beside
 from normalgan.warning_filters import filter_warnings
 
 if TYPE_CHECKING:  # they import torch
@@ -45,7 +46,7 @@ def run(arguments: list[str]) -> int:
         filter_warnings()
         out = Path(options.output) if options.output else None
         if options.spec is not None:
-            check(plan, scale, Path(options.spec))
+            check(plan, scale, find_beside(options.spec))
         if options.inputs is not None:
             return write_test_inputs(plan, scale, Path(options.inputs))
         if options.score is not None:

@@ -82,7 +82,8 @@ class Evaluation:
     @cached_property
     def data(self) -> MeshDataModule:
         """The shared data, the test split drawn as it is tested, rendered if it is not yet."""
-        alone = self.test_alone or bool(self.plan.test_data)
+        untaught = all(row.classical in {"constant", "inflation"} for row in self.plan.rows)
+        alone = self.test_alone or bool(self.plan.test_data) or untaught
         once = {"on_the_fly": False} if alone else {}
         data = build_data(self.shared, batch_size=_BATCH, workers=0, **once, **self.plan.test_data)
         if alone:
@@ -123,7 +124,9 @@ class Evaluation:
         cost = {
             "parameters": parameters(network) if network else 0,
             "flops": flops(network, size, device) if network else 0,
-            "images_per_second": images_per_second(method, next(self.batches()), device),
+            "images_per_second": images_per_second(method, next(self.batches()), device)
+            if method.timed
+            else 0,
         }
         where = {"machine": describe_machine(device), "versions": describe_versions(), "commit": commit()}
         return {**measured, "cost": cost, **where}

@@ -36,11 +36,14 @@ class Method:
         paint: paints a batch; it must not look at the truth, but for what is told of a classical method.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
+        timed: whether it paints here, so that its speed can be measured; what another program painted is
+            only read.
     """
 
     paint: Paint
     sampler: HintSampler = NoHints()  # noqa: RUF009  # frozen
     generator: nn.Module | None = None
+    timed: bool = True
 
     @property
     def takes_hints(self) -> bool:

@@ -24,6 +24,8 @@ from normalgan.hints import NoHints, UniformHints
 __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
 SUBMISSION = "submission.json"
+_SILENT = 0.05
+"""A vector shorter than this is the background's grey, of 8 bits or 16, and says nothing."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Submission:
             return torch.stack([self._read(*one, size) for one in named]).to(batch["normal"])
 
         # One that has maps with hints takes them, and has none of its own.
-        return Method(paint, UniformHints(0, 0) if max(self.counts) else NoHints())
+        return Method(paint, UniformHints(0, 0) if max(self.counts) else NoHints(), timed=False)
 
     def _read(self, count: int, name: str, size: int) -> Tensor:
         path = self.folder / str(count) / f"{name}.png"
@@ -65,6 +67,8 @@ class Submission:
         normals = 2 * pixels[..., :3] - 1
         if pixels.shape[2] == 4:
             normals = normals * pixels[..., 3:]
+        # Grey has no exact middle: 128 would be a short vector with a direction, and count as a guess.
+        normals[np.linalg.norm(normals, axis=-1) < _SILENT] = 0
         return torch.from_numpy(np.ascontiguousarray(normals)).permute(2, 0, 1)
 
 

@@ -320,10 +320,14 @@ def _minutes(runs: Sequence[Result]) -> str:
     return spread_of(spent, 1)
 
 
+def _speed(a_second: float) -> str:
+    return f"{a_second:.1f}" if a_second else "–"  # 0: it was not painted here
+
+
 _COSTS: dict[str, Cell] = {
     "parameters": lambda runs: large(runs[0]["cost"]["parameters"]),
     "FLOPs a map": lambda runs: large(runs[0]["cost"]["flops"]),
-    "maps a second": lambda runs: f"{mean(run['cost']['images_per_second'] for run in runs):.1f}",
+    "maps a second": lambda runs: _speed(mean(run["cost"]["images_per_second"] for run in runs)),
     "images learnt from": lambda runs: large(mean(run["images"] for run in runs)),
     "minutes of training": _minutes,
 }

@@ -31,7 +31,7 @@ from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.painting.jobs import find_files
-from normalgan.plugin_outputs import called, refused
+from normalgan.plugin_outputs import called, check_kind, refused
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
@@ -139,6 +139,21 @@ class MeshDataModule(LightningDataModule):
         super().__init__()
         self._drawings: SketchDataset | None = None
         self._training_data: dict[str, Any] | None = None
+        kinds: dict[str, tuple[object, type]] = {
+            "views": (views, Views),
+            "renderer": (renderer, Renderer),
+            "lines": (lines, LineDrawing),
+            "source": (source, DataSource),
+            "hand": (hand, Hand),
+            "medium": (medium, Medium),
+            "augmentation": (augmentation, BatchAugmentation),
+        }
+        for name, (value, kind) in kinds.items():
+            if not (value is None and name in {"source", "hand", "medium", "augmentation"}):
+                check_kind(f"data.{name}", value, kind)
+        names: object = species  # in Python a lone one may be given, which would be read letter by letter
+        if isinstance(names, str):
+            raise InputError(f"data.species is a list of names, such as [{names!r}], not {names!r}.")
         for name, number in {"animals": animals, "batch_size": batch_size}.items():
             if number < 1:
                 raise InputError(f"data.{name} must be 1 or more, not {number}.")

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from normalgan.data.recipe import Loadable
+from normalgan.rendering.checks import check_mesh
 from normalgan.rendering.mesh import Mesh
 
 __all__ = ["MeshCache"]
@@ -42,8 +43,7 @@ class MeshCache:
         """
         mesh = self._meshes.pop(number, None)
         if mesh is None:
-            loaded: Mesh = self.sources[number].load()
-            mesh = loaded
+            mesh = check_mesh(self.sources[number].load())
             self.bytes += _bytes(mesh)
         self._meshes[number] = mesh
         while self.bytes > self.limit and len(self) > 1:

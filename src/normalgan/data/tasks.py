@@ -137,8 +137,8 @@ def look_at(task: MeshTask) -> str | None:
         _load(task)
     except ChangedMeshError:
         raise
-    except InputError as error:
-        return str(error)
+    except Exception as error:  # somebody else's source may raise anything; the others can still be used
+        return error_text(error)
     return None
 
 

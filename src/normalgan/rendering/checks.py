@@ -1,14 +1,55 @@
-"""Checks of what renderers and line styles give, before it is worked on: they may be somebody else's."""
+"""Checks of what data sources, renderers and line styles give: they may be somebody else's."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from normalgan.errors import InputError
 from normalgan.rendering.maps import Maps
+from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.strokes.stroke import Stroke
 
-__all__ = ["check_maps", "check_strokes"]
+__all__ = ["check_maps", "check_mesh", "check_strokes"]
+
+
+def check_mesh(loaded: object) -> Mesh:
+    """Return what a data source loaded, if it is a mesh whose faces are of its vertices.
+
+    Raises:
+        InputError: if it is anything else.
+    """
+    if not isinstance(loaded, Mesh):
+        raise InputError(
+            f"its load gave {type(loaded).__name__}; what is rendered is a normalgan.rendering.Mesh."
+        )
+    for part, wanted, kind in (
+        ("vertices", "(V, 3) finite floats", np.floating),
+        ("faces", "(F, 3) whole numbers", np.integer),
+        ("normals", "(V, 3) finite floats", np.floating),
+    ):
+        if not _is_rows_of_three(getattr(loaded, part), kind):
+            raise InputError(f"its load gave a Mesh whose {part} are no array of {wanted}.")
+    if len(loaded.normals) != len(loaded.vertices):
+        raise InputError(
+            f"its load gave a Mesh of {len(loaded.vertices)} vertices and {len(loaded.normals)} normals; "
+            "each vertex has one."
+        )
+    if loaded.faces.min() < 0 or loaded.faces.max() >= len(loaded.vertices):
+        raise InputError(
+            f"its load gave a Mesh whose faces name the vertices {loaded.faces.min()} to "
+            f"{loaded.faces.max()}; it has 0 to {len(loaded.vertices) - 1}."
+        )
+    return loaded
+
+
+def _is_rows_of_three(value: object, kind: type[np.generic]) -> bool:
+    if not isinstance(value, np.ndarray):
+        return False
+    array: NDArray[Any] = value
+    shaped = array.ndim == 2 and array.shape[-1] == 3 and len(array) > 0
+    return shaped and np.issubdtype(array.dtype, kind) and bool(np.isfinite(array).all())
 
 
 def check_maps(renderer: object, maps: object, size: int) -> Maps:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.rendering.checks import check_strokes
+from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Floats, Maps
@@ -90,8 +90,10 @@ class Recipe:
         """Return view number ``index`` of ``mesh``; it depends on no other view.
 
         Raises:
-            InputError: if the style gets no lines from it: a blank sheet is no drawing of anything.
+            InputError: if it is no mesh, or the style gets no lines from it: a blank sheet is no drawing of
+                anything.
         """
+        mesh = check_mesh(mesh)
         view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
         rng = partial(self._rng, mesh, index)
         strokes, maps = draw_strokes(view, self.lines, self.hand, rng)

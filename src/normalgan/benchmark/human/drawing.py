@@ -45,6 +45,16 @@ class HumanDrawing:
             raise InputError(f"{self.name} has no stroke of two points or more.")
         if not 8 <= self.side <= _LARGEST_SIDE:
             raise InputError(f"{self.name} is {self.side} pixels wide; 8 to {_LARGEST_SIDE} can be measured.")
+        for stroke in self.strokes:
+            low, high = float(stroke.points.min()), float(stroke.points.max())
+            least, most = float(stroke.width.min()), float(stroke.width.max())
+            seen = 0 < least <= most <= self.side and bool(np.isfinite(stroke.darkness).all())
+            # What lies far outside is refused and not cut off: each pixel along a line takes time and memory.
+            if low < -self.side or high > 2 * self.side or not seen:
+                raise InputError(
+                    f"{self.name} has a stroke from {low:.6g} to {high:.6g} pixels, {most:.6g} wide and "
+                    f"{float(stroke.darkness.max()):.6g} dark, which cannot be on a sheet of {self.side}."
+                )
 
 
 @dataclass(frozen=True)

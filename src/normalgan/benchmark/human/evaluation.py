@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from normalgan.batch import Batch
@@ -28,6 +29,10 @@ __all__ = ["COUNTS", "Measurement", "measure_drawings", "sample_of"]
 
 COUNTS = (0, 15)
 """Numbers of hints that every drawing is painted with, those of the benchmark's table 1."""
+_VISIBLE = 0.05
+"""Ink fainter than this is not seen."""
+_APART = 0.1
+"""Boxes of a drawing and of its object that share less are of another sheet or camera."""
 _CPU = torch.device("cpu")
 _placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of one mesh follow one another
 
@@ -53,19 +58,42 @@ def sample_of(drawing: HumanDrawing) -> Batch:
     """Return the drawing with the true normals beneath it, a batch of one.
 
     Raises:
-        InputError: if its mesh or camera cannot be used, or none of the mesh is on the sheet.
+        InputError: if its mesh or camera cannot be used, none of the mesh or of the lines is on the sheet, or
+            they lie in different places on it.
     """
     placed = _placed(drawing.mesh)
     camera = camera_of(drawing.projection, placed, drawing.side)
     maps = EmbreeRenderer().render(placed.mesh, camera, drawing.side)
     if not maps.mask.any():
         raise InputError("its camera shows nothing of the mesh.")
+    ink = rasterise(drawing.strokes, drawing.side)
+    if not (ink > _VISIBLE).any():
+        raise InputError("none of its lines can be seen on the sheet.")
+    shared = _shared(_box(ink > _VISIBLE), _box(maps.mask))
+    if shared < _APART:
+        raise InputError(
+            f"the lines and the object as its camera shows it lie apart: their boxes share {shared:.0%}; "
+            f"is the camera for a sheet of {drawing.side} pixels?"
+        )
     return {
-        "sketch": torch.from_numpy(rasterise(drawing.strokes, drawing.side))[None, None],
+        "sketch": torch.from_numpy(ink)[None, None],
         "normal": torch.from_numpy(np.ascontiguousarray(maps.normal.transpose(2, 0, 1)))[None],
         "mask": torch.from_numpy(maps.mask.astype(np.float32))[None, None],
         "name": [drawing.name],
     }
+
+
+def _box(there: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return the first row and column of what is there, and those behind the last."""
+    rows, columns = np.flatnonzero(there.any(axis=1)), np.flatnonzero(there.any(axis=0))
+    return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1])
+
+
+def _shared(one: NDArray[np.intp], other: NDArray[np.intp]) -> float:
+    """Return the intersection over union of two boxes."""
+    sides = np.minimum(one[2:], other[2:]) - np.maximum(one[:2], other[:2])
+    both = float(sides.clip(0).prod())
+    return both / float((one[2:] - one[:2]).prod() + (other[2:] - other[:2]).prod() - both)
 
 
 def measure_drawings(

@@ -16,7 +16,7 @@ import numpy as np
 
 from normalgan.benchmark.human.drawing import Found, HumanDrawing, read_json, stroke_of
 from normalgan.benchmark.human.registration import fit_projection
-from normalgan.errors import InputError
+from normalgan.errors import InputError, brief
 from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["is_opensketch", "read_opensketch"]
@@ -49,7 +49,7 @@ def _read(path: Path, meshes: dict[str, Path], points: dict[str, Path]) -> Human
     match = _SKETCH.fullmatch(path.name)
     assert match is not None
     view, kind = match[1], match[2].lower()
-    designer, thing = path.parts[-3], path.parts[-2]
+    designer, thing = path.absolute().parts[-3:-1]
     wanted = f"{designer}_{thing}_v{view}_points.json".lower()
     if thing.lower() not in meshes:
         raise InputError(f"{path} is left out: there is no {thing}.obj anywhere in the folder.")
@@ -68,12 +68,12 @@ def _read(path: Path, meshes: dict[str, Path], points: dict[str, Path]) -> Human
             np.array(pairs["points_3D_object"], np.float64).reshape(-1, 3),
             np.array(pairs["points_2D_sketch"], np.float64).reshape(-1, 2),
         )
-    except (LookupError, TypeError, ValueError) as error:
-        raise InputError(
-            f"{path} is left out: it or its points are not laid out like OpenSketch ({error})."
-        ) from error
-    except InputError as error:
+    except InputError as error:  # before ValueError, which it is too
         raise InputError(f"{path} is left out: {error}") from error
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(
+            f"{path} is left out: it or its points are not laid out like OpenSketch ({brief(error)})."
+        ) from error
     if misses > _OFF * side:
         raise InputError(
             f"{path} is left out: the camera fitted to its points misses them by {misses:.0f} of {side} "
@@ -92,4 +92,4 @@ def _stroke(one: dict[str, Any], pen: float, path: Path) -> Stroke | None:
         return None
     # The data's mean pressure a stroke, as in its own SVG files: repeated points were dropped above.
     pressure = float(np.clip(np.mean([point["p"] for point in one["points"]]), 0.0, 1.0))
-    return Stroke.even(stroke.points, max(pen * pressure, 0.1), pressure)
+    return Stroke.even(stroke.points, max(pen * pressure, 0.1) if pen > 0 else pen, pressure)

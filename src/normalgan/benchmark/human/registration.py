@@ -139,6 +139,10 @@ def fit_projection(points: Doubles, pixels: Doubles) -> tuple[Doubles, float]:
     from scipy.optimize import least_squares
     from scipy.spatial.transform import Rotation
 
+    if len(points) != len(pixels):
+        raise InputError(
+            f"{len(points)} points of it are given, and {len(pixels)} places where they are drawn."
+        )
     if len(points) < _FEWEST or points.shape != (len(pixels), 3) or pixels.shape != (len(points), 2):
         raise InputError(f"a camera is fitted to {_FEWEST} pairs of points or more, not to {len(points)}.")
     centre, middle = points.mean(axis=0), pixels.mean(axis=0)

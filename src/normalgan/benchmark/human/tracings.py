@@ -49,10 +49,13 @@ def read_tracings(folder: Path) -> Found:
         without = sorted(image for image in content if Path(image).stem not in views)
         if without:
             left_out.append(
-                f"{file}: {len(without)} prompts are left out, as cameras.json has no view of them, "
-                f"such as {without[0]}."
+                f"{file}: of {len(without)} of {len(content)} prompts cameras.json has no view, such as "
+                f"{without[0]}; they are left out."
             )
         for image in sorted(content.keys() - set(without)):
+            if not isinstance(content[image], dict):
+                left_out.append(f"{file}: {image} is left out: it has no drawings by participant.")
+                continue
             for person, strokes in sorted(content[image].items()):
                 what = f"{file}: {image} by {person}"
                 try:

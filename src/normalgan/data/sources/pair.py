@@ -95,9 +95,13 @@ class PairRecipe:
         """Return the sample of a pair; there is one, whatever its number.
 
         Raises:
-            InputError: if there is no line in the sketch.
+            InputError: if it is no pair, or there is no line in the sketch.
         """
         del index
+        if not isinstance(pair, Pair):
+            raise InputError(
+                f"its load gave {type(pair).__name__}; a source of pairs loads a normalgan.data.sources.Pair."
+            )
         prepared = prepare(pair.sketch, self.size, pair.mask, pair.hints if self.hints else None)
         frame, worked = prepared.frame, (prepared.ink.shape[0], prepared.ink.shape[1])
         normal, mask = pair.normal, pair.mask.astype(np.float32)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.errors import InputError
+from normalgan.rendering.checks import check_strokes
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
@@ -47,7 +48,8 @@ class Mixture(LineDrawing):
 
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
         """Return the strokes of one of the styles; see `LineDrawing.trace`."""
-        return self.choose(rng).trace(view, rng)
+        style = self.choose(rng)
+        return list(check_strokes(style, style.trace(view, rng), view.size))  # named by what drew them
 
     def choose(self, rng: np.random.Generator) -> LineDrawing:
         """Return one of the styles at random, by weight."""

@@ -237,6 +237,20 @@ function upgraded(doc) {
 }
 
 /**
+ * Returns what keeps a project from being opened if it is the normal of a point or an area alone, by its layer and number.
+ * @param {any} layers
+ */
+function wrongNormal(layers) {
+  for (const { name, hints, areas } of Array.isArray(layers) ? layers.filter(Boolean) : []) {
+    for (const [key, list] of /** @type {const} */ ([["wrongPoint", hints], ["wrongArea", areas]])) {
+      const at = Array.isArray(list) ? list.findIndex((each) => each && !isNormal(each.normal)) : -1;
+      if (at >= 0) return say(key, { number: at + 1, layer: String(name), normal: JSON.stringify(list[at].normal) });
+    }
+  }
+  return "";
+}
+
+/**
  * Returns a document read from a file or the server.
  * @param {unknown} value what its JSON holds
  * @returns {Doc}
@@ -250,7 +264,7 @@ export function parseDocument(value) {
   const { width, height, layers, active, pictures } = doc;
   const whole = isSide(width) && isSide(height) && isList(layers, isLayer, MOST_LAYERS) && isList(pictures, isPicture, MOST_PICTURES) &&
     new Set(layers.map(({ id }) => id)).size === layers.length && layers.some(({ id }) => id === active);
-  if (!whole) throw new Error(text.notProject);
+  if (!whole) throw new Error(wrongNormal(layers) || text.notProject);
   const settings = { name: String(doc.settings?.name ?? "") };
   return { format: FORMAT, version: VERSION, width, height, layers, active, pictures, settings };
 }

@@ -301,6 +301,8 @@ export const text = {
   busy: "The server is busy; it goes on by itself.",
   tooMany: "That is the most points a drawing can have.",
   notProject: "this file is no project of the studio, or it is damaged.",
+  wrongPoint: "point {number} of the layer “{layer}” in this project has {normal} as its direction, which must be of length 1 and face the viewer. The file, and what you have drawn here, are as they were.",
+  wrongArea: "area {number} of the layer “{layer}” in this project has {normal} as its direction, which must be of length 1 and face the viewer. The file, and what you have drawn here, are as they were.",
   newerProject: "this project was made by a newer studio. Update normalgan to open it; what you have drawn here is as it was.",
   badImport: "“{name}” was not imported: {reason}",
   storageFull: "the browser's storage is full, so unsaved work would not outlive this page. Save the project, or download it as a file.",
