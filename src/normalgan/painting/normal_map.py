@@ -22,6 +22,7 @@ from normalgan.normals import (
     pixels_of,
     strips,
 )
+from normalgan.painting.cells import Cell
 from normalgan.painting.tile import Tile
 from normalgan.painting.vectors import unit
 
@@ -44,6 +45,8 @@ class NormalMap:
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
         warning: what went wrong, a part of a sentence; empty if nothing did.
         tile: the ways in which the map goes on past its edges with what lies at the opposite ones, or None.
+        cells: of a sheet the drawings in it, each a surface of its own; none of another map. The normals of
+            one that is turned are those of the upright drawing.
     """
 
     extended: Floats
@@ -53,6 +56,7 @@ class NormalMap:
     confidence: Floats | None
     warning: str
     tile: Tile | None = None
+    cells: tuple[Cell, ...] = ()
 
     @cached_property
     def normal(self) -> Floats:
@@ -74,6 +78,19 @@ class NormalMap:
         scaled = self.extended * np.array([strength, strength, 1], np.float32)
         return replace(self, extended=unit(scaled, front=True))
 
+    def part(self, cell: Cell) -> "NormalMap":
+        """Return the map of one drawing of a sheet, upright."""
+        mask = self.mask[cell.box] if cell.own is None else self.mask[cell.box] & cell.own
+        confidence = None if self.confidence is None else cell.upright(self.confidence[cell.box])
+        return NormalMap(
+            np.ascontiguousarray(cell.upright(self.extended[cell.box])),
+            np.ascontiguousarray(cell.upright(mask)),
+            cell.upright(self.alpha[cell.box]),
+            self.seen,
+            confidence,
+            self.warning,
+        )
+
     def height(self) -> Floats:
         """Return the surface that the normals belong to, (H, W) in pixels towards the viewer.
 
@@ -82,7 +99,12 @@ class NormalMap:
         """
         from normalgan.painting.height import integrate  # here: its solver takes a while to import
 
-        return integrate(self.extended, self.mask, tile=self.tile)
+        if not self.cells:
+            return integrate(self.extended, self.mask, tile=self.tile)
+        whole = np.zeros(self.mask.shape, np.float32)
+        for cell in self.cells:
+            cell.put(whole, self.part(cell).height())
+        return whole
 
     def encode(self, form: Format = "png", bits: Bits = 8, y: Green = "up", alpha: bool = False) -> bytes:
         """Return the content of a file: flat off the object, or what is transparent there.

@@ -33,6 +33,8 @@ Heights = list[tuple[Path, float]]
 Shading = Literal["ao", "curvature", "specular"]
 SHADING: tuple[Shading, ...] = ("ao", "curvature", "specular")
 """What the files of `shading_of` are called."""
+_OFF: dict[Shading, float] = {"ao": 1, "curvature": 0.5, "specular": 0}
+"""What they hold off the object."""
 _BESIDE = 0.25
 """How much of its repeats is looked at about a map that has some, as a share of its longer side."""
 FEWEST = 12
@@ -179,6 +181,8 @@ def shading_of(
     """
     if not wanted:
         return {}
+    if preds.cells:
+        return _shading_of_cells(preds, wanted, preds.height() if height is None else height)
     from normalgan.painting.occlusion import occlusion
     from normalgan.painting.shading_maps import curvature, gloss
 
@@ -195,6 +199,16 @@ def shading_of(
     if "specular" in wanted:
         maps["specular"] = gloss(maps["ao"], maps["curvature"], mask)
     return {name: middle(maps[name], preds.tile, room) for name in SHADING if name in wanted}
+
+
+def _shading_of_cells(preds: NormalMap, wanted: Collection[Shading], height: Floats) -> dict[Shading, Floats]:
+    """Return what `shading_of` does of a sheet: no drawing of it shades another."""
+    maps = {name: np.full(preds.mask.shape, _OFF[name], np.float32) for name in SHADING if name in wanted}
+    for cell in preds.cells:
+        own = np.ascontiguousarray(cell.upright(height[cell.box]))
+        for name, values in shading_of(preds.part(cell), wanted, own).items():
+            cell.put(maps[name], values)
+    return maps
 
 
 def encode_height(

@@ -7,8 +7,9 @@ from normalgan.decoding import Decoded
 from normalgan.drawings import find_companion
 from normalgan.errors import InputError
 from normalgan.painting.atlas import ENDINGS, read_atlas
+from normalgan.painting.cells import Cell
 from normalgan.painting.islands import find_islands
-from normalgan.painting.sheets import Cell, grid_cells, parse_grid
+from normalgan.painting.sheets import grid_cells, parse_grid
 
 __all__ = ["Packing"]
 
