@@ -126,9 +126,16 @@ class Outputs:
         write_bytes(job.target, preds.encode(self.format, self.bits, self.y, self.alpha))
 
     def write_sidecar(self, target: Path) -> None:
-        """Write what an engine imports a map by."""
-        if self.engine is not None:
-            write_bytes(*sidecar(self.engine, target))
+        """Write what an engine imports a map by, unless the engine has it already.
+
+        Unity's and Godot's own file holds the id by which scenes name the map, and what was set there since.
+        """
+        if self.engine is None:
+            return
+        # Of the whole path: two folders may each have a normals/fox_NormalMap.png, and their ids must differ.
+        path, content = sidecar(self.engine, target.absolute())
+        if path.suffix == ".py" or not path.exists():
+            write_bytes(path, content)
 
     def write_others(self, job: Job, preds: NormalMap) -> Heights:
         """Write all but the map; return the height maps."""
