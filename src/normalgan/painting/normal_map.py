@@ -26,7 +26,7 @@ from normalgan.painting.cells import Cell
 from normalgan.painting.tile import Tile
 from normalgan.painting.vectors import unit
 
-__all__ = ["Format", "NormalMap"]
+__all__ = ["Format", "NormalMap", "part_of"]
 
 Format = Literal["png", "exr", "tiff"]
 _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
@@ -78,19 +78,6 @@ class NormalMap:
         scaled = self.extended * np.array([strength, strength, 1], np.float32)
         return replace(self, extended=unit(scaled, front=True))
 
-    def part(self, cell: Cell) -> "NormalMap":
-        """Return the map of one drawing of a sheet, upright."""
-        mask = self.mask[cell.box] if cell.own is None else self.mask[cell.box] & cell.own
-        confidence = None if self.confidence is None else cell.upright(self.confidence[cell.box])
-        return NormalMap(
-            np.ascontiguousarray(cell.upright(self.extended[cell.box])),
-            np.ascontiguousarray(cell.upright(mask)),
-            cell.upright(self.alpha[cell.box]),
-            self.seen,
-            confidence,
-            self.warning,
-        )
-
     def height(self) -> Floats:
         """Return the surface that the normals belong to, (H, W) in pixels towards the viewer.
 
@@ -103,7 +90,7 @@ class NormalMap:
             return integrate(self.extended, self.mask, tile=self.tile)
         whole = np.zeros(self.mask.shape, np.float32)
         for cell in self.cells:
-            cell.put(whole, self.part(cell).height())
+            cell.put(whole, part_of(self, cell).height())
         return whole
 
     def encode(self, form: Format = "png", bits: Bits = 8, y: Green = "up", alpha: bool = False) -> bytes:
@@ -168,3 +155,17 @@ class NormalMap:
     def _repr_png_(self) -> bytes:
         """Return the map as a notebook shows it."""
         return self.encode()
+
+
+def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
+    """Return the map of one drawing of a sheet, upright."""
+    mask = sheet.mask[cell.box] if cell.own is None else sheet.mask[cell.box] & cell.own
+    confidence = None if sheet.confidence is None else cell.upright(sheet.confidence[cell.box])
+    return NormalMap(
+        np.ascontiguousarray(cell.upright(sheet.extended[cell.box])),
+        np.ascontiguousarray(cell.upright(mask)),
+        cell.upright(sheet.alpha[cell.box]),
+        sheet.seen,
+        confidence,
+        sheet.warning,
+    )

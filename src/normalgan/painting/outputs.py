@@ -12,7 +12,7 @@ from normalgan.files import write_bytes
 from normalgan.normals import Bits, Floats, Green, encode_grey
 from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import Job
-from normalgan.painting.normal_map import Format, NormalMap
+from normalgan.painting.normal_map import Format, NormalMap, part_of
 from normalgan.painting.tile import middle, wrapped
 
 __all__ = [
@@ -213,7 +213,7 @@ def _shading_of_cells(preds: NormalMap, wanted: Collection[Shading], height: Flo
     maps = {name: np.full(preds.mask.shape, _OFF[name], np.float32) for name in SHADING if name in wanted}
     for cell in preds.cells:
         own = np.ascontiguousarray(cell.upright(height[cell.box]))
-        for name, values in shading_of(preds.part(cell), wanted, own).items():
+        for name, values in shading_of(part_of(preds, cell), wanted, own).items():
             cell.put(maps[name], values)
     return maps
 
