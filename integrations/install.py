@@ -169,9 +169,10 @@ def main() -> int:
     folder = given.to or ADD_ONS[given.name].folder
     if folder is None:
         parser.error(f"the add-on for {given.name} goes into a folder of yours: name it with --to")
-    if given.normalgan and shutil.which(given.normalgan) is None:
+    found = shutil.which(given.normalgan) if given.normalgan else own_command()
+    if given.normalgan and not found:
         parser.error(f"{given.normalgan} is no command; give the path of normalgan")
-    normalgan = str(Path(given.normalgan).absolute()) if given.normalgan else own_command()
+    normalgan = str(Path(found).absolute()) if found else ""  # the program has another working directory
     try:
         install(given.name, folder, normalgan)
     except OSError as error:

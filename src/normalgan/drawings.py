@@ -21,6 +21,7 @@ __all__ = [
     "Floats",
     "find_companion",
     "find_drawings",
+    "is_drawing",
     "read_content",
     "read_drawing",
     "read_hints",
@@ -61,7 +62,7 @@ def find_drawings(
     paths: list[Path] = []
     for entry in [source] if isinstance(source, str) else source:
         if Path(entry).is_dir():
-            found = [path for path in Path(entry).iterdir() if path.suffix.lower() in SUFFIXES]
+            found = [path for path in Path(entry).iterdir() if is_drawing(path)]
         elif Path(entry).is_file():
             found = [Path(entry)]
         else:
@@ -79,6 +80,18 @@ def find_drawings(
         if other is not path:
             raise InputError(f"{other} and {path} would both be written as {path.stem}{ending}; rename one.")
     return paths
+
+
+def is_drawing(path: Path) -> bool:
+    """Return whether a file in a folder is a drawing by its name.
+
+    What begins with a dot is none: paint programs save so while they work, and macOS notes there what a disk
+    of another system has no place for.
+
+    >>> [is_drawing(Path(name)) for name in ("fox.png", "fox.txt", "._fox.png")]
+    [True, False, False]
+    """
+    return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
 
 
 def find_companion(

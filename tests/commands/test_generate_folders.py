@@ -1,16 +1,21 @@
 """Folders, files and what a shell user expects of normalgan generate."""
 
+import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from shutil import rmtree
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from normalgan.__main__ import main
+from normalgan.painting.outputs import Outputs
 from pens import blob, outline
 
 GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
@@ -216,6 +221,116 @@ def test_an_empty_folder_is_watched_and_names_that_clash_do_not_end_it(
     assert said.err.count("would be written twice") == 1
     assert "the folder my.art that is watched is gone." in said.err
     assert "no sketch" not in said.err
+
+
+def watched(monkeypatch: pytest.MonkeyPatch, *steps: Callable[[], object]) -> None:
+    """Do something at every third look of a watch, and remove its folder in the end."""
+    every: list[Callable[[], object]] = [*steps, partial(rmtree, "in")]
+    looks = 0
+
+    def wait(_: float) -> None:
+        nonlocal looks
+        if looks % 3 == 2:
+            every[looks // 3]()
+        looks += 1
+
+    monkeypatch.setattr("time.sleep", wait)
+
+
+def painted(said: str) -> list[str]:
+    return [Path(line).name.removesuffix("_normal.png") for line in said.split()]
+
+
+def test_what_has_a_map_is_not_painted_by_a_watch_that_leaves_it_out(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/fox.png", "in/owl.png")
+    assert generate("in/owl.png") == 0
+    capsys.readouterr()
+    watched(monkeypatch, lambda: None, lambda: os.utime("in/owl.png", ns=(1, 1)))
+    assert generate("in", "--skip-existing", "--watch") == 1
+    assert painted(capsys.readouterr().out) == ["fox", "owl"]
+
+
+def test_what_is_saved_while_others_are_painted_is_not_missed(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/fox.png")
+    write = Outputs.write
+
+    def write_and_save(*arguments: Any) -> Any:
+        monkeypatch.setattr(Outputs, "write", write)
+        os.utime("in/fox.png", ns=(1, 1))
+        return write(*arguments)
+
+    monkeypatch.setattr(Outputs, "write", write_and_save)
+    watched(monkeypatch, lambda: None)
+    assert generate("in", "--watch") == 1
+    assert painted(capsys.readouterr().out) == ["fox", "fox"]
+
+
+def test_the_map_of_a_drawing_that_is_deleted_is_no_drawing(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/fox.png")
+    watched(monkeypatch, lambda: Path("in/fox.png").rename("in/owl.png"), lambda: None)
+    assert generate("in", "--watch", "--ao", "-o", "in") == 1
+    assert painted(capsys.readouterr().out) == ["fox", "owl"]
+
+
+def test_hints_masks_and_atlases_are_watched_too(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/fox.png", "in/owl.png")
+    Image.fromarray(np.full(GREY.shape, 255, np.uint8)).save("in/owl_mask.png")
+    watched(
+        monkeypatch,
+        lambda: Path("in/fox_hints.json").write_text('[{"x": 150, "y": 80, "normal": [0.6, 0, 0.8]}]'),
+        lambda: os.utime("in/owl_mask.png", ns=(1, 1)),
+    )
+    Path("in/owl_hints.json").write_text('[{"x": 150, "y": 80, "normal": [0.6, 0, 0.8]}]')
+    assert generate("in", "--watch", "--hints", "in", "--mask", "in") == 1
+    assert painted(capsys.readouterr().out) == ["fox", "owl", "fox", "owl"]
+    draw("in/fox.png")
+    frame = {"frame": {"x": 0, "y": 0, "w": 300, "h": 200}}
+    Path("in/fox.json").write_text(json.dumps({"frames": {"fox": frame}}))
+    watched(monkeypatch, lambda: os.utime("in/fox.json", ns=(1, 1)))
+    assert generate("in", "--watch", "--atlas", "in") == 1
+    assert painted(capsys.readouterr().out) == ["fox", "fox"]
+
+
+def test_of_drawings_that_share_a_frame_all_are_painted_anew(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/walk_1.png", "in/walk_2.png")
+    watched(
+        monkeypatch,
+        lambda: Image.fromarray(GREY).resize((120, 80)).save("in/walk_2.png"),  # half of a change of size
+        lambda: Image.fromarray(GREY[:, ::-1].copy()).save("in/walk_2.png"),
+    )
+    assert generate("in", "--watch", "--frame", "shared") == 1
+    said = capsys.readouterr()
+    assert painted(said.out) == ["walk_1", "walk_2", "walk_1", "walk_2"]
+    assert "cannot share a frame" in said.err
+    before = {name: Path("normals", name).read_bytes() for name in written("normals")}
+    draw("in/walk_1.png")
+    Image.fromarray(GREY[:, ::-1].copy()).save("in/walk_2.png")
+    assert generate("in", "--frame", "shared") == 0
+    assert {name: Path("normals", name).read_bytes() for name in written("normals")} == before
+
+
+def test_a_watch_never_has_the_highest_of_all(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw("in/fox.png")
+    assert generate("in", "--watch", "--height", "png", "--height-scale", "batch") == 2
+    assert "--height-scale batch needs all drawings, and --watch never has them" in capsys.readouterr().err
+
+
+def test_what_begins_with_a_dot_is_no_drawing(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw("in/fox.png")
+    Path("in/._fox.png").write_bytes(b"\0\5\x16\7 notes of macOS on a disk of another system")
+    for extra in ([], ["--recursive"]):
+        assert generate("in", *extra) == 0
+    assert written("normals") == {"fox_normal.png"}
 
 
 def test_a_long_batch_takes_the_memory_of_a_short_one(here: Path) -> None:

@@ -48,14 +48,16 @@ def chunk(kind: int, data: bytes) -> bytes:
     return struct.pack("<IH", len(data) + 6, kind) + data
 
 
-def layer(name: str, visible: bool = True, opacity: int = 255) -> bytes:
+def layer(
+    name: str, visible: bool = True, opacity: int = 255, kind: int = 0, level: int = 0, flags: int = 0
+) -> bytes:
     text = name.encode()
-    head = struct.pack("<HHHHHHB3x", int(visible), 0, 0, 0, 0, 0, opacity)
+    head = struct.pack("<HHHHHHB3x", int(visible) | flags, kind, level, 0, 0, 0, opacity)
     return chunk(0x2004, head + struct.pack("<H", len(text)) + text)
 
 
-def cel(number: int, pixels: Pixels, left: int = 0, top: int = 0) -> bytes:
-    head = struct.pack("<HhhBHh5x", number, left, top, 255, 2, 0)
+def cel(number: int, pixels: Pixels, left: int = 0, top: int = 0, raised: int = 0) -> bytes:
+    head = struct.pack("<HhhBHh5x", number, left, top, 255, 2, raised)
     size = struct.pack("<HH", pixels.shape[1], pixels.shape[0])
     return chunk(0x2005, head + size + zlib.compress(pixels.tobytes()))
 
@@ -64,12 +66,18 @@ def linked(number: int, frame: int) -> bytes:
     return chunk(0x2005, struct.pack("<HhhBHh5xH", number, 0, 0, 255, 1, 0, frame))
 
 
-def aseprite(frames: list[list[bytes]], size: tuple[int, int] = (120, 80), depth: int = 32) -> bytes:
+def tiles(number: int) -> bytes:
+    return chunk(0x2005, struct.pack("<HhhBHh5x", number, 0, 0, 255, 3, 0))
+
+
+def aseprite(
+    frames: list[list[bytes]], size: tuple[int, int] = (120, 80), depth: int = 32, flags: int = 1
+) -> bytes:
     body = b""
     for chunks in frames:
         data = b"".join(chunks)
         body += struct.pack("<IHHH2xI", 16 + len(data), 0xF1FA, len(chunks), 90, len(chunks)) + data
-    head = struct.pack("<IHHHHHIH8xB", 128 + len(body), 0xA5E0, len(frames), *size, depth, 1, 100, 0)
+    head = struct.pack("<IHHHHHIH8xB", 128 + len(body), 0xA5E0, len(frames), *size, depth, flags, 100, 0)
     return head.ljust(128, b"\0") + body
 
 
@@ -133,6 +141,10 @@ def test_layered_files_are_painted_in_folders_too() -> None:
         (aseprite([drawn()], depth=24), "is an Aseprite file of 24 bits"),
         (FILES["a.aseprite"][:300], "broken"),
         (aseprite([[layer("a"), chunk(0x2005, bytes(16))]]), "has a broken layer 'a'"),
+        (
+            aseprite([[layer("ground", kind=2), tiles(0)]]),
+            "has a layer 'ground' of tiles, which cannot be read; convert it to a layer, or hide it.",
+        ),
         (aseprite([[layer("a"), linked(0, 0)]]), "has a broken layer 'a': it refers to a later frame"),
         (FILES["a.aseprite"][:132] + b"\1\1" + FILES["a.aseprite"][134:], "of an unknown version"),
         (aseprite([drawn()], size=(60000, 60000)), "is 60000 × 60000 pixels"),
@@ -142,3 +154,45 @@ def test_a_layered_file_that_cannot_be_read_is_told_in_a_sentence(content: bytes
     with pytest.raises(InputError) as caught:
         decode("a.any", content, (8, 8192), 64)
     assert sentence in str(caught.value)
+
+
+def shown(content: bytes) -> list[int]:
+    """What a file of four pixels a colour shows, one of each."""
+    return [int(each) for each in decode("a.ase", content, (8, 8192), 64).pixels[0, ::4].reshape(-1)]
+
+
+def index(*values: int) -> Pixels:
+    return np.tile(np.repeat(np.array(values, np.uint8), 4), (8, 1))
+
+
+@pytest.mark.parametrize(("kind", "brightest"), [(0x0004, 255), (0x0011, 63)])
+def test_the_colours_of_a_new_aseprite_are_read_where_it_writes_the_old_chunk(
+    kind: int, brightest: int
+) -> None:
+    # Two runs: colour 1, and after one that is passed over colours 3 and 4.
+    runs = struct.pack("<HBB3BBB6B", 2, 1, 1, brightest, 0, 0, 1, 2, 0, brightest, 0, *[brightest] * 3)
+    content = aseprite([[chunk(kind, runs), layer("a"), cel(0, index(1, 3, 4))]], (12, 8), depth=8)
+    assert shown(content) == [*(255, 0, 0, 255), *(0, 255, 0, 255), *(255, 255, 255, 255)]
+    new = chunk(0x2019, struct.pack("<III8xHBBBB", 256, 1, 1, 0, 9, 9, 9, 255))
+    both = aseprite([[new, chunk(kind, runs), layer("a"), cel(0, index(1, 1))]], (8, 8), depth=8)
+    assert shown(both)[:3] == [9, 9, 9]
+
+
+def test_layers_of_aseprite_count_as_it_shows_them() -> None:
+    palette = chunk(0x2019, struct.pack("<III8xHBBBBHBBBB", 2, 0, 1, 0, 7, 7, 7, 255, 0, 250, 250, 250, 255))
+    # In a background no colour is transparent.
+    ground = aseprite([[palette, layer("paper", flags=8), cel(0, index(0, 1))]], (8, 8), depth=8)
+    assert shown(ground) == [7, 7, 7, 255, 250, 250, 250, 255]
+
+    def plain(value: int) -> Pixels:
+        return np.full((8, 8, 4), (value, value, value, 255), np.uint8)
+
+    # A photograph to draw after is not exported by Aseprite either.
+    drawn = [layer("pen"), layer("photo", flags=64), cel(0, plain(20)), cel(1, plain(200))]
+    assert shown(aseprite([drawn], (8, 8)))[:4] == [20, 20, 20, 255]
+    raised = [layer("low"), layer("high"), cel(0, plain(20), raised=2), cel(1, plain(200))]
+    assert shown(aseprite([raised], (8, 8)))[:4] == [20, 20, 20, 255]
+    old = aseprite([[layer("pen", opacity=0), cel(0, plain(20))]], (8, 8), flags=0)
+    assert shown(old)[:4] == [20, 20, 20, 255]
+    group = [layer("group", kind=1, opacity=51), layer("pen", level=1), cel(1, plain(20))]
+    assert [shown(aseprite([group], (8, 8), flags=each))[3] for each in (1, 3)] == [255, 51]

@@ -2,6 +2,7 @@
 
 import builtins
 import importlib.util
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from add_ons import FOX, ROOT, install
+from add_ons import FOX, ROOT, install, own_command
 from PIL import Image
 
 import normalgan
@@ -87,6 +88,16 @@ def test_without_normalgan_one_sentence_says_what_to_do(node: Any, monkeypatch: 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(RuntimeError, match="install it into the Python that runs ComfyUI"):
         call(node, image=image, green="up")
+
+
+def test_a_command_of_the_search_path_is_noted_by_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = own_command(tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    install("gimp", tmp_path, "--to", str(tmp_path / "plug-ins"), "--normalgan", "normalgan")
+    note = tmp_path / "plug-ins" / "normalgan_layer" / "normalgan_path.txt"
+    assert note.read_text(encoding="utf-8").strip() == str(command)
 
 
 def test_every_add_on_can_be_installed(tmp_path: Path) -> None:

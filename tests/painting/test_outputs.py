@@ -141,9 +141,25 @@ def test_an_engine_sets_its_conventions_and_is_told_how_to_import(here: Path, en
         case _:
             ast.parse(text)
             assert map_name in text
+    # What the engine has made of its own file stays; a script is ours.
+    Path(f"out/{map_name}{sidecar}").write_text("the engine's")
+    assert generate("fox.png", "-o", "out", "--engine", engine) == 0
+    kept = Path(f"out/{map_name}{sidecar}").read_text()
+    assert kept == (text if sidecar.endswith(".py") else "the engine's")
     # What the user says counts more.
     assert generate("fox.png", "-o", "own", "--engine", engine, "--y", "up", "--suffix", "_own") == 0
     assert np.abs(read_png("own/fox_own.png")[0] - upright).max() < 0.02
+
+
+def test_maps_of_one_name_in_two_folders_have_two_ids(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ids = set()
+    for folder in ("a", "b"):
+        Path(folder).mkdir()
+        with monkeypatch.context() as patch:
+            patch.chdir(folder)
+            assert generate("../fox.png", "--engine", "unity", "--model", str(here / "model.onnx")) == 0
+            ids.add(yaml.safe_load(Path("normals/fox_NormalMap.png.meta").read_text())["guid"])
+    assert len(ids) == 2
 
 
 def test_a_relief_of_fewer_faces_is_closed_and_of_the_same_shape(here: Path) -> None:

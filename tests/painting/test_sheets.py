@@ -149,6 +149,28 @@ def test_an_atlas_says_where_sprites_lie_and_which_are_turned(here: Path, array:
     assert np.array_equal(pixels("by_folder/sheet_normal.png"), whole)
 
 
+def test_heights_and_shading_of_a_sheet_are_those_of_its_sprites(here: Path) -> None:
+    """A turned sprite has its normals as it stands: its surface is that of the upright one, turned."""
+    Image.fromarray(packed()).save("sheet.png")
+    Path("sheet.json").write_text(json.dumps(atlas()))
+    extras = ("--height", "tiff", "--ao", "--curvature", "--specular")
+    assert generate("sheet.png", "--atlas", "sheet.json", *extras) == 0
+    for name, cell, box in (
+        ("a", sprite(SPRITES[0]), np.s_[:96, :96]),
+        ("b", sprite(SPRITES[1], 1)[8:88], np.s_[:96, 100:180]),
+    ):
+        Image.fromarray(cell).save(f"{name}.png")
+        assert generate(f"{name}.png", *extras) == 0
+        on = cell[..., 3] > 0
+        for kind in ("height.tiff", "ao.png", "curvature.png", "specular.png"):
+            part = np.asarray(cv2.imread(f"normals/sheet_{kind}", cv2.IMREAD_UNCHANGED))[box]
+            alone = np.asarray(cv2.imread(f"normals/{name}_{kind}", cv2.IMREAD_UNCHANGED))
+            part = np.rot90(part) if name == "b" else part
+            assert np.allclose(part[on], alone[on], atol=1e-3), (name, kind)
+    whole = pixels("normals/sheet_ao.png"), pixels("normals/sheet_curvature.png")
+    assert [int(each[98, 150]) for each in whole] == [255, 128]  # between the sprites
+
+
 def test_masks_and_hints_are_those_of_the_sheet(here: Path) -> None:
     Image.fromarray(sheet_of([pen(each) for each in SPRITES])).save("sheet.png")
     mask = np.zeros((192, 288), np.uint8)

@@ -13,7 +13,7 @@ from jsonargparse import Namespace
 
 from normalgan import decoding
 from normalgan.commands.generate_parser import as_shell_means, build_parser, engine_of
-from normalgan.drawings import MOST_BYTES
+from normalgan.drawings import MOST_BYTES, without_companions
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
 from normalgan.painting.inputs import check_size
 from normalgan.painting.jobs import (
@@ -21,6 +21,7 @@ from normalgan.painting.jobs import (
     STDOUT,
     Job,
     check_writable,
+    companions_of,
     find_many,
     format_of,
     is_file_name,
@@ -71,6 +72,8 @@ def generate(settings: Namespace) -> int:
     if settings.layers and packing.given:
         raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
     outputs = _outputs(settings)
+    if settings.watch and outputs.height_scale == "batch":
+        raise InputError("--height-scale batch needs all drawings, and --watch never has them; give pixels.")
     flat_map((8, 8)).stronger(settings.strength)  # refuses what is none
     if settings.output == STDOUT:
         return _to_standard_output(settings, outputs)
@@ -87,6 +90,7 @@ def generate(settings: Namespace) -> int:
     path = find_model(settings.model)
     check_writable(jobs)
     batch = _Batch(settings, outputs, packing, wrong)
+    watcher = Watcher(batch.read(jobs))  # before anything is painted: what is saved meanwhile is painted anew
     if settings.skip_existing:
         jobs = batch.without_existing(jobs)
     if settings.dry_run:
@@ -95,7 +99,7 @@ def generate(settings: Namespace) -> int:
     painter = Painter(OnnxBackend(path, threads=1))
     batch.paint(painter, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
     if settings.watch:
-        batch.watch(painter, jobs, lambda: find()[0])
+        batch.watch(painter, watcher, lambda: find()[0])
     return batch.code(len(jobs) + len(wrong))
 
 
@@ -136,7 +140,7 @@ class _Batch:
     def tell(self, jobs: Sequence[Job]) -> int:
         """Say what would be read and written, and return the exit code."""
         for job in jobs:
-            extras = [f" with {each}" for each in (job.files.hints, job.files.mask) if isinstance(each, Path)]
+            extras = [f" with {each}" for each in job.files.beside]
             try:
                 print(f"{job.files.drawing}{''.join(extras)} -> {self._target(job)}")
             except InputError as error:
@@ -163,9 +167,7 @@ class _Batch:
             settings.layers,
             settings.tile,
         )
-        alike = settings.frame == "shared" and len(jobs) > 1
-        together = alike and not self._packing.given and not settings.layers
-        written = work.together(jobs) if together else stream(jobs, work)
+        written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
         with _progress(len(jobs)) as advance:
             for job, outcome in written:
                 advance()
@@ -185,18 +187,17 @@ class _Batch:
     def watch(
         self,
         painter: Painter,
-        painted: Iterable[Job],
+        watcher: Watcher,
         find: Callable[[], list[Job]],
     ) -> None:
-        """Paint what is saved, as it is saved, until Ctrl-C.
+        """Paint what is saved, as it is saved, until Ctrl-C; of drawings that share a frame, all of them.
 
         Raises:
             RunError: if a folder that was named is gone.
         """
         folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
-        watcher = Watcher(job.files.drawing for job in painted)
         print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)
-        told = ""
+        told, known = "", set[Path]()
         while True:
             time.sleep(LOOK)
             for place in folders:
@@ -210,9 +211,26 @@ class _Batch:
             if wrong and wrong != told:
                 print(wrong, file=sys.stderr, flush=True)
             told = wrong
-            saved = watcher.saved(jobs)
+            # The map of a drawing that was there, and is deleted or renamed by now, is still no drawing.
+            known |= set(jobs)
+            kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
+            jobs = {path: job for path, job in jobs.items() if path in kept}
+            saved = watcher.saved(self.read(jobs.values()))
             if saved:
-                self.paint(painter, [jobs[each] for each in saved])
+                try:
+                    self.paint(painter, [*jobs.values()] if self._alike else [jobs[each] for each in saved])
+                except InputError as error:  # such as frames of several sizes, until all are saved
+                    print(f"normalgan: {one_line(str(error))}", file=sys.stderr, flush=True)
+
+    def read(self, jobs: Iterable[Job]) -> dict[Path, list[Path]]:
+        """Return the drawings, each with what else is read for it."""
+        files = [job.files for job in jobs]
+        return {each.drawing: [*each.beside, *self._packing.beside(each.drawing)] for each in files}
+
+    @property
+    def _alike(self) -> bool:
+        """Whether drawings in files of their own share what the model is shown."""
+        return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
 
     def code(self, total: int) -> int:
         """Say how many failed, and return the exit code."""

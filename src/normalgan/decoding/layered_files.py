@@ -29,7 +29,12 @@ _MOST_FRAMES = 1024
 _MOST_MEMBER = 2**29
 """Bytes of one file in a ZIP."""
 _ASEPRITE, _ASEPRITE_FRAME = 0xA5E0, 0xF1FA
-_LAYER, _CEL, _PALETTE, _OLD_PALETTE = 0x2004, 0x2005, 0x2019, 0x0004
+_LAYER, _CEL, _PALETTE = 0x2004, 0x2005, 0x2019
+_OLD_PALETTES = {0x0004: 255, 0x0011: 63}
+"""Aseprite 1.3.5 and later write the first of them alone where no colour is translucent; its brightest."""
+_BACKGROUND, _REFERENCE = 8, 64
+"""Layers of Aseprite in which no colour is transparent, and those to draw after, which it does not export."""
+_GROUP = 1
 _TILE = 64
 """Columns and rows of a tile of a Krita layer."""
 _ALTERS = {"adjustmentlayer", "generatorlayer"}
@@ -412,14 +417,16 @@ class _Aseprite:
 
     def __init__(self, content: bytes) -> None:
         self.size = size_of(content)
-        frames, self._depth, self._clear = struct.unpack("<6xH4xH14xB", content[:29])
+        frames, self._depth, self._flags, self._clear = struct.unpack("<6xH4xHI10xB", content[:29])
         if not 0 < frames <= _MOST_FRAMES:
             raise UnreadableError(f"has {frames} frames; 1 to {_MOST_FRAMES} can be read")
         self.durations: list[int] = []
         self._visible: list[bool] = []
         self._names: list[tuple[str, tuple[str, ...], int]] = []
-        self._levels: list[tuple[bool, str]] = []
+        self._opaque: list[bool] = []
+        self._levels: list[tuple[bool, str, int]] = []
         self._palette = [(0, 0, 0, 255)] * 256
+        self._old_palette = True
         self._cels: list[dict[int, tuple[int, bytes]]] = []
         try:
             at = 128
@@ -448,10 +455,12 @@ class _Aseprite:
                 name, groups, opacity = self._names[number]
                 try:
                     left, top, own, image = self._cel(number, frame)
+                    (raised,) = struct.unpack_from("<h", self._cels[frame][number][1], 9)
                 except (struct.error, ValueError, zlib.error, KeyError, IndexError) as error:
                     raise UnreadableError(f"has a broken layer {name!r}: {error}") from None
-                found.append(Layer(name, groups, opacity * own // 255, left, top, image, number, frame))
-        return found
+                cel = Layer(name, groups, opacity * own // 255, left, top, image, number, frame)
+                found.append((number + raised, raised, cel))
+        return [cel for *_, cel in sorted(found, key=lambda each: each[:2])]
 
     def _take(self, kind: int, data: bytes) -> None:
         if kind == _LAYER:
@@ -459,20 +468,41 @@ class _Aseprite:
             (length,) = struct.unpack_from("<H", data, 16)
             name = data[18 : 18 + length].decode("utf-8", "replace")
             above = self._levels[:level]
-            visible = bool(flags & 1) and all(shown for shown, _ in above)
-            self._levels[level:] = [(visible, name)]
-            self._visible.append(visible and what == 0)
-            self._names.append((name, tuple(each for _, each in above), opacity))
+            visible = bool(flags & 1) and not flags & _REFERENCE and all(shown for shown, *_ in above)
+            # The second flag of the header says that groups have an opacity, the first that layers have one.
+            opacity = opacity if self._flags & (2 if what == _GROUP else 1) else 255
+            opacity = opacity * (above[-1][2] if above else 255) // 255
+            self._levels[level:] = [(visible, name, opacity)]
+            self._visible.append(visible and what != _GROUP)
+            self._opaque.append(bool(flags & _BACKGROUND))
+            self._names.append((name, tuple(each for _, each, _ in above), opacity))
         elif kind == _CEL:
             (number,) = struct.unpack_from("<H", data)
             self._cels[-1][number] = (len(self._cels) - 1, data)
+        elif kind in _OLD_PALETTES and self._old_palette:
+            self._take_old_palette(data, _OLD_PALETTES[kind])
         elif kind == _PALETTE:
+            self._old_palette = False
             first, last = struct.unpack_from("<4xII", data)
             at = 20
             for index in range(first, min(last, 255) + 1):
                 flags, *colour = struct.unpack_from("<HBBBB", data, at)
                 self._palette[index] = (colour[0], colour[1], colour[2], colour[3])
                 at += 6 + (2 + struct.unpack_from("<H", data, at + 6)[0] if flags & 1 else 0)
+
+    def _take_old_palette(self, data: bytes, brightest: int) -> None:
+        """Take the colours of a chunk in which runs of them follow one another."""
+        (runs,) = struct.unpack_from("<H", data)
+        at, index = 2, 0
+        for _ in range(runs):
+            skipped, count = struct.unpack_from("<BB", data, at)
+            at, index = at + 2, index + skipped
+            for _ in range(count or 256):
+                red, green, blue = (
+                    min(each * 255 // brightest, 255) for each in struct.unpack_from("<BBB", data, at)
+                )
+                self._palette[index] = (red, green, blue, 255)
+                at, index = at + 3, index + 1
 
     def _cel(self, number: int, frame: int) -> "tuple[int, int, int, Image]":
         """Return left, top, opacity and picture of what a layer shows in a frame."""
@@ -486,7 +516,10 @@ class _Aseprite:
                 raise ValueError("it refers to a later frame")
             return self._cel(number, other)
         if kind not in {0, 2}:
-            raise ValueError("it is made of tiles, which cannot be read")
+            name = self._names[number][0]
+            raise UnreadableError(
+                f"has a layer {name!r} of tiles, which cannot be read; convert it to a layer, or hide it"
+            )
         width, height = struct.unpack_from("<HH", data, 16)
         if not 0 < width * height <= 2**26:
             raise ValueError(f"it has {width} × {height} pixels")
@@ -502,7 +535,8 @@ class _Aseprite:
         else:
             index = Image.frombytes("L", size, pixels[:count])
             palette = list(self._palette)
-            palette[self._clear] = (0, 0, 0, 0)
+            if not self._opaque[number]:
+                palette[self._clear] = (0, 0, 0, 0)
             bands = [index.point([colour[band] for colour in palette]) for band in range(4)]
             image = Image.merge("RGBA", bands)
         return left, top, own, image

@@ -8,7 +8,8 @@ from typing import Any
 from normalgan.drawings import SMALLEST
 from normalgan.errors import InputError, brief
 from normalgan.limits import read_bounded
-from normalgan.painting.sheets import MOST_CELLS, Cell
+from normalgan.painting.cells import Cell
+from normalgan.painting.sheets import MOST_CELLS
 
 __all__ = ["ENDINGS", "MOST_BYTES", "read_atlas"]
 

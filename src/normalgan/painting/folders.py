@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from glob import glob
 from pathlib import Path
 
-from normalgan.drawings import SUFFIXES, without_companions
+from normalgan.drawings import SUFFIXES, is_drawing, without_companions
 from normalgan.errors import InputError
 
 __all__ = ["search"]
@@ -28,7 +28,7 @@ def search(
     Args:
         words: files, folders and globs.
         companions: what lies beside a drawing and is named its stem with one of these is no drawing.
-        recursive: search folders to the bottom; what begins with a dot is passed over.
+        recursive: search folders to the bottom. What begins with a dot is passed over in any folder.
         leave_out: a folder that is not searched: the output, if it lies in one that is.
         may_be_empty: whether a folder without a drawing is no error, as the next drawing may go there.
     """
@@ -40,7 +40,7 @@ def search(
             here = {place: Path()}
         elif place.is_dir():
             files = list(_below(place, leave_out) if recursive else place.iterdir())
-            drawings = [path for path in files if path.suffix.lower() in SUFFIXES and path.is_file()]
+            drawings = [path for path in files if is_drawing(path) and path.is_file()]
             kept = without_companions(sorted(drawings), companions)
             here = {path: path.parent.relative_to(place) for path in kept}
         else:
@@ -64,7 +64,7 @@ def _below(folder: Path, leave_out: Path | None) -> Iterator[Path]:
         if left_out is not None and left_out != folder.resolve():
             folders[:] = [each for each in folders if (here / each).resolve() != left_out]
         folders[:] = sorted(each for each in folders if not each.startswith("."))
-        yield from (here / name for name in names if not name.startswith("."))
+        yield from (here / name for name in names)
 
 
 def _apart(found: dict[Path, Path]) -> dict[Path, Path]:

@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 from normalgan.decoding import Decoded
 from normalgan.drawings import SMALLEST
 from normalgan.errors import InputError
+from normalgan.painting.cells import Cell
 from normalgan.painting.cleaning import clean
 from normalgan.painting.picture import MOST_WORKED, fitted, resize, to_picture
 from normalgan.painting.preparation import Mark
-from normalgan.painting.sheets import MOST_CELLS, Cell
+from normalgan.painting.sheets import MOST_CELLS
 from normalgan.painting.silhouette import enclosed_by
 
 __all__ = ["find_islands"]

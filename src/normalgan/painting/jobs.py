@@ -22,6 +22,7 @@ __all__ = [
     "DrawingFiles",
     "Job",
     "check_writable",
+    "companions_of",
     "find_files",
     "find_many",
     "format_of",
@@ -67,6 +68,11 @@ class DrawingFiles:
     hints: Path | None = None
     mask: Path | str | None = None
     below: Path = Path()
+
+    @property
+    def beside(self) -> list[Path]:
+        """The files that are read beside the drawing's."""
+        return [each for each in (self.hints, self.mask) if isinstance(each, Path)]
 
 
 @dataclass(frozen=True)
@@ -116,9 +122,7 @@ def find_files(
     """
     every = [sketches] if isinstance(sketches, str) else sketches
     named = [each for each in every if each != STDIN]
-    suffix = Path(ending).stem
-    companions = (*COMPANIONS, *([suffix] if suffix else []))
-    drawings = find_drawings(named, ending, companions) if named else []
+    drawings = find_drawings(named, ending, companions_of(ending)) if named else []
     read = [DrawingFiles(drawing) for drawing in drawings]
     if STDIN in every:
         read.append(DrawingFiles(Path("stdin"), content))
@@ -150,14 +154,22 @@ def find_many(
     Raises:
         InputError: if a file of hints or of the mask is missing.
     """
-    suffix = Path(ending).stem
-    companions = (*COMPANIONS, *([suffix] if suffix else []))
     named = [each for each in sketches if each != STDIN]
-    found, wrong = search(named, companions, recursive, folder, may_be_empty)
+    found, wrong = search(named, companions_of(ending), recursive, folder, may_be_empty)
     read = [DrawingFiles(drawing, below=below) for drawing, below in found.items()]
     if STDIN in sketches:
         read.append(DrawingFiles(Path("stdin"), content))
     return (_with_companions(read, hints, mask) if read else []), wrong
+
+
+def companions_of(ending: str) -> tuple[str, ...]:
+    """Return what is named so after a drawing lies beside it and is none.
+
+    Args:
+        ending: of a normal map's name, such as ``_normal.png``.
+    """
+    suffix = Path(ending).stem
+    return (*COMPANIONS, *([suffix] if suffix else []))
 
 
 def _with_companions(read: Sequence[DrawingFiles], hints: str | None, mask: str | None) -> list[DrawingFiles]:

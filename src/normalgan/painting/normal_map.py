@@ -22,10 +22,11 @@ from normalgan.normals import (
     pixels_of,
     strips,
 )
+from normalgan.painting.cells import Cell
 from normalgan.painting.tile import Tile
 from normalgan.painting.vectors import unit
 
-__all__ = ["Format", "NormalMap"]
+__all__ = ["Format", "NormalMap", "part_of"]
 
 Format = Literal["png", "exr", "tiff"]
 _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
@@ -44,6 +45,8 @@ class NormalMap:
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
         warning: what went wrong, a part of a sentence; empty if nothing did.
         tile: the ways in which the map goes on past its edges with what lies at the opposite ones, or None.
+        cells: of a sheet the drawings in it, each a surface of its own; none of another map. The normals of
+            one that is turned are those of the upright drawing.
     """
 
     extended: Floats
@@ -53,6 +56,7 @@ class NormalMap:
     confidence: Floats | None
     warning: str
     tile: Tile | None = None
+    cells: tuple[Cell, ...] = ()
 
     @cached_property
     def normal(self) -> Floats:
@@ -82,7 +86,12 @@ class NormalMap:
         """
         from normalgan.painting.height import integrate  # here: its solver takes a while to import
 
-        return integrate(self.extended, self.mask, tile=self.tile)
+        if not self.cells:
+            return integrate(self.extended, self.mask, tile=self.tile)
+        whole = np.zeros(self.mask.shape, np.float32)
+        for cell in self.cells:
+            cell.put(whole, part_of(self, cell).height())
+        return whole
 
     def encode(self, form: Format = "png", bits: Bits = 8, y: Green = "up", alpha: bool = False) -> bytes:
         """Return the content of a file: flat off the object, or what is transparent there.
@@ -146,3 +155,17 @@ class NormalMap:
     def _repr_png_(self) -> bytes:
         """Return the map as a notebook shows it."""
         return self.encode()
+
+
+def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
+    """Return the map of one drawing of a sheet, upright."""
+    mask = sheet.mask[cell.box] if cell.own is None else sheet.mask[cell.box] & cell.own
+    confidence = None if sheet.confidence is None else cell.upright(sheet.confidence[cell.box])
+    return NormalMap(
+        np.ascontiguousarray(cell.upright(sheet.extended[cell.box])),
+        np.ascontiguousarray(cell.upright(mask)),
+        cell.upright(sheet.alpha[cell.box]),
+        sheet.seen,
+        confidence,
+        sheet.warning,
+    )

@@ -12,7 +12,7 @@ from normalgan.files import write_bytes
 from normalgan.normals import Bits, Floats, Green, encode_grey
 from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import Job
-from normalgan.painting.normal_map import Format, NormalMap
+from normalgan.painting.normal_map import Format, NormalMap, part_of
 from normalgan.painting.tile import middle, wrapped
 
 __all__ = [
@@ -33,6 +33,8 @@ Heights = list[tuple[Path, float]]
 Shading = Literal["ao", "curvature", "specular"]
 SHADING: tuple[Shading, ...] = ("ao", "curvature", "specular")
 """What the files of `shading_of` are called."""
+_OFF: dict[Shading, float] = {"ao": 1, "curvature": 0.5, "specular": 0}
+"""What they hold off the object."""
 _BESIDE = 0.25
 """How much of its repeats is looked at about a map that has some, as a share of its longer side."""
 FEWEST = 12
@@ -124,9 +126,16 @@ class Outputs:
         write_bytes(job.target, preds.encode(self.format, self.bits, self.y, self.alpha))
 
     def write_sidecar(self, target: Path) -> None:
-        """Write what an engine imports a map by."""
-        if self.engine is not None:
-            write_bytes(*sidecar(self.engine, target))
+        """Write what an engine imports a map by, unless the engine has it already.
+
+        Unity's and Godot's own file holds the id by which scenes name the map, and what was set there since.
+        """
+        if self.engine is None:
+            return
+        # Of the whole path: two folders may each have a normals/fox_NormalMap.png, and their ids must differ.
+        path, content = sidecar(self.engine, target.absolute())
+        if path.suffix == ".py" or not path.exists():
+            write_bytes(path, content)
 
     def write_others(self, job: Job, preds: NormalMap) -> Heights:
         """Write all but the map; return the height maps."""
@@ -179,6 +188,8 @@ def shading_of(
     """
     if not wanted:
         return {}
+    if preds.cells:
+        return _shading_of_cells(preds, wanted, preds.height() if height is None else height)
     from normalgan.painting.occlusion import occlusion
     from normalgan.painting.shading_maps import curvature, gloss
 
@@ -195,6 +206,16 @@ def shading_of(
     if "specular" in wanted:
         maps["specular"] = gloss(maps["ao"], maps["curvature"], mask)
     return {name: middle(maps[name], preds.tile, room) for name in SHADING if name in wanted}
+
+
+def _shading_of_cells(preds: NormalMap, wanted: Collection[Shading], height: Floats) -> dict[Shading, Floats]:
+    """Return what `shading_of` does of a sheet: no drawing of it shades another."""
+    maps = {name: np.full(preds.mask.shape, _OFF[name], np.float32) for name in SHADING if name in wanted}
+    for cell in preds.cells:
+        own = np.ascontiguousarray(cell.upright(height[cell.box]))
+        for name, values in shading_of(part_of(preds, cell), wanted, own).items():
+            cell.put(maps[name], values)
+    return maps
 
 
 def encode_height(

@@ -7,8 +7,9 @@ from normalgan.decoding import Decoded
 from normalgan.drawings import find_companion
 from normalgan.errors import InputError
 from normalgan.painting.atlas import ENDINGS, read_atlas
+from normalgan.painting.cells import Cell
 from normalgan.painting.islands import find_islands
-from normalgan.painting.sheets import Cell, grid_cells, parse_grid
+from normalgan.painting.sheets import grid_cells, parse_grid
 
 __all__ = ["Packing"]
 
@@ -50,6 +51,11 @@ class Packing:
         """Whether drawings are sheets at all."""
         return any(each is not None for each in (self.sheet, self.split, self.atlas))
 
+    def beside(self, path: Path) -> list[Path]:
+        """Return what is read beside a sheet: its atlas, if it has one."""
+        found = None if self.atlas is None else find_companion(path, Path(self.atlas), ENDINGS)
+        return [] if found is None else [found]
+
     def cells(self, sheet: Decoded, path: Path) -> list[Cell]:
         """Return where the drawings of a sheet lie.
 
@@ -64,7 +70,7 @@ class Packing:
             return grid_cells(*parse_grid(self.sheet), sheet.shape, path)
         if self.atlas is None:
             return find_islands(sheet)
-        found = find_companion(path, Path(self.atlas), ENDINGS)
-        if found is None:
+        found = self.beside(path)
+        if not found:
             raise InputError(f"{self.atlas} holds no atlas for {path}; it is named {path.stem}.json.")
-        return read_atlas(found, sheet.shape, path)
+        return read_atlas(found[0], sheet.shape, path)

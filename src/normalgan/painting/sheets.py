@@ -2,8 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -12,6 +10,7 @@ from numpy.typing import NDArray
 from normalgan.decoding import Decoded, Pixels
 from normalgan.drawings import SMALLEST
 from normalgan.errors import InputError
+from normalgan.painting.cells import Cell
 from normalgan.painting.composition import tiled
 from normalgan.painting.hint_files import Hints
 from normalgan.painting.normal_map import NormalMap
@@ -20,58 +19,12 @@ from normalgan.painting.picture import to_picture
 from normalgan.painting.preparation import Mark
 from normalgan.painting.series import Member, left_flat, paint_series
 
-__all__ = ["MOST_CELLS", "Cell", "grid_cells", "paint_sheet", "parse_grid"]
+__all__ = ["MOST_CELLS", "grid_cells", "paint_sheet", "parse_grid"]
 
-T = TypeVar("T", bound=np.generic)
 MOST_CELLS = 4096
 """Drawings in one sheet; the largest atlases in use have some hundreds."""
 _NAMED = 3
 """Cells of which a warning tells; of more it tells how many."""
-
-
-@dataclass(frozen=True)
-class Cell:
-    """Where one drawing lies in a sheet.
-
-    Args:
-        name: what to call it.
-        left: first column.
-        top: first row.
-        width: columns in the sheet.
-        height: rows in the sheet.
-        turned: whether it lies in the sheet turned clockwise by a quarter, as packers do to save room.
-        own: (height, width), what of the box is its own; None if all is.
-    """
-
-    name: str
-    left: int
-    top: int
-    width: int
-    height: int
-    turned: bool = False
-    own: Mark | None = None
-
-    @property
-    def box(self) -> tuple[slice, slice]:
-        """Rows and columns of the sheet."""
-        return slice(self.top, self.top + self.height), slice(self.left, self.left + self.width)
-
-    def upright(self, part: NDArray[T]) -> NDArray[T]:
-        """Return its part of a sheet, (height, width, ...), as it was drawn."""
-        return np.rot90(part) if self.turned else part
-
-    def turn(self, part: NDArray[T]) -> NDArray[T]:
-        """Return an upright array as it lies in the sheet; directions in it are not turned along."""
-        return np.rot90(part, -1) if self.turned else part
-
-    def local(self, hints: Hints) -> Hints | None:
-        """Return those of a sheet's hints that lie in it, in its own upright pixels; None if none does."""
-        x, y = hints.points.T - np.array([[self.left], [self.top]], np.float32)
-        inside = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
-        if not inside.any():
-            return None
-        points = np.stack([y, self.width - x] if self.turned else [x, y], -1)
-        return Hints(points[inside].astype(np.float32), hints.normals[inside])
 
 
 def parse_grid(text: str) -> tuple[int, int]:
@@ -187,7 +140,8 @@ def _assembled(shape: tuple[int, int], painted: Sequence[tuple[Cell, NormalMap]]
         alpha[cell.box][there] = cell.turn(preds.alpha)[there]
         if confidence is not None and preds.confidence is not None:
             confidence[cell.box][there] = cell.turn(preds.confidence)[there]
-    return NormalMap(normals, mask, alpha, tiled([each.seen for _, each in painted]), confidence, warning)
+    seen, cells = tiled([each.seen for _, each in painted]), tuple(cell for cell, _ in painted)
+    return NormalMap(normals, mask, alpha, seen, confidence, warning, cells=cells)
 
 
 def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]]) -> str:

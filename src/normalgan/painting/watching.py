@@ -1,37 +1,41 @@
 """Watching: which of some files were saved since they were last looked at, and are whole by now."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 __all__ = ["Stamp", "Watcher"]
 
-Stamp = tuple[int, int]
+Stamp = tuple[tuple[Path, int, int] | None, ...]
+"""Of a drawing and all that is read for it: what changes when one is saved."""
 
 
 class Watcher:
-    """Tells which files are new or were saved again.
+    """Tells which drawings are new or were saved again, or something that is read for them was.
 
     A program takes a while to save: a file counts once it has been the same at two looks. Files are looked at
     again and again, as the system's own messages do not come from network folders.
+
+    Args:
+        files: the drawings that are done, each with what else is read for it.
 
     Example:
         >>> from tempfile import TemporaryDirectory
         >>> with TemporaryDirectory() as folder:
         ...     drawing = Path(folder) / "a.png"
-        ...     watcher = Watcher([])
+        ...     watcher = Watcher({})
         ...     _ = drawing.write_bytes(b"1")
-        ...     looks = [watcher.saved([drawing]) for _ in range(3)]
+        ...     looks = [watcher.saved({drawing: []}) for _ in range(3)]
         >>> [len(look) for look in looks]
         [0, 1, 0]
     """
 
-    def __init__(self, files: Iterable[Path]) -> None:
-        self._done = {path: _stamp(path) for path in files}
+    def __init__(self, files: Mapping[Path, Iterable[Path]]) -> None:
+        self._done = {path: _stamp(path, beside) for path, beside in files.items()}
         self._last: dict[Path, Stamp | None] = {}
 
-    def saved(self, files: Iterable[Path]) -> list[Path]:
-        """Return the files that were saved and are whole; each once."""
-        now = {path: _stamp(path) for path in files}
+    def saved(self, files: Mapping[Path, Iterable[Path]]) -> list[Path]:
+        """Return the drawings that are to be painted; each once."""
+        now = {path: _stamp(path, beside) for path, beside in files.items()}
         settled = [
             path
             for path, stamp in now.items()
@@ -42,10 +46,15 @@ class Watcher:
         return settled
 
 
-def _stamp(path: Path) -> Stamp | None:
-    """Return what changes when a file is saved; None if it is gone."""
+def _stamp(path: Path, beside: Iterable[Path]) -> Stamp | None:
+    """Return what changes when a drawing, or what is read for it, is saved; None if the drawing is gone."""
+    own = _look(path)
+    return None if own is None else (own, *map(_look, beside))
+
+
+def _look(path: Path) -> tuple[Path, int, int] | None:
     try:
         status = path.stat()
     except OSError:
         return None
-    return status.st_mtime_ns, status.st_size
+    return path, status.st_mtime_ns, status.st_size
