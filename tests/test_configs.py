@@ -1,7 +1,6 @@
 import contextlib
 import importlib
 import inspect
-import io
 import itertools
 import json
 import re
@@ -15,7 +14,7 @@ import torch
 import yaml
 from torch import nn
 
-from normalgan.__main__ import main
+from normalgan import cli
 from normalgan.objectives import AdversarialObjective
 
 Settings = dict[str, Any]
@@ -65,16 +64,17 @@ DIFFER = {
 """Where the methods differ from the paper's; a class that differs brings settings of its own."""
 
 
+one_parser = remember(cli.training_parser)
+"""Building it takes longer than reading some files with it."""
+
+
 @remember
 def parsed(*names: str) -> Settings:
     """Return all settings that these configurations make together, by the CLI, defaults included."""
     files = [argument for name in names for argument in ("--config", f"configs/{name}.yaml")]
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.chdir(ROOT), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = main(["fit", *files, "--print_config"])
-    assert code == 0, err.getvalue()
-    settings: Settings = yaml.safe_load(out.getvalue())
-    return settings
+    with contextlib.chdir(ROOT), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cli, "training_parser", one_parser)
+        return cli.resolved_settings(files)
 
 
 def written(name: str) -> Settings:

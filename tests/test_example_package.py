@@ -8,6 +8,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.mark.timeout(900)  # a tool of minutes
 @pytest.mark.slow  # builds wheels, makes an environment, trains
 def test_a_strangers_package_works_from_a_wheel() -> None:
     done = subprocess.run(

@@ -20,7 +20,7 @@ from web_folder import serve
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-pytestmark = pytest.mark.slow  # downloads a package of npm
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]  # downloads a package of npm
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 UNREACHABLE = ("ENOTFOUND", "EAI_AGAIN", "ECONNREFUSED", "ENETUNREACH", "ETIMEDOUT")

@@ -42,6 +42,7 @@ def test_stored_run_is_of_this_code(path: Path) -> None:
     assert len(text) < 400_000
 
 
+@pytest.mark.timeout(900)  # a tool of minutes
 @pytest.mark.slow  # trains
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_runs(path: Path, tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ def write_samples(folder: Path) -> None:
             group.create_array(f"{split}/{name}", data=np.repeat(value[None], 2, 0))
 
 
+@pytest.mark.timeout(900)  # a tool of minutes
 @pytest.mark.slow
 def test_from_samples_to_a_refiner(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_samples(tmp_path / "samples")

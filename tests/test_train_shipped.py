@@ -12,6 +12,7 @@ import yaml
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.mark.timeout(900)  # a tool of minutes
 @pytest.mark.slow
 def test_from_meshes_to_figures_and_on_from_where_it_stopped(meshes: Path, tmp_path: Path) -> None:
     data = {

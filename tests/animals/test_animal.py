@@ -59,7 +59,7 @@ def test_a_whole_herd_is_sound() -> None:
 
 
 def test_the_head_is_at_plus_x_and_the_feet_are_down() -> None:
-    giraffe = Animal("giraffe", 0, "stand").load()
+    giraffe = coarse("giraffe", 0, "stand")
     assert giraffe.vertices[np.argmax(giraffe.vertices[:, 1]), 0] > 0.1
     low = giraffe.vertices[giraffe.vertices[:, 1] < giraffe.vertices[:, 1].min() + 0.02]
     # Four feet: before and behind, on either side.
@@ -69,7 +69,7 @@ def test_the_head_is_at_plus_x_and_the_feet_are_down() -> None:
 
 
 def test_standing_feet_share_the_ground() -> None:
-    mesh = Animal("horse", 4, "walk").load()
+    mesh = coarse("horse", 4, "walk")
     low = mesh.vertices[mesh.vertices[:, 1] < mesh.vertices[:, 1].min() + 0.01]
     hoofs = len(np.unique(np.round(low[:, [0, 2]] / 0.15), axis=0))
     assert hoofs >= 2
@@ -77,7 +77,7 @@ def test_standing_feet_share_the_ground() -> None:
 
 def test_a_grazing_horse_is_lower_than_a_standing_one() -> None:
     def tallness(pose: str) -> float:
-        extent = np.ptp(Animal("horse", 4, pose).load().vertices, axis=0)
+        extent = np.ptp(coarse("horse", 4, pose).vertices, axis=0)
         return float(extent[1] / extent[0])
 
     assert tallness("graze") < 0.9 * tallness("stand")
@@ -91,7 +91,7 @@ def test_the_same_animal_is_the_same_to_the_byte() -> None:
 
 
 def test_two_seeds_differ_in_shape_not_only_in_pose() -> None:
-    one, other = (solid(Animal("pig", seed, "stand").load()) for seed in (1, 2))
+    one, other = (solid(coarse("pig", seed, "stand")) for seed in (1, 2))
     assert abs(one.volume - other.volume) > 0.002 * one.volume
 
 

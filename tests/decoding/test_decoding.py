@@ -50,7 +50,7 @@ def test_hostile_pictures_are_refused_in_one_sentence(
     tmp_path: Path, pool: process._Pool, monkeypatch: pytest.MonkeyPatch, slow: bool
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(process, "PATIENCE", 300.0)
+    monkeypatch.setattr(process, "PATIENCE", 240.0)
     files = hostile(secret_picture(tmp_path / "secret.png"))
     endless = [name for name, (_, sentence) in files.items() if sentence == SLOW]
     left_out = set(files) - set(endless[1:]) if slow else set(endless[1:])  # each takes seconds

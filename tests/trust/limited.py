@@ -11,7 +11,7 @@ MEMORY = 2 * 2**30
 """Bytes of address space that reading may take, on top of what libraries map."""
 SECONDS = 5
 """Processor time that one file may take."""
-GRACE = 600
+GRACE = 240
 """Wall time for a process on a busy machine: a hang that takes no processor time ends here."""
 
 

@@ -97,6 +97,7 @@ def test_a_section_is_written_at_each_step_and_the_others_stay(tmp_path: Path) -
     assert {"command", "commit", "date", "machine", "versions", "seconds"} < found["kills"].keys()
 
 
+@pytest.mark.timeout(900)  # a tool of minutes
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("experiment", "count", "tried"),
