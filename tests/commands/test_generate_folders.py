@@ -127,12 +127,14 @@ def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.Ca
 
 def test_a_map_goes_to_standard_output(here: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
     draw("fox.png", "owl.png")
+    Path("broken.png").write_bytes(b"no picture")
     assert generate("fox.png") == 0
     capfdbinary.readouterr()
     assert generate("fox.png", "-o", "-") == 0
     assert capfdbinary.readouterr().out == Path("normals/fox_normal.png").read_bytes()
     for arguments, sentence in (
         (["fox.png", "owl.png"], b"standard output holds one map, but there are 2"),
+        (["fox.png", "broken.png"], b"standard output holds one map, but there are 2"),  # nor is one painted
         (["fox.png", "--height", "png"], b"standard output holds the map alone"),
         (["fox.png", "--watch"], b"standard output holds one map; --watch"),
     ):

@@ -164,10 +164,16 @@ def test_a_source_that_gives_no_splits_is_named() -> None:
     ("given", "sentence"),
     [
         ({"source": "pairs/"}, r"^data\.source must be an object of a class of DataSource, not 'pairs/'\.$"),
-        ({"lines": "Silhouette"}, r"^data\.lines must be an object of a class of LineDrawing, not 'Silhouette'"),
+        (
+            {"lines": "Silhouette"},
+            r"^data\.lines must be an object of a class of LineDrawing, not 'Silhouette'",
+        ),
         ({"lines": OccludingContours}, r"not the class OccludingContours; write OccludingContours\(…\)\.$"),
         ({"renderer": None}, r"^data\.renderer must be an object of a class of Renderer, not None\.$"),
-        ({"augmentation": True}, r"^data\.augmentation must be an object of a class of BatchAug.* not a bool"),
+        (
+            {"augmentation": True},
+            r"^data\.augmentation must be an object of a class of BatchAug.* not a bool",
+        ),
         ({"species": "birds"}, r"^data\.species is a list of names, such as \['birds'\], not 'birds'\.$"),
     ],
 )

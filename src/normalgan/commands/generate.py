@@ -278,18 +278,23 @@ def _to_standard_output(settings: Namespace, outputs: Outputs) -> int:
         raise InputError("standard output holds the map alone; give -o a folder for the rest.")
     if settings.watch or settings.dry_run:
         raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
+    jobs, _ = _jobs(settings, outputs, b"")
+    if len(jobs) > 1:  # told before they are painted
+        raise _not_one(len(jobs))
     with TemporaryDirectory() as folder:
         settings.output, settings.skip_existing = folder, False
         with redirect_stdout(StringIO()):  # where the map lies for now is of no use to anybody
             code = generate(settings)
         written = sorted(Path(folder).rglob("*.*"))
         if len(written) != 1:
-            raise InputError(
-                f"standard output holds one map, but there are {len(written)}; give -o a folder."
-            )
+            raise _not_one(len(written))
         sys.stdout.buffer.write(written[0].read_bytes())
         sys.stdout.flush()
     return code
+
+
+def _not_one(maps: int) -> InputError:
+    return InputError(f"standard output holds one map, but there are {maps}; give -o a folder.")
 
 
 def _one_thread_each() -> None:

@@ -151,9 +151,7 @@ class MeshDataModule(LightningDataModule):
         for name, (value, kind) in kinds.items():
             if not (value is None and name in {"source", "hand", "medium", "augmentation"}):
                 check_kind(f"data.{name}", value, kind)
-        names: object = species  # in Python a lone one may be given, which would be read letter by letter
-        if isinstance(names, str):
-            raise InputError(f"data.species is a list of names, such as [{names!r}], not {names!r}.")
+        _check_species(species)
         for name, number in {"animals": animals, "batch_size": batch_size}.items():
             if number < 1:
                 raise InputError(f"data.{name} must be 1 or more, not {number}.")
@@ -238,8 +236,7 @@ class MeshDataModule(LightningDataModule):
             raise refused(self.source, found, "a data source gives what there is by the name of the split")
         if unknown := set(found) - set(SPLITS):
             raise InputError(
-                f"{called(self.source)} has a split {min(unknown)!r}; the splits are "
-                f"{', '.join(SPLITS)}."
+                f"{called(self.source)} has a split {min(unknown)!r}; the splits are {', '.join(SPLITS)}."
             )
         return {split: list(found.get(split, [])) for split in SPLITS}
 
@@ -420,3 +417,8 @@ class MeshDataModule(LightningDataModule):
         if self._drawings is None:
             raise RuntimeError("the drawings are read in setup('predict').")
         return self._drawings
+
+
+def _check_species(species: object) -> None:
+    if isinstance(species, str):  # in Python a lone one may be given, which would be read letter by letter
+        raise InputError(f"data.species is a list of names, such as [{species!r}], not {species!r}.")

@@ -348,7 +348,9 @@ def erase_sketch(folder: Path) -> None:
 
 
 def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
-    with pytest.raises(InputError, match=r"^its load gave NoneType; a source of pairs loads a normalgan\.data"):
+    with pytest.raises(
+        InputError, match=r"^its load gave NoneType; a source of pairs loads a normalgan\.data"
+    ):
         PairRecipe(32).render(None, 0)  # type: ignore[arg-type]
 
 
