@@ -26,7 +26,7 @@ from normalgan.models.statistics import average_statistics
 from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.objectives.checks import check_losses, check_terms
 from normalgan.objectives.finite import loss_error, not_finite, read_behind
-from normalgan.plugin_outputs import check_kind, shown
+from normalgan.plugin_outputs import check_kinds, shown
 from normalgan.seeds import derive_seed
 from normalgan.torch_seeds import seed_torch
 from normalgan.weights.checkpoint import settings_to_save
@@ -118,9 +118,7 @@ class NormalGAN(LightningModule):
             "objective": (objective, AdversarialObjective),
             "reconstruction": (reconstruction, Reconstruction),
         }
-        for name, (value, kind) in kinds.items():
-            if not (name == "discriminator" and value is None):
-                check_kind(name, value, kind)
+        check_kinds(kinds, optional=["discriminator"])
         for name, optimizer in {
             "generator_optimizer": generator_optimizer,
             "discriminator_optimizer": discriminator_optimizer,

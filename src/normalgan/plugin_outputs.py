@@ -1,25 +1,35 @@
 """What plug-ins give, as errors name it: a wrong shape is refused where it comes from, not where it hurts."""
 
+from collections.abc import Collection, Mapping
+
 from torch import Tensor
 
 from normalgan.errors import InputError
 
-__all__ = ["called", "check_kind", "refused", "shown"]
+__all__ = ["called", "check_kinds", "refused", "shown"]
 
 
-def check_kind(setting: str, value: object, kind: type) -> None:
-    """Make sure that a setting is an object of a kind, as in Python anything may be given.
+def check_kinds(given: Mapping[str, tuple[object, type]], optional: Collection[str] = ()) -> None:
+    """Make sure that settings are objects of their kinds, as in Python anything may be given.
+
+    Args:
+        given: the value of each setting and its kind.
+        optional: those that may be None.
 
     Raises:
-        InputError: if it is a name, a class that was not called, or anything else.
+        InputError: if one is a name, a class that was not called, or anything else.
     """
-    if isinstance(value, kind):
-        return
+    for setting, (value, kind) in given.items():
+        if not (isinstance(value, kind) or (value is None and setting in optional)):
+            raise _wrong_kind(setting, value, kind)
+
+
+def _wrong_kind(setting: str, value: object, kind: type) -> InputError:
     given = repr(value) if isinstance(value, str) else shown(value)
     if isinstance(value, type):
         given = f"the class {value.__name__}"
         given += f"; write {value.__name__}(…)" if issubclass(value, kind) else ""
-    raise InputError(f"{setting} must be an object of a class of {kind.__name__}, not {given}.")
+    return InputError(f"{setting} must be an object of a class of {kind.__name__}, not {given}.")
 
 
 def called(plugin: object) -> str:

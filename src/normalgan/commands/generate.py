@@ -90,7 +90,8 @@ def generate(settings: Namespace) -> int:
     path = find_model(settings.model)
     check_writable(jobs)
     batch = _Batch(settings, outputs, packing, wrong)
-    watcher = Watcher(batch.read(jobs))  # before anything is painted: what is saved meanwhile is painted anew
+    # Before anything is painted: what is saved meanwhile is painted anew.
+    watcher = Watcher(batch.read(jobs) if settings.watch else {})
     if settings.skip_existing:
         jobs = batch.without_existing(jobs)
     if settings.dry_run:

@@ -31,7 +31,7 @@ from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.painting.jobs import find_files
-from normalgan.plugin_outputs import called, check_kind, refused
+from normalgan.plugin_outputs import called, check_kinds, refused
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
@@ -140,17 +140,15 @@ class MeshDataModule(LightningDataModule):
         self._drawings: SketchDataset | None = None
         self._training_data: dict[str, Any] | None = None
         kinds: dict[str, tuple[object, type]] = {
-            "views": (views, Views),
-            "renderer": (renderer, Renderer),
-            "lines": (lines, LineDrawing),
-            "source": (source, DataSource),
-            "hand": (hand, Hand),
-            "medium": (medium, Medium),
-            "augmentation": (augmentation, BatchAugmentation),
+            "data.views": (views, Views),
+            "data.renderer": (renderer, Renderer),
+            "data.lines": (lines, LineDrawing),
+            "data.source": (source, DataSource),
+            "data.hand": (hand, Hand),
+            "data.medium": (medium, Medium),
+            "data.augmentation": (augmentation, BatchAugmentation),
         }
-        for name, (value, kind) in kinds.items():
-            if not (value is None and name in {"source", "hand", "medium", "augmentation"}):
-                check_kind(f"data.{name}", value, kind)
+        check_kinds(kinds, optional=["data.source", "data.hand", "data.medium", "data.augmentation"])
         _check_species(species)
         for name, number in {"animals": animals, "batch_size": batch_size}.items():
             if number < 1:
