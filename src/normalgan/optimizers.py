@@ -1,0 +1,125 @@
+"""Optimisers that PyTorch lacks, or has in another form."""
+
+import math
+from collections.abc import Callable
+from typing import Any, overload
+
+import torch
+from torch import Tensor, nn
+from torch.optim import RAdam
+
+from normalgan.errors import InputError
+
+__all__ = ["MuonRAdam", "orthogonalized"]
+
+_QUINTICS = (
+    (8.28721201814563, -23.595886519098837, 17.300387312530933),
+    (4.107059111542203, -2.9478499167379106, 0.5448431082926601),
+    (3.9486908534822946, -2.908902115962949, 0.5518191394370137),
+    (3.3184196573706015, -2.488488024314874, 0.51004894012372),
+    (2.300652019954817, -1.6689039845747493, 0.4188073119525673),
+)
+"""Of x → ax + bx³ + cx⁵, one after the other: a, b, c of Amsel et al., "The Polar Express", 2025, listing 1."""
+
+
+def orthogonalized(matrix: Tensor) -> Tensor:
+    """Return roughly the nearest matrix whose rows, or columns if there are fewer of them, are orthonormal.
+
+    All singular values become about 1 (0.85 to 1.15), small ones too: those under a thousandth of the
+    largest stay below. By odd polynomials of the matrix, which take no decomposition, applied to the small
+    one of its two Gram matrices: a wide matrix is read twice and not twice a polynomial.
+
+    Args:
+        matrix: (A, B) in float32 or float64; the zero matrix stays zero.
+
+    Example:
+        >>> orthogonalized(torch.tensor([[3.0, 0.0], [0.0, 0.2]])).round(decimals=0).tolist()
+        [[1.0, 0.0], [0.0, 1.0]]
+    """
+    wide = matrix if matrix.shape[0] <= matrix.shape[1] else matrix.T
+    wide = wide / (1.01 * wide.norm()).clamp(min=torch.finfo(wide.dtype).tiny)  # singular values up to 1
+    gram = wide @ wide.T
+    product = torch.eye(len(gram), dtype=gram.dtype, device=gram.device)
+    for a, b, c in _QUINTICS:
+        factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
+        factor.diagonal().add_(a)
+        product = factor @ product
+        gram = factor @ gram @ factor
+        gram = (gram + gram.T) / 2  # rounding would make it less and less symmetric
+    result = product @ wide
+    return result if matrix.shape[0] <= matrix.shape[1] else result.T
+
+
+class MuonRAdam(RAdam):
+    """RAdam for biases, norms and narrow layers; the weights of wide layers step by orthogonalised momentum.
+
+    A convolution's weights are a matrix of a row for each channel that comes out. Its momentum has a few
+    large singular values, and RAdam's step mostly theirs; made orthogonal, the step goes equally far in all
+    directions (Jordan et al., "Muon", 2024). It is scaled to the size of Adam's, so that the rate and the
+    decay of weights are those of RAdam (Liu et al., "Muon is scalable for LLM training", 2025, equation 4).
+
+    Args:
+        params: tensors, or groups of them with settings of their own.
+        lr: rate.
+        betas: of RAdam.
+        weight_decay: decoupled, a share of ``lr``.
+        momentum: of the weights of wide layers.
+        narrowest: least rows and columns of a matrix that is made orthogonal.
+
+    Raises:
+        InputError: if ``momentum`` is not between 0 and 1.
+    """
+
+    def __init__(
+        self,
+        params: Any,
+        lr: float = 1e-3,
+        betas: tuple[float, float] = (0.9, 0.999),
+        weight_decay: float = 0.0,
+        momentum: float = 0.95,
+        narrowest: int = 16,
+    ) -> None:
+        if not 0 <= momentum < 1:
+            raise InputError(f"the optimiser's momentum must be 0 or more and below 1, not {momentum}.")
+        super().__init__(params, lr=lr, betas=betas, weight_decay=weight_decay, decoupled_weight_decay=True)
+        self.momentum = momentum
+        self.narrowest = narrowest
+
+    @overload
+    def step(self, closure: None = None) -> None: ...
+
+    @overload
+    def step(self, closure: Callable[[], float]) -> float: ...
+
+    @torch.no_grad()
+    def step(self, closure: Callable[[], float] | None = None) -> float | None:
+        """Take a step; return what the closure gives."""
+        loss = None
+        if closure is not None:
+            with torch.enable_grad():
+                loss = closure()
+        gradients: list[tuple[nn.Parameter, Tensor]] = []
+        for group in self.param_groups:
+            for weights in group["params"]:
+                if weights.grad is not None and self._is_wide(weights):
+                    gradients.append((weights, weights.grad))
+                    self._step_wide(weights, weights.grad, group["lr"], group["weight_decay"])
+                    weights.grad = None  # RAdam passes over what has none
+        super().step()
+        for weights, gradient in gradients:
+            weights.grad = gradient
+        return loss
+
+    def _is_wide(self, weights: Tensor) -> bool:
+        return weights.ndim > 1 and min(len(weights), weights[0].numel()) >= self.narrowest
+
+    def _step_wide(self, weights: nn.Parameter, gradient: Tensor, rate: float, decay: float) -> None:
+        state = self.state[weights]
+        if not state:
+            state["momentum"] = torch.zeros_like(weights)
+        momentum: Tensor = state["momentum"].lerp_(gradient, 1 - self.momentum)
+        matrix = gradient.lerp(momentum, self.momentum).flatten(1)  # a step ahead, by Nesterov
+        size = 0.2 * math.sqrt(max(matrix.shape))  # entries as large as those of a step of Adam's, mostly
+        weights.mul_(1 - rate * decay).add_(
+            orthogonalized(matrix.float()).view_as(weights).to(weights.dtype), alpha=-rate * size
+        )
