@@ -30,7 +30,7 @@ LAYERS = (
     {"animals"},
     {"painting", "weights"},
     {"inference", "saved_model"},
-    {"data", "gan"},
+    {"data", "gan", "optimizers"},
     {"callbacks", "plugins", "testing"},
     {"parser"},
     {"cli", "commands"},

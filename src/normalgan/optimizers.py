@@ -19,7 +19,7 @@ _QUINTICS = (
     (3.3184196573706015, -2.488488024314874, 0.51004894012372),
     (2.300652019954817, -1.6689039845747493, 0.4188073119525673),
 )
-"""Of x → ax + bx³ + cx⁵, one after the other: a, b, c of Amsel et al., "The Polar Express", 2025, listing 1."""
+"""a, b, c of x → ax + bx³ + cx⁵, one after the other: Amsel et al., "The Polar Express", 2025."""
 
 
 def orthogonalized(matrix: Tensor) -> Tensor:
@@ -46,7 +46,7 @@ def orthogonalized(matrix: Tensor) -> Tensor:
         product = factor @ product
         gram = factor @ gram @ factor
         gram = (gram + gram.T) / 2  # rounding would make it less and less symmetric
-    result = product @ wide
+    result: Tensor = product @ wide
     return result if matrix.shape[0] <= matrix.shape[1] else result.T
 
 
@@ -116,7 +116,9 @@ class MuonRAdam(RAdam):
     def _step_wide(self, weights: nn.Parameter, gradient: Tensor, rate: float, decay: float) -> None:
         state = self.state[weights]
         if not state:
+            state["step"] = torch.zeros(())  # as RAdam asks of every state that is loaded
             state["momentum"] = torch.zeros_like(weights)
+        state["step"] += 1
         momentum: Tensor = state["momentum"].lerp_(gradient, 1 - self.momentum)
         matrix = gradient.lerp(momentum, self.momentum).flatten(1)  # a step ahead, by Nesterov
         size = 0.2 * math.sqrt(max(matrix.shape))  # entries as large as those of a step of Adam's, mostly
