@@ -262,7 +262,8 @@ def _tell(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", o
 
     plan, figures = evaluation.plan, evaluation.of_method(method)
     one = replace(plan, rows=[Row("model", name, configs=["–"])], reference=None)
-    _say(markdown(one, scale, {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}))
+    shown = {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}
+    _say(markdown(one, scale, shown, evaluation.specification))
     _say(mesh_table(figures, plan.hints))
     if out is not None:
         head: dict[str, Any] = {"plan": plan.name, "scale": scale.name, "changed": scale.changed}
