@@ -20,7 +20,7 @@ def test_the_page_shows_what_was_measured(name: str, monkeypatch: pytest.MonkeyP
     assert not missing, "the page lacks:\n" + "\n".join(missing)
 
 
-@pytest.mark.parametrize("name", ["placement_64", "ablation_64"])
+@pytest.mark.parametrize("name", ["placement_64", "ablation_64", "critic_64"])
 def test_the_page_shows_the_intervals_of_what_was_measured(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -94,7 +94,9 @@ def hints(results: Mapping[str, Any]) -> list[str]:
     """
     lines: list[str] = []
     for runs in _by_method(results):
-        given = [one for one in runs[0]["figures"] if one not in ("0", OWN) and one in runs[0]["meshes"]]
+        given = [
+            one for one in runs[0]["figures"] if one not in ("0", OWN) and one in runs[0].get("meshes", {})
+        ]
         lines += ["", f"{runs[0]['label']}, none: {figure_cell('0', 'angular_mean')(runs)}", ""]
         for one in given:
             both = (f(runs, runs, one, "angular_mean", "0") for f in (difference_interval, total_interval))

@@ -41,6 +41,11 @@ def run(arguments: list[str]) -> int:
     options = build_parser().parse_args(arguments)
     if options.human is not None:
         return measure_human(options)
+    apart = [name for name in ("inputs", "score", "evaluate") if getattr(options, name) is not None]
+    if len(apart) > 1:
+        raise InputError(
+            f"--{apart[0]} and --{apart[1]} were given, and only one could be done; use a command for each."
+        )
     plan, scale = _read(options)
     with warnings.catch_warnings():
         filter_warnings()
