@@ -3,16 +3,17 @@
 tools/benchmark_rows.py docs/results/benchmark_64.json
 tools/benchmark_rows.py docs/results/ablation_64.json --differences: also each beside the first of the plan
 tools/benchmark_rows.py docs/results/placement_64.json --placements: the tables of where hints lie
+tools/benchmark_rows.py docs/results/ablation_64.json --hints: what hints buy each method
 """
 
 import json
 import sys
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from normalgan.benchmark.bootstrap import difference_interval, mesh_interval
+from normalgan.benchmark.bootstrap import Interval, difference_interval, mesh_interval, total_interval
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.table import figure_cell, interval_cell, spread_of
 
@@ -34,7 +35,10 @@ def rows(results: Mapping[str, Any]) -> list[str]:
 
 
 def placements(results: Mapping[str, Any]) -> list[str]:
-    """Return lines of Markdown: a matrix for each number of hints, then each method beside the first.
+    """Return lines of Markdown: matrices for each number of hints, then each method beside the first.
+
+    Errors; then their differences from the first method's, and from those of the same networks with uniform
+    hints, with intervals over the meshes and the seeds.
 
     Args:
         results: of configs/benchmark/placement.yaml, as `normalgan benchmark` writes them.
@@ -45,30 +49,65 @@ def placements(results: Mapping[str, Any]) -> list[str]:
         for runs in methods:
             cells = [figure_cell(f"{placement}-{count}", "angular_mean")(runs) for placement in PLACEMENTS]
             lines.append(f"| {runs[0]['label']} | {' | '.join(cells)} |")
+        for title, reference, beside in (
+            (f"from {methods[0][0]['label']}, placed alike", methods[0], None),
+            ("from the same networks, placed uniformly", None, f"uniform-{count}"),
+        ):
+            lines += ["", f"{count} hints, difference {title}:", ""]
+            for runs in methods:
+                found = (
+                    total_interval(runs, reference or runs, f"{one}-{count}", "angular_mean", beside)
+                    for one in PLACEMENTS
+                )
+                lines.append(f"| {runs[0]['label']} | {' | '.join(interval_cell(f, '+') for f in found)} |")
     return [*lines, *differences(results)]
 
 
 def differences(results: Mapping[str, Any]) -> list[str]:
-    """Return lines of Markdown: each method beside the first one of the plan, with intervals over the meshes.
+    """Return lines of Markdown: each method beside the first one of the plan, with intervals.
+
+    First over the meshes alone, then over the meshes and the seeds.
 
     Args:
         results: as `normalgan benchmark` writes them.
     """
     methods = _by_method(results)
     first = methods[0]
-    lines = [
-        "",
-        f"Its own hints; difference from {first[0]['label']}: no hints, 15 uniform ones, its own:",
-        "",
-    ]
+    heading = f"difference from {first[0]['label']}: no hints, 15 uniform ones, its own"
+    lines = ["", f"Its own hints; {heading}; over the meshes:", ""]
     for runs in methods:
-        beside = [
-            interval_cell(difference_interval(runs, first, given, "angular_mean"), "+")
-            for given in ("0", "15", OWN)
-        ]
         own = interval_cell(mesh_interval(runs, OWN, "angular_mean"))
-        lines.append(f"| {runs[0]['label']} | {own} | {' | '.join(beside)} |")
+        lines.append(f"| {runs[0]['label']} | {own} | {_beside(difference_interval, runs, first)} |")
+    lines += ["", f"The same {heading}; over the meshes and the seeds:", ""]
+    return lines + [
+        f"| {runs[0]['label']} | {_beside(total_interval, runs, first)} |" for runs in methods[1:]
+    ]
+
+
+def hints(results: Mapping[str, Any]) -> list[str]:
+    """Return lines of Markdown: what each number of hints changes of each method's error without any.
+
+    Each with the interval over the meshes, and that over the meshes and the seeds.
+
+    Args:
+        results: as `normalgan benchmark` writes them.
+    """
+    lines: list[str] = []
+    for runs in _by_method(results):
+        given = [
+            one for one in runs[0]["figures"] if one not in ("0", OWN) and one in runs[0].get("meshes", {})
+        ]
+        lines += ["", f"{runs[0]['label']}, none: {figure_cell('0', 'angular_mean')(runs)}", ""]
+        for one in given:
+            both = (f(runs, runs, one, "angular_mean", "0") for f in (difference_interval, total_interval))
+            cells = [figure_cell(one, "angular_mean")(runs), *(interval_cell(found, "+") for found in both)]
+            lines.append(f"| {one} | {' | '.join(cells)} |")
     return lines
+
+
+def _beside(interval: Callable[..., Interval | None], runs: Sequence[Any], reference: Sequence[Any]) -> str:
+    given = ("0", "15", OWN)
+    return " | ".join(interval_cell(interval(runs, reference, one, "angular_mean"), "+") for one in given)
 
 
 def _by_method(results: Mapping[str, Any]) -> list[list[Any]]:
@@ -89,4 +128,5 @@ def _row(runs: Sequence[Any]) -> str:
 if __name__ == "__main__":
     found = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     lines = placements(found) if "--placements" in sys.argv[2:] else rows(found)
-    print("\n".join([*lines, *differences(found)] if "--differences" in sys.argv[2:] else lines))
+    lines += differences(found) if "--differences" in sys.argv[2:] else []
+    print("\n".join([*lines, *hints(found)] if "--hints" in sys.argv[2:] else lines))

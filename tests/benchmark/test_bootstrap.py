@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import bootstrap
+from scipy.stats import bootstrap, ttest_rel
 
-from normalgan.benchmark.bootstrap import difference_interval, draws_of, mesh_interval
+from normalgan.benchmark.bootstrap import difference_interval, draws_of, mesh_interval, total_interval
 
 
 def a_run(values: list[float], pixels: list[int] | None = None) -> dict[str, Any]:
@@ -68,3 +68,61 @@ def test_seeds_are_averaged_and_results_without_meshes_have_no_interval() -> Non
     missing = a_run(ONE)
     missing["meshes"]["15"]["m03"]["angular_mean"] = None
     assert mesh_interval([missing], "15", "angular_mean") is None
+
+
+def seeded(by_seed: list[list[float]]) -> list[dict[str, Any]]:
+    """Return runs of the seeds 0, 1, …, each with an error by mesh."""
+    return [{**a_run(values), "seed": seed} for seed, values in enumerate(by_seed)]
+
+
+def test_where_seeds_agree_the_interval_of_both_is_students_over_the_meshes() -> None:
+    found = total_interval(seeded([ONE, ONE, ONE]), seeded([OTHER, OTHER, OTHER]), "15", "angular_mean")
+    assert found is not None
+    wanted = ttest_rel(ONE, OTHER).confidence_interval(0.95)
+    assert (found.low, found.high) == pytest.approx((wanted.low, wanted.high))
+
+
+def test_where_meshes_agree_the_interval_of_both_is_students_over_the_seeds() -> None:
+    ours, theirs = [16.0, 16.4, 17.1], [17.0, 17.1, 17.9]
+    found = total_interval(
+        seeded([4 * [v] for v in ours]), seeded([4 * [v] for v in theirs]), "15", "angular_mean"
+    )
+    assert found is not None
+    wanted = ttest_rel(ours, theirs).confidence_interval(0.95)
+    assert tuple(found) == pytest.approx((np.mean(ours) - np.mean(theirs), wanted.low, wanted.high))
+
+
+def test_the_interval_of_both_covers_the_true_difference_as_often_as_it_says() -> None:
+    rng, covered, meshes_alone = np.random.default_rng(3), 0, 0
+    for _ in range(300):
+        true = 17 + rng.normal(0, 1, 5) + rng.normal(0, 0.3, (3, 1))
+        other = true + 0.5 + rng.normal(0, 0.3, 5) + rng.normal(0, 0.3, (3, 1)) + rng.normal(0, 0.05, (3, 5))
+        both = seeded(other.tolist()), seeded(true.tolist())
+        wide, narrow = (f(*both, "15", "angular_mean") for f in (total_interval, difference_interval))
+        assert wide is not None
+        assert narrow is not None
+        covered += wide.low <= 0.5 <= wide.high
+        meshes_alone += narrow.low <= 0.5 <= narrow.high
+    assert covered / 300 > 0.92
+    assert meshes_alone / 300 < 0.8  # why the page quotes the other one
+
+
+def test_the_interval_of_both_pairs_seeds_and_needs_two() -> None:
+    ours, theirs = seeded([ONE, OTHER, ONE]), seeded([OTHER, ONE])
+    found = total_interval(ours, theirs, "15", "angular_mean")
+    assert found is not None
+    assert found.value == pytest.approx(0)  # of seeds 0 and 1; seed 2 has no partner
+    assert total_interval(ours[::-1], theirs, "15", "angular_mean") == found
+    assert total_interval(ours, theirs[:1], "15", "angular_mean") is None
+    assert total_interval([a_run(ONE)], [a_run(ONE)], "15", "angular_mean") is None  # no seeds
+    assert tuple(total_interval(ours, ours, "15", "angular_mean") or ()) == (0, 0, 0)
+
+
+def test_a_difference_may_be_of_other_hints() -> None:
+    runs = seeded([ONE, OTHER])
+    for run in runs:
+        run["meshes"]["0"] = a_run([v + 2 for v in ONE])["meshes"]["15"]
+    for interval in (difference_interval, total_interval):
+        found = interval(runs, runs, "15", "angular_mean", "0")
+        assert found is not None
+        assert found.value == pytest.approx((np.mean(OTHER) - np.mean(ONE)) / 2 - 2)

@@ -85,6 +85,14 @@ def test_what_is_missing_is_left_out_and_what_has_no_figure_is_a_dash() -> None:
     assert line(text, "What it costs", "the mean") == ["–", "–", "5.0", "–", "–"]
 
 
+def test_what_it_was_measured_on_stands_above_the_tables() -> None:
+    specification: dict[str, str | int] = {"size": 64, "meshes": "d373b18e859b", "hints": "c83a6ceb5202"}
+    text = markdown(PLAN, Scale("cpu"), {"paper": [result(0, 20.0)]}, specification)
+    said = "(reports with the same are comparable): size 64, meshes d373b18e859b, hints c83a6ceb5202."
+    assert said in text.partition("\n## ")[0]
+    assert "comparable" not in markdown(PLAN, Scale("cpu"), {"paper": [result(0, 20.0)]})
+
+
 def test_what_was_not_painted_here_has_no_speed() -> None:
     read = result(None, 30.0, cost={"parameters": 0, "flops": 0, "images_per_second": 0})
     text = markdown(PLAN, Scale("cpu"), {"mean": [read]})
@@ -262,5 +270,14 @@ def test_intervals_and_figures_by_mesh_stand_in_tables() -> None:
     cells = line(text, "Table 3", "ours")
     assert cells[:2] == ["16.50° [15.11, 17.89]", "-4.50° [-4.96, -4.04]"]
     assert line(text, "Table 3", "the paper")[1] == "+0.00° [+0.00, +0.00]"
+    assert "Table 4" not in text  # one seed
+    both = {
+        name: [{**with_meshes(a + d, b + d), "seed": seed} for seed, d in enumerate(seeds)]
+        for name, a, b, seeds in (("paper", 20, 22, (0, 1)), ("ours", 15, 18, (0, 0.5)))
+    }
+    text = markdown(PLAN, Scale("cpu"), both)
+    # variances 0.25 over meshes and 0.0625 over seeds, 1.47 degrees of freedom
+    assert line(text, "Table 4", "ours")[0] == "-4.75° [-8.21, -1.29]"
+    assert "| the paper |" not in text[text.index("## Table 4") : text.index("## Relief")]
     by_mesh = mesh_table(with_meshes(15, 18), 15).splitlines()
     assert by_mesh[-1] == "| m1 | 18.00° | +0.050 | – | – | – | 18.00° | +0.050 |"

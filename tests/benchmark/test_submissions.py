@@ -212,3 +212,12 @@ def test_the_packages_own_specification_is_found_where_there_is_no_clone(
     named = ["--config", "configs/benchmark/people.yaml", "--spec", "configs/benchmark/v2.json"]
     assert command.run([*named, "--inputs", "inputs"]) == 0
     assert found == [True]
+
+
+@pytest.mark.parametrize(
+    "two", [("--inputs", "--score"), ("--score", "--evaluate"), ("--evaluate", "--inputs")]
+)
+def test_of_two_things_to_do_none_is_passed_over(two: tuple[str, str]) -> None:
+    both = [text for name in two for text in (name, "there")]
+    with pytest.raises(InputError, match="were given, and only one could be done; use a command for each"):
+        command.run(["--config", "configs/benchmark/people.yaml", *both])

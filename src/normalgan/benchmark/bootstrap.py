@@ -1,4 +1,4 @@
-"""Bootstrap over meshes: how far a figure would move with other test meshes."""
+"""Intervals: how far a figure would move with other test meshes (a bootstrap), and with other seeds too."""
 
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from normalgan.benchmark.training import Result
 
@@ -18,6 +19,7 @@ __all__ = [
     "draws_of",
     "mesh_interval",
     "pooled",
+    "total_interval",
 ]
 
 DRAWS = 10_000
@@ -55,11 +57,12 @@ def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | N
 
 
 def difference_interval(
-    runs: Sequence[Result], reference: Sequence[Result], given: str, name: str
+    runs: Sequence[Result], reference: Sequence[Result], given: str, name: str, beside: str | None = None
 ) -> Interval | None:
     """Return how much larger a method's figure is than the reference's, with its interval over the meshes.
 
     Paired: both are measured on the same drawn meshes, so that what makes a mesh hard for both falls out.
+    The seeds stay: it is the interval of these trained networks, not of the methods (`total_interval`).
     None if they have not the same meshes, or fewer than two.
 
     Args:
@@ -67,14 +70,50 @@ def difference_interval(
         reference: of the other one.
         given: the hints, ``15`` or ``own``.
         name: of the figure; one that is a mean over pixels.
+        beside: the hints of the reference; None if the same.
     """
-    one, other = _tables(runs, given, name), _tables(reference, given, name)
+    one, other = _tables(runs, given, name), _tables(reference, beside or given, name)
     if one is None or other is None or one[0] != other[0]:
         return None
     draws = draws_of(len(one[0]))
     whole = _all(one[2])
     drawn = pooled(*one[1:], draws) - pooled(*other[1:], draws)
     return _interval(drawn, float((pooled(*one[1:], whole) - pooled(*other[1:], whole))[0]))
+
+
+def total_interval(
+    runs: Sequence[Result], reference: Sequence[Result], given: str, name: str, beside: str | None = None
+) -> Interval | None:
+    """Return the same difference with an interval over other meshes and other seeds.
+
+    Paired by mesh and by seed, of the seeds that both have. The variance of the mean over the meshes and that
+    over the seeds are added, which counts what depends on both twice and errs on the wide side; the interval
+    is Student's, whose degrees of freedom are Satterthwaite's. None without two meshes and two such seeds.
+
+    Args:
+        runs: of the method.
+        reference: of the other one.
+        given: the hints, ``15`` or ``own``.
+        name: of the figure; one that is a mean over pixels.
+        beside: the hints of the reference; None if the same.
+
+    References:
+        Satterthwaite 1946, "An Approximate Distribution of Estimates of Variance Components".
+    """
+    both = {run.get("seed") for run in runs} & {run.get("seed") for run in reference} - {None}
+    ours, theirs = (sorted((r for r in of if r.get("seed") in both), key=_seed) for of in (runs, reference))
+    one, other = _tables(ours, given, name), _tables(theirs, beside or given, name)
+    if len(both) < 2 or one is None or other is None or one[0] != other[0]:
+        return None
+    by_seed, of_mesh = (a - b for a, b in zip(_parts(*one[1:]), _parts(*other[1:]), strict=True))
+    meshes, seeds = len(one[0]), len(both)
+    variances = np.array([meshes / (meshes - 1) * (of_mesh.mean(1) ** 2).sum(), by_seed.var(ddof=1) / seeds])
+    value, total = float(by_seed.mean()), variances.sum()
+    if not total:
+        return Interval(value, value, value)
+    freedom = total**2 / (variances**2 / [meshes - 1, seeds - 1]).sum()
+    reach = float(stdtrit(freedom, (1 + LEVEL) / 2) * np.sqrt(total))
+    return Interval(value, value - reach, value + reach)
 
 
 def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> NDArray[np.int64]:
@@ -107,6 +146,17 @@ def pooled(values: Table, pixels: Table, draws: NDArray[np.int64]) -> Table:
 def _interval(drawn: Table, value: float) -> Interval:
     low, high = np.quantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
     return Interval(value, float(low), float(high))
+
+
+def _seed(run: Result) -> int:
+    return int(run["seed"])
+
+
+def _parts(values: Table, pixels: Table) -> tuple[Table, Table]:
+    """Return each run's figure, (runs,), and what each mesh adds to it, (meshes, runs)."""
+    weights = pixels / pixels.sum(0)
+    figures = (weights * values).sum(0)
+    return figures, weights * (values - figures)
 
 
 def _all(pixels: Table) -> NDArray[np.int64]:

@@ -41,6 +41,11 @@ def run(arguments: list[str]) -> int:
     options = build_parser().parse_args(arguments)
     if options.human is not None:
         return measure_human(options)
+    apart = [name for name in ("inputs", "score", "evaluate") if getattr(options, name) is not None]
+    if len(apart) > 1:
+        raise InputError(
+            f"--{apart[0]} and --{apart[1]} were given, and only one could be done; use a command for each."
+        )
     plan, scale = _read(options)
     with warnings.catch_warnings():
         filter_warnings()
@@ -262,7 +267,8 @@ def _tell(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", o
 
     plan, figures = evaluation.plan, evaluation.of_method(method)
     one = replace(plan, rows=[Row("model", name, configs=["–"])], reference=None)
-    _say(markdown(one, scale, {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}))
+    shown = {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}
+    _say(markdown(one, scale, shown, evaluation.specification))
     _say(mesh_table(figures, plan.hints))
     if out is not None:
         head: dict[str, Any] = {"plan": plan.name, "scale": scale.name, "changed": scale.changed}

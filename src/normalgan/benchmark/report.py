@@ -64,7 +64,9 @@ class Report:
             "commit": commit(),
         }
         write_json(self.folder / "results.json", {**head, "runs": [result for _, result in done]})
-        write_bytes(self.folder / "table.md", markdown(plan, self.scale, results).encode())
+        write_bytes(
+            self.folder / "table.md", markdown(plan, self.scale, results, head["specification"]).encode()
+        )
         curves = draw_curves(plan, results, caption)
         if curves:
             write_bytes(self.folder / "curves.png", curves)

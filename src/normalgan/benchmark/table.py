@@ -6,7 +6,7 @@ from math import isnan
 from statistics import mean, stdev
 from typing import Any
 
-from normalgan.benchmark.bootstrap import Interval, difference_interval, mesh_interval
+from normalgan.benchmark.bootstrap import Interval, difference_interval, mesh_interval, total_interval
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.more_metrics import more_metrics
 from normalgan.benchmark.plan import Plan
@@ -82,13 +82,16 @@ def large(value: float) -> str:
     return f"{value:.0f}"
 
 
-def markdown(plan: Plan, scale: Scale, results: Results) -> str:
+def markdown(
+    plan: Plan, scale: Scale, results: Results, specification: Mapping[str, str | int] | None = None
+) -> str:
     """Return all tables of what has been measured so far.
 
     Args:
         plan: in whose order the rows come.
         scale: at which they were trained.
         results: of the rows; those missing are left out.
+        specification: what they are measured on, which is said if it is given.
     """
     span = f"{scale.seconds:g} seconds a run" if scale.seconds else f"{plan.images} images a generator"
     lines = [f"# {plan.name}, scale {scale.name}", ""]
@@ -104,6 +107,9 @@ def markdown(plan: Plan, scale: Scale, results: Results) -> str:
         f"Seeds: {_seeds(results)}. Test split, pixels on the object; hinted pixels do not count. What takes "
         "no hints is given none."
     ]
+    if specification:
+        told = ", ".join(f"{name} {value}" for name, value in specification.items())
+        lines.append(f"Measured on (reports with the same are comparable): {told}.")
     for title, given in (
         (f"Table 1: {plan.hints} hints, uniform, the same for every method", str(plan.hints)),
         ("Table 1, without hints", "0"),
@@ -204,12 +210,14 @@ def _interval_of(given: str) -> Cell:
     return lambda runs: interval_cell(mesh_interval(runs, given, "angular_mean"))
 
 
-def _difference_of(given: str, reference: Sequence[Result]) -> Cell:
-    return lambda runs: interval_cell(difference_interval(runs, reference, given, "angular_mean"), "+")
+def _difference_of(interval: Callable[..., Interval | None], given: str, reference: Sequence[Result]) -> Cell:
+    return lambda runs: interval_cell(interval(runs, reference, given, "angular_mean"), "+")
 
 
 def interval_table(plan: Plan, results: Results) -> list[str]:
     """Return the lines of table 3: mean errors, and differences from the reference, over the test meshes.
+
+    Then those of table 4: the differences over the test meshes and the seeds, if there are two of a row.
 
     Args:
         plan: in whose order the rows come.
@@ -217,20 +225,35 @@ def interval_table(plan: Plan, results: Results) -> list[str]:
     """
     reference = results.get(plan.reference or "", [])
     cells: dict[str, Cell] = {}
+    totals: dict[str, Cell] = {}
     for given in ("0", str(plan.hints), OWN):
         heading = {"0": "no hints", OWN: "its own hints"}.get(given, f"{given} hints")
         cells[heading] = _interval_of(given)
         if reference:
-            label = plan.row(str(plan.reference)).label
-            cells[f"{heading}, less {label}"] = _difference_of(given, reference)
-    return [
+            less = f"{heading}, less {plan.row(str(plan.reference)).label}"
+            cells[less] = _difference_of(difference_interval, given, reference)
+            totals[less] = _difference_of(total_interval, given, reference)
+    lines = [
         "## Table 3: mean error with 95 % intervals over the test meshes",
         "",
         *_table(plan, results, cells),
         "",
         "Bootstrap over the meshes, all views of one together, of the mean over the seeds; differences are "
-        "paired. With few meshes the intervals are too narrow. ± in the other tables is the spread of the "
-        "seeds on the same meshes.",
+        "paired. They are those of the networks that were trained; with few meshes they are too narrow. ± in "
+        "the other tables is the spread of the seeds on the same meshes.",
+    ]
+    others = {name: runs for name, runs in results.items() if name != plan.reference}
+    if not any(cell(runs) != interval_cell(None) for runs in others.values() for cell in totals.values()):
+        return lines
+    return [
+        *lines,
+        "",
+        "## Table 4: the same differences with 95 % intervals over the test meshes and the seeds",
+        "",
+        *_table(plan, others, totals),
+        "",
+        "Student's t, the variances over meshes and over seeds added; of the seeds that both have. These are "
+        "the ones to quote of methods: an interval that covers 0 shows no difference between them.",
     ]
 
 
