@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 import torch
+import yaml
 from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
@@ -454,6 +455,15 @@ def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
     assert [float(row["train/discriminator"]) for row in rows] == [4, 9]
     assert [float(row["train/l1"]) for row in rows] == [4 - 4 % n_critic, 9 - 9 % n_critic]
     assert len(shown) < 6  # of twelve batches
+
+
+def test_loggers_write_down_classes_and_settings_not_weights(tmp_path: Path) -> None:
+    logger = CSVLogger(tmp_path)
+    trainer(tmp_path, logger=logger, limit_train_batches=1, limit_val_batches=0).fit(make(), loader())
+    settings = yaml.safe_load((Path(logger.log_dir) / "hparams.yaml").read_text())
+    assert settings["generator"]["class_path"] == "normalgan.models.unet_generator.UNetGenerator"
+    assert settings["generator"]["init_args"]["width"] == 4
+    assert settings["n_critic"] == 1
 
 
 def test_the_progress_bar_has_losses_from_the_first_batch_on(tmp_path: Path) -> None:
