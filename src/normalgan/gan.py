@@ -153,8 +153,6 @@ class NormalGAN(LightningModule):
         self.seed = seed
         self.refined = refined
         self.line_widths = check_line_widths(line_widths)
-        self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
-        self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 
     @property
     def hparams_initial(self) -> AttributeDict:
@@ -164,6 +162,13 @@ class NormalGAN(LightningModule):
         """
         settings = settings_to_save(self.hparams)
         return AttributeDict({k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()})
+
+    def setup(self, stage: str) -> None:
+        """Make the metrics of a stage: together they take longer than all the networks."""
+        if stage in {"fit", "validate"}:
+            self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
+        elif stage == "test":
+            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 
     # --- painting -------------------------------------------------------------------------------------
 
