@@ -184,10 +184,10 @@ def test_every_objective_trains(tmp_path: Path, settings: dict[str, Any]) -> Non
 def test_training_lowers_the_error(tmp_path: Path) -> None:
     gan = make(
         generator=UNetGenerator(size=32, width=8),
-        generator_optimizer=lambda parameters: Adam(parameters, lr=2e-3),
+        generator_optimizer=lambda parameters: Adam(parameters, lr=4e-3),
         reconstruction=L1AndHints(l1_weight=100.0),
     )
-    run = trainer(tmp_path, max_epochs=30, check_val_every_n_epoch=30)
+    run = trainer(tmp_path, max_epochs=12, check_val_every_n_epoch=12)
     before = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
     run.fit(gan, loader())
     after = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
