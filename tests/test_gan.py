@@ -12,6 +12,7 @@ from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.optim import Adam, RMSprop
 from torch.optim.lr_scheduler import ExponentialLR
+from torchmetrics import Metric
 
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
@@ -455,6 +456,16 @@ def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
     assert [float(row["train/discriminator"]) for row in rows] == [4, 9]
     assert [float(row["train/l1"]) for row in rows] == [4 - 4 % n_critic, 9 - 9 % n_critic]
     assert len(shown) < 6  # of twelve batches
+
+
+def test_metrics_are_made_when_their_stage_begins(tmp_path: Path) -> None:
+    def measured(gan: NormalGAN) -> set[str]:
+        return {name.partition(".")[0] for name, part in gan.named_modules() if isinstance(part, Metric)}
+
+    gan = make()
+    assert measured(gan) == set()  # they take longer to make than the networks
+    trainer(tmp_path).validate(gan, loader(), verbose=False)
+    assert measured(gan) == {"val_metrics"}
 
 
 def test_loggers_write_down_classes_and_settings_not_weights(tmp_path: Path) -> None:
