@@ -6,11 +6,13 @@ from typing import Any
 
 import pytest
 import torch
+import yaml
 from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.optim import Adam, RMSprop
 from torch.optim.lr_scheduler import ExponentialLR
+from torchmetrics import Metric
 
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
@@ -183,10 +185,10 @@ def test_every_objective_trains(tmp_path: Path, settings: dict[str, Any]) -> Non
 def test_training_lowers_the_error(tmp_path: Path) -> None:
     gan = make(
         generator=UNetGenerator(size=32, width=8),
-        generator_optimizer=lambda parameters: Adam(parameters, lr=2e-3),
+        generator_optimizer=lambda parameters: Adam(parameters, lr=4e-3),
         reconstruction=L1AndHints(l1_weight=100.0),
     )
-    run = trainer(tmp_path, max_epochs=30, check_val_every_n_epoch=30)
+    run = trainer(tmp_path, max_epochs=12, check_val_every_n_epoch=12)
     before = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
     run.fit(gan, loader())
     after = run.validate(gan, loader(), verbose=False)[0]["val/no_hints/angular_mean"]
@@ -454,6 +456,25 @@ def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
     assert [float(row["train/discriminator"]) for row in rows] == [4, 9]
     assert [float(row["train/l1"]) for row in rows] == [4 - 4 % n_critic, 9 - 9 % n_critic]
     assert len(shown) < 6  # of twelve batches
+
+
+def test_metrics_are_made_when_their_stage_begins(tmp_path: Path) -> None:
+    def measured(gan: NormalGAN) -> set[str]:
+        return {name.partition(".")[0] for name, part in gan.named_modules() if isinstance(part, Metric)}
+
+    gan = make()
+    assert measured(gan) == set()  # they take longer to make than the networks
+    trainer(tmp_path).validate(gan, loader(), verbose=False)
+    assert measured(gan) == {"val_metrics"}
+
+
+def test_loggers_write_down_classes_and_settings_not_weights(tmp_path: Path) -> None:
+    logger = CSVLogger(tmp_path)
+    trainer(tmp_path, logger=logger, limit_train_batches=1, limit_val_batches=0).fit(make(), loader())
+    settings = yaml.safe_load((Path(logger.log_dir) / "hparams.yaml").read_text())
+    assert settings["generator"]["class_path"] == "normalgan.models.unet_generator.UNetGenerator"
+    assert settings["generator"]["init_args"]["width"] == 4
+    assert settings["n_critic"] == 1
 
 
 def test_the_progress_bar_has_losses_from_the_first_batch_on(tmp_path: Path) -> None:

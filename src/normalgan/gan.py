@@ -8,6 +8,7 @@ import torch
 from lightning.pytorch import LightningModule
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
+from lightning.pytorch.utilities.parsing import AttributeDict
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
 from torch.optim.lr_scheduler import LRScheduler
@@ -152,8 +153,22 @@ class NormalGAN(LightningModule):
         self.seed = seed
         self.refined = refined
         self.line_widths = check_line_widths(line_widths)
-        self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
-        self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
+
+    @property
+    def hparams_initial(self) -> AttributeDict:
+        """What loggers write down: classes and settings, in values that any reader of YAML knows.
+
+        Of the objects that Python hands in they would write every weight as text: 8 MB for a million.
+        """
+        settings = settings_to_save(self.hparams)
+        return AttributeDict({k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()})
+
+    def setup(self, stage: str) -> None:
+        """Make the metrics of a stage: together they take longer than all the networks."""
+        if stage in {"fit", "validate"}:
+            self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
+        elif stage == "test":
+            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 
     # --- painting -------------------------------------------------------------------------------------
 

@@ -1,4 +1,5 @@
 import os
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -78,12 +79,20 @@ def test_a_mesh_that_kills_its_worker_again_and_again_fails_alone(
     assert finished(tmp_path / "cache") == 4
 
 
+@pytest.fixture(scope="module", name="moody_store")
+def make_moody_store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache with all that could be rendered, and the note of the mesh that could not; to be read alone."""
+    folder = tmp_path_factory.mktemp("moody")
+    with pytest.warns(UserWarning, match="the mesh b is left out"):
+        render_samples(str(folder), SOURCES, VIEWS, MOODY, progress=False)
+    return folder
+
+
 @pytest.mark.parametrize("note", [b"", b"{", b"[]", b"{}", b'{"b": 3}', b"\xff", b"[" * 100_000])
 def test_a_damaged_note_of_a_failure_is_mended_and_other_files_are_passed_over(
-    tmp_path: Path, note: bytes
+    moody_store: Path, tmp_path: Path, note: bytes
 ) -> None:
-    with pytest.warns(UserWarning, match="the mesh b is left out"):
-        render_samples(str(tmp_path), SOURCES, VIEWS, MOODY, progress=False)
+    shutil.copytree(moody_store, tmp_path, dirs_exist_ok=True)
     before = contents(tmp_path)
     (place,) = tmp_path.glob("*/failed/train")
     (place / "0.json").write_bytes(note)

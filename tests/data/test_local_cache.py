@@ -63,11 +63,14 @@ def test_what_cannot_be_fetched_is_not_kept(tmp_path: Path) -> None:
 
 def test_it_never_grows_beyond_its_size_and_the_longest_unused_goes(tmp_path: Path) -> None:
     cache = LocalCache(str(tmp_path), BUCKETS * ROOM)
-    most = 0
+    most, sizes = 0, {}
     for number in range(600):
         key = f"object {number}"
         assert cache.read(key, lambda key=key: content(key)) == content(key)  # type: ignore[misc]
-        most = max(most, used(tmp_path))
+        bucket = cache._path(key).parent
+        sizes[bucket] = used(bucket)
+        most = max(most, sum(sizes.values()))
+    assert used(tmp_path) == sum(sizes.values())  # no read changed another bucket
     assert 0.7 * BUCKETS * ROOM < most <= BUCKETS * ROOM
     for bucket in tmp_path.iterdir():
         assert used(bucket) <= ROOM

@@ -1,6 +1,7 @@
 import dataclasses
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -36,6 +37,18 @@ def render(
     return folder
 
 
+@pytest.fixture(scope="module", name="rendered")
+def make_rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the rendered toys, to be read alone."""
+    return render(tmp_path_factory.mktemp("rendered"))
+
+
+@pytest.fixture(name="folder")
+def make_folder(rendered: Path, tmp_path: Path) -> Path:
+    """The folder of the rendered toys, in the test's own folder."""
+    return Path(shutil.copytree(rendered, tmp_path / rendered.name))
+
+
 def test_every_sample_is_what_the_recipe_says(tmp_path: Path) -> None:
     stores = render_samples(str(tmp_path), SOURCES, {"train": 18, "test": 3}, recipe(), progress=False)
     assert {split: len(store) for split, store in stores.items()} == {"train": 36, "test": 3}
@@ -50,8 +63,8 @@ def test_every_sample_is_what_the_recipe_says(tmp_path: Path) -> None:
     assert described["recipe"]["lines"] == {"class": "RimDrawing", "threshold": 0.4, "supersampling": 2}
 
 
-def test_workers_write_the_same_bytes_as_this_process(tmp_path: Path) -> None:
-    alone, together = render(tmp_path / "0"), render(tmp_path / "2", workers=2)
+def test_workers_write_the_same_bytes_as_this_process(rendered: Path, tmp_path: Path) -> None:
+    alone, together = rendered, render(tmp_path / "2", workers=2)
     assert alone.name == together.name
     assert contents(alone) == contents(together)
     assert len(contents(alone)) == 1 + 1 + 2 * 4 + 3 * 4  # manifest, groups and arrays, objects and markers
@@ -70,8 +83,9 @@ def test_real_plug_ins_write_the_same_bytes_in_workers(tmp_path: Path) -> None:
     np.testing.assert_allclose(length, 1, atol=1e-3)
 
 
-def test_what_is_there_is_not_rendered_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = render(tmp_path)
+def test_what_is_there_is_not_rendered_again(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
     monkeypatch.setattr(BallRenderer, "render", None)
     monkeypatch.setattr(Octahedron, "load", None)
@@ -79,8 +93,7 @@ def test_what_is_there_is_not_rendered_again(tmp_path: Path, monkeypatch: pytest
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
 
 
-def test_it_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
-    folder = render(tmp_path)
+def test_it_goes_on_where_it_was_interrupted(folder: Path, tmp_path: Path) -> None:
     whole = contents(folder)
     (folder / "done" / "train" / "1.json").unlink()  # killed between the objects and the marker
     (folder / "samples.zarr" / "train" / "normal" / "c" / "1" / "0" / "0" / "0").unlink()
@@ -89,8 +102,7 @@ def test_it_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
     assert contents(render(tmp_path)) == whole
 
 
-def test_damage_is_named_and_mended(tmp_path: Path) -> None:
-    folder = render(tmp_path)
+def test_damage_is_named_and_mended(folder: Path, tmp_path: Path) -> None:
     whole = contents(folder)
     path = folder / "samples.zarr" / "train" / "sketch" / "c" / "1" / "0" / "0"
     content = bytearray(path.read_bytes())
@@ -113,9 +125,8 @@ def test_damage_is_named_and_mended(tmp_path: Path) -> None:
     ],
 )
 def test_damage_of_what_describes_the_samples_is_mended(
-    tmp_path: Path, name: str, old: str, new: str, warning: str | None
+    folder: Path, tmp_path: Path, name: str, old: str, new: str, warning: str | None
 ) -> None:
-    folder = render(tmp_path)
     whole = contents(folder)
     path = folder / name
     assert old in path.read_text()
@@ -127,8 +138,7 @@ def test_damage_of_what_describes_the_samples_is_mended(
     assert contents(folder) == whole
 
 
-def test_a_manifest_of_an_older_version_is_believed(tmp_path: Path) -> None:
-    folder = render(tmp_path)
+def test_a_manifest_of_an_older_version_is_believed(folder: Path, tmp_path: Path) -> None:
     path = folder / "dataset.json"
     content = json.loads(path.read_text())
     del content["sha256"]
@@ -227,8 +237,7 @@ def test_a_killed_worker_is_reported_and_finished_shards_are_kept(tmp_path: Path
     assert [path.name for path in sorted(folder.glob("done/*/*"))] == ["0.json", "1.json"]
 
 
-def test_a_full_disk_in_a_worker_is_one_sentence(tmp_path: Path) -> None:
-    folder = render(tmp_path)
+def test_a_full_disk_in_a_worker_is_one_sentence(folder: Path, tmp_path: Path) -> None:
     (folder / "done" / "test" / "0.json").unlink()
     mask = folder / "samples.zarr" / "test" / "mask" / "c" / "0" / "0"
     (mask / "0").unlink()

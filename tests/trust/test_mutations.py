@@ -1,10 +1,14 @@
 import os
 import sys
+from collections.abc import Callable
+from functools import cache
+from itertools import chain, islice
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from limited import EndedError, read_limited
+from limited import Answer, EndedError, read_limited
 from mutants import fault, lay_out_mutants
 from mutator import mutated
 from seeds_of_mutants import lay_out, sound, sound_checkpoint
@@ -19,33 +23,62 @@ CORPUS = Path(__file__).with_name("corpus")
 """Files that mutants which broke a reader were cut down to, by reader; made for these tests, CC0."""
 
 
-def read_mutants(folder: Path, reader: str, kinds: dict[str, bytes], seed: int) -> None:
-    """Hold a reader to reading or refusing each mutant, within the limits."""
+class Answers(NamedTuple):
+    """What a reader made of sound files, of their mutants, and of the files that once broke it."""
+
+    sound: list[Answer]
+    mutants: list[Answer]
+    corpus: list[Answer]
+
+
+def read_all(folder: Path, reader: str, kinds: dict[str, bytes], seed: int) -> Answers:
+    """Have all of them read in one process, which takes longer to begin than to read them."""
     (folder / "sound").mkdir()
-    whole = [lay_out(folder / "sound", content, name, 0) for name, content in kinds.items()]
-    # In one process, which takes longer to begin than to read them.
-    answers = read_limited(reader, whole + lay_out_mutants(folder, kinds, MUTATIONS, [SEED, seed]))
+    files = (
+        [lay_out(folder / "sound", content, name, 0) for name, content in kinds.items()],
+        lay_out_mutants(folder, kinds, MUTATIONS, [SEED, seed]),
+        sorted((CORPUS / reader).glob("*")),
+    )
+    answers = iter(read_limited(reader, list(chain(*files))))
+    return Answers(*(list(islice(answers, len(part))) for part in files))
+
+
+@pytest.fixture(scope="module", name="read_by")
+def make_read_by(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Answers]:
+    """A function that returns a reader's answers; it asks each reader once."""
+
+    @cache
+    def read(reader: str) -> Answers:
+        seed = list(SOUND).index(reader)
+        return read_all(tmp_path_factory.mktemp(reader), reader, SOUND[reader], seed)
+
+    return read
+
+
+def check_mutants(answers: Answers) -> None:
+    """Hold a reader to reading or refusing each mutant, within the limits."""
     # Else all mutants would be refused at the door, and nothing would be tried.
-    for answer in answers[: len(whole)]:
+    for answer in answers.sound:
         assert answer.outcome == "read", answer
-    mutants = answers[len(whole) :]
-    assert [f"{answer.name}: {fault(answer)}" for answer in mutants if fault(answer)] == []
-    assert any(answer.outcome == "refused" for answer in mutants)
+    assert [f"{answer.name}: {fault(answer)}" for answer in answers.mutants if fault(answer)] == []
+    assert any(answer.outcome == "refused" for answer in answers.mutants)
 
 
 @pytest.mark.parametrize("reader", SOUND)
-def test_a_mutant_is_read_or_refused(tmp_path: Path, reader: str) -> None:
-    read_mutants(tmp_path, reader, SOUND[reader], list(SOUND).index(reader))
+def test_a_mutant_is_read_or_refused(read_by: Callable[[str], Answers], reader: str) -> None:
+    check_mutants(read_by(reader))
 
 
 @pytest.mark.slow  # imports torch
 def test_a_mutant_of_a_checkpoint_is_read_or_refused(tmp_path: Path) -> None:
-    read_mutants(tmp_path, "checkpoint", {"small.ckpt": sound_checkpoint()}, len(SOUND))
+    check_mutants(read_all(tmp_path, "checkpoint", {"small.ckpt": sound_checkpoint()}, len(SOUND)))
 
 
 @pytest.mark.parametrize("reader", [folder.name for folder in CORPUS.iterdir()])
-def test_what_once_broke_a_reader_is_refused(reader: str) -> None:
-    for answer in read_limited(reader, sorted((CORPUS / reader).iterdir())):
+def test_what_once_broke_a_reader_is_refused(read_by: Callable[[str], Answers], reader: str) -> None:
+    answers = read_by(reader).corpus
+    assert answers
+    for answer in answers:
         assert answer.outcome == "refused", answer
 
 
