@@ -14,6 +14,7 @@ from normalgan.normals import LEAST_Z, Green, flip_green, normalize, read_exr, v
 
 __all__ = [
     "LARGEST",
+    "LAYERED",
     "MOST_BYTES",
     "SMALLEST",
     "SUFFIXES",
@@ -33,9 +34,11 @@ __all__ = [
 
 Floats = NDArray[np.float32]
 
+LAYERED = (".psd", ".kra", ".ora", ".ase", ".aseprite")
+"""Files of paint programs, beside which there often lies a picture that was exported."""
 SUFFIXES = (
-    *(".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg"),
-    *(".psd", ".kra", ".ora", ".ase", ".aseprite"),
+    *(".png", ".apng", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg"),
+    *LAYERED,
 )
 SVG_SIDE = 1024
 """Longer side in pixels that an SVG, which has none, is drawn with."""

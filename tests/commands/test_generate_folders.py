@@ -15,6 +15,8 @@ import pytest
 from PIL import Image
 
 from normalgan.__main__ import main
+from normalgan.decoding import DecodedLayer
+from normalgan.painting.layers import encode_layers
 from normalgan.painting.outputs import Outputs
 from pens import blob, outline
 
@@ -25,6 +27,13 @@ def draw(*names: str) -> None:
     for name in names:
         Path(name).parent.mkdir(parents=True, exist_ok=True)
         Image.fromarray(GREY).save(name)
+
+
+def draw_layers(name: str) -> None:
+    """Write an OpenRaster file of one layer, 120 × 80."""
+    pixels = np.asarray(Image.fromarray(GREY).resize((120, 80)).convert("RGBA"))
+    layer = DecodedLayer("body", (), 255, 0, 0, 0, 0, pixels)
+    Path(name).write_bytes(encode_layers("ora", (80, 120), [layer]))
 
 
 def generate(*arguments: str) -> int:
@@ -75,6 +84,56 @@ def test_one_bad_path_stops_no_other(here: Path, capsys: pytest.CaptureFixture[s
     assert "no sketch found at 'none/*.png'" in said
     assert "2 of 4 sketches could not be used" in said
     assert generate("missing.png", "gone.png") == 2
+
+
+def test_the_picture_beside_a_layered_file_is_its_export(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/fox.png", "in/owl.png")
+    draw_layers("in/fox.ora")
+    draw_layers("in/hen.ora")
+    assert generate("in") == 0
+    assert written("normals") == {"fox_normal.png", "owl_normal.png", "hen_normal.png"}
+    assert np.asarray(Image.open("normals/fox_normal.png")).shape[:2] == (200, 300)
+    assert f"{Path('in/fox.ora')} is left out, as fox.png beside it is its export." in capsys.readouterr().err
+    assert generate("in/fox.ora", "in/fox.png", "--layers", "-o", "layers") == 0
+    assert written("layers") == {"fox_normal.ora"}
+    assert (
+        f"{Path('in/fox.png')} is left out, as fox.ora beside it has its layers." in capsys.readouterr().err
+    )
+    assert generate("in/fox.ora", "-o", "alone") == 0
+    assert np.asarray(Image.open("alone/fox_normal.png")).shape[:2] == (80, 120)
+
+
+def test_drawings_of_one_name_do_not_stop_the_others(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw("in/fox.png", "in/fox.bmp", "in/owl.png")
+    for extra in (["--dry-run"], []):
+        assert generate("in", *extra) == 1
+        said = capsys.readouterr()
+        target = Path("normals/fox_normal.png")
+        assert f"{Path('in/fox.bmp')}: {target} would be written twice; rename a sketch" in said.err
+        assert f"{Path('in/fox.png')}: {target} would be written twice" in said.err
+        assert "fox" not in said.out
+        assert "owl_normal.png" in said.out
+    assert "2 of 3 sketches could not be used" in said.err
+    assert written("normals") == {"owl_normal.png"}
+    assert generate("in/fox.png", "in/fox.bmp") == 2
+
+
+def test_animations_of_one_name_and_different_kinds_are_files_of_their_own(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("in").mkdir()
+    first, second = Image.fromarray(GREY), Image.fromarray(GREY[:, ::-1].copy())
+    first.save("in/walk.png")
+    for kind in ("gif", "webp"):
+        first.save(f"in/walk.{kind}", save_all=True, append_images=[second], duration=100)
+    first.save("in/run.apng", "PNG", save_all=True, append_images=[second], duration=100)
+    assert generate("in") == 0
+    assert written("normals") == {"walk_normal.png", "walk_normal.gif", "walk_normal.webp", "run_normal.png"}
+    for arguments in (["--bits", "16"], ["--ao"]):  # a file for each frame, of either
+        assert generate("in", "-o", "frames", *arguments) == 1
+        assert "walk_0001_" in capsys.readouterr().err
 
 
 def test_what_is_there_can_be_skipped(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -220,7 +279,7 @@ def test_an_empty_folder_is_watched_and_names_that_clash_do_not_end_it(
     assert generate("my.art", "--watch") == 1
     said = capsys.readouterr()
     assert [Path(line).name for line in said.out.split()] == ["fox_normal.png", "owl_normal.png"]
-    assert said.err.count("would be written twice") == 1
+    assert said.err.count("would be written twice") == 2  # of each drawing once
     assert "the folder my.art that is watched is gone." in said.err
     assert "no sketch" not in said.err
 

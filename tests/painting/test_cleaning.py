@@ -118,7 +118,7 @@ def photographed(ink: Floats, shadow: float, edge: float, desk: tuple[float, flo
     """
     photo = np.array([0.93, 0.91, 0.86]) - np.multiply.outer(ink, [0.8, 0.78, 0.66])
     if desk is not None:
-        room = ink.shape[0] // 10
+        room = ink.shape[0] // 7  # the desk takes up half of the photo
         whole = np.tile(np.array(desk), (ink.shape[0], ink.shape[1], 1))
         whole[room:-room, room:-room] = photo[room:-room, room:-room]
         photo = whole
@@ -128,12 +128,16 @@ def photographed(ink: Floats, shadow: float, edge: float, desk: tuple[float, flo
     return np.asarray(np.clip(photo * light[..., None] + noise, 0, 1), np.float32)
 
 
-@pytest.mark.parametrize("desk", [None, (0.42, 0.28, 0.18), (0.4, 0.4, 0.4)], ids=["sheet", "wood", "grey"])
+@pytest.mark.parametrize(
+    "desk",
+    [None, (0.42, 0.28, 0.18), (0.75, 0.45, 0.25), (0.4, 0.4, 0.4)],
+    ids=["sheet", "wood", "pale wood", "grey"],
+)
 @pytest.mark.parametrize(("shadow", "edge"), [(0.5, 0.4), (0.5, 0.03), (0.35, 0.03)])
 def test_a_drawing_goes_on_in_the_shadow(
     shadow: float, edge: float, desk: tuple[float, float, float] | None
 ) -> None:
-    filled = blob((300, 300), (150, 150), 90)
+    filled = blob((300, 300), (150, 150), 80)
     ink = outline(filled)
     cleaned = clean(Picture(photographed(ink, shadow, edge, desk), None)).ink
     drawn = ink > 0.5

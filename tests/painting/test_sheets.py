@@ -12,6 +12,8 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.normals import read_png
+from normalgan.painting.cells import Cell
+from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.silhouette import is_silhouette
 from pens import blob, outline, overlap
 
@@ -254,3 +256,51 @@ def test_a_cell_that_cannot_be_painted_is_named_and_the_others_are(
     assert generate("sheet.png", "--sheet", "2x1", "--alpha") == 0
     assert "row 1, column 2: it is left flat, as no line is seen in it" in capsys.readouterr().err
     assert pixels("normals/sheet_normal.png")[:, 96:, 3].max() == 0
+
+
+def test_a_tiny_sprite_of_an_atlas_is_named(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Image.fromarray(packed()).save("sheet.png")
+    told = atlas()
+    told["frames"]["spark"] = {"frame": {"x": 130, "y": 40, "w": 6, "h": 7}}
+    told["frames"]["nothing"] = {"frame": {"x": 190, "y": 190, "w": 1, "h": 1}}
+    Path("sheet.json").write_text(json.dumps(told))
+    assert generate("sheet.png", "--atlas", "sheet.json") == 0
+    said = capsys.readouterr().err
+    assert "spark: it is left flat, as it is 6 × 7 pixels; a drawing has 8 a side at least" in said
+    assert "nothing" not in said
+    told["frames"] = {name: told["frames"][name] for name in ("spark", "nothing")}
+    Path("sheet.json").write_text(json.dumps(told))
+    assert generate("sheet.png", "--atlas", "sheet.json") == 2
+    assert "spark: it is 6 × 7 pixels; a drawing has 8 a side at least." in capsys.readouterr().err
+
+
+def test_atlases_lie_in_folders_as_their_sheets_do(here: Path) -> None:
+    for folder, row in (("in", 0), ("in/deep", 1)):
+        Path(folder).mkdir()
+        sheet = np.full((192, 96), 255, np.uint8)
+        sheet[96 * row : 96 * row + 96] = pen(SPRITES[row])
+        Image.fromarray(sheet).save(f"{folder}/sheet.png")
+        frame = {"frame": {"x": 0, "y": 96 * row, "w": 96, "h": 96}}
+        Path(f"{folder}/sheet.json").write_text(json.dumps({"frames": {"one": frame}}))
+    assert generate("in", "--recursive", "--atlas", "in", "--alpha") == 0
+    assert pixels("normals/sheet_normal.png")[:96, :, 3].any()
+    assert pixels("normals/deep/sheet_normal.png")[96:, :, 3].any()
+
+
+def test_a_turned_sprite_is_lit_as_it_lies() -> None:
+    normals = np.tile(np.array([0.6, 0, 0.8], np.float32), (8, 16, 1))
+    there, seen = np.ones((8, 16), np.bool_), np.zeros((8, 8), np.float32)
+    cells = Cell("upright", 0, 0, 8, 8), Cell("turned", 8, 0, 8, 8, turned=True)
+    sheet = NormalMap(normals, there, there.astype(np.float32), seen, None, "", cells=cells)
+    assert sheet.shown[0, 0].tolist() == pytest.approx([0.6, 0, 0.8])
+    assert sheet.shown[0, 8].tolist() == pytest.approx([0, -0.6, 0.8])  # what looked right looks down
+    assert sheet.extended[0, 8].tolist() == pytest.approx([0.6, 0, 0.8])
+
+
+def test_a_sheet_that_nobody_says_is_one_is_noticed(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Image.fromarray(sheet_of([pen(each) for each in SPRITES])).save("sheet.png")
+    assert generate("sheet.png") == 0
+    assert "it holds 6 separate objects, painted as one; --split auto or --sheet" in capsys.readouterr().err
+    for arguments in (["--split", "auto"], ["--tile", "both"]):
+        assert generate("sheet.png", *arguments) == 0
+        assert "separate objects" not in capsys.readouterr().err

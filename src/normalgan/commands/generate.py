@@ -4,7 +4,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,6 +15,7 @@ from normalgan import decoding
 from normalgan.commands.generate_parser import as_shell_means, build_parser, engine_of
 from normalgan.drawings import MOST_BYTES, without_companions
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
+from normalgan.painting.clashes import without_clashes, without_twins
 from normalgan.painting.inputs import check_size
 from normalgan.painting.jobs import (
     STDIN,
@@ -31,7 +32,7 @@ from normalgan.painting.jobs import (
 from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.outputs import Heights, Outputs, level_heights
 from normalgan.painting.packing import Packing
-from normalgan.painting.paint_job import JobPainter, target_of
+from normalgan.painting.paint_job import JobPainter, target_of, written_for
 from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
 from normalgan.painting.series import flat_map
@@ -81,15 +82,16 @@ def generate(settings: Namespace) -> int:
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
     )
 
-    def find() -> tuple[list[Job], list[InputError]]:
-        return _jobs(settings, outputs, content)
+    def find() -> _Found:
+        return _find(settings, outputs, packing, content)
 
-    jobs, wrong = find()
+    found = find()
+    jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
         raise wrong[0]
     path = find_model(settings.model)
     check_writable(jobs)
-    batch = _Batch(settings, outputs, packing, wrong)
+    batch = _Batch(settings, outputs, packing, wrong, found.left_out)
     # Before anything is painted: what is saved meanwhile is painted anew.
     watcher = Watcher(batch.read(jobs) if settings.watch else {})
     if settings.skip_existing:
@@ -100,7 +102,7 @@ def generate(settings: Namespace) -> int:
     painter = Painter(OnnxBackend(path, threads=1))
     batch.paint(painter, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
     if settings.watch:
-        batch.watch(painter, watcher, lambda: find()[0])
+        batch.watch(painter, watcher, find, found)
     return batch.code(len(jobs) + len(wrong))
 
 
@@ -120,13 +122,18 @@ class _Batch:
     """What is done with the drawings that a command names."""
 
     def __init__(
-        self, settings: Namespace, outputs: Outputs, packing: Packing, wrong: Sequence[InputError]
+        self,
+        settings: Namespace,
+        outputs: Outputs,
+        packing: Packing,
+        wrong: Sequence[InputError],
+        left_out: Sequence[str],
     ) -> None:
         self._settings, self._outputs, self._packing = settings, outputs, packing
         self._failed = len(wrong)
         self._heights: Heights = []
-        for error in wrong:
-            print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
+        for each in (*left_out, *wrong):
+            print(f"normalgan: {one_line(str(each))}", file=sys.stderr)
 
     def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
         """Return the jobs that have no map yet; say how many have."""
@@ -189,7 +196,8 @@ class _Batch:
         self,
         painter: Painter,
         watcher: Watcher,
-        find: Callable[[], list[Job]],
+        find: Callable[[], "_Found"],
+        found: "_Found",
     ) -> None:
         """Paint what is saved, as it is saved, until Ctrl-C; of drawings that share a frame, all of them.
 
@@ -198,20 +206,21 @@ class _Batch:
         """
         folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
         print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)
-        told, known = "", set[Path]()
+        told, known = set(found.told), set[Path]()
         while True:
             time.sleep(LOOK)
             for place in folders:
                 if not place.exists():
                     raise RunError(f"the folder {place} that is watched is gone.")
-            wrong = ""
+            jobs, now = {}, set[str]()
             try:
-                jobs = {job.files.drawing: job for job in find()}
-            except InputError as error:  # such as two drawings of one name: one of them will be renamed
-                jobs, wrong = {}, f"normalgan: {one_line(str(error))}"
-            if wrong and wrong != told:
-                print(wrong, file=sys.stderr, flush=True)
-            told = wrong
+                found = find()
+                jobs, now = {job.files.drawing: job for job in found.jobs}, set(found.told)
+            except InputError as error:  # such as a map that would be written over a new drawing
+                now = {str(error)}
+            for each in sorted(now - told):
+                print(f"normalgan: {one_line(each)}", file=sys.stderr, flush=True)
+            told = now
             # The map of a drawing that was there, and is deleted or renamed by now, is still no drawing.
             known |= set(jobs)
             kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
@@ -226,7 +235,9 @@ class _Batch:
     def read(self, jobs: Iterable[Job]) -> dict[Path, list[Path]]:
         """Return the drawings, each with what else is read for it."""
         files = [job.files for job in jobs]
-        return {each.drawing: [*each.beside, *self._packing.beside(each.drawing)] for each in files}
+        return {
+            each.drawing: [*each.beside, *self._packing.beside(each.drawing, each.below)] for each in files
+        }
 
     @property
     def _alike(self) -> bool:
@@ -251,10 +262,32 @@ class _Batch:
             return False  # it is told when it is painted
 
 
-def _jobs(settings: Namespace, outputs: Outputs, content: bytes | None) -> tuple[list[Job], list[InputError]]:
-    """Return what is to be painted, and what is wrong with the words that name nothing."""
+@dataclass(frozen=True)
+class _Found:
+    """What a command names.
+
+    Args:
+        jobs: what is to be painted.
+        missing: what is wrong with the words that name nothing.
+        clashing: of drawings that would be written to one file.
+        left_out: what is to be said of layered files and their exports.
+    """
+
+    jobs: list[Job]
+    missing: list[InputError]
+    clashing: list[InputError]
+    left_out: list[str]
+
+    @property
+    def told(self) -> list[str]:
+        """What is to be said while a folder is watched; what is named and is not there may come."""
+        return [*self.left_out, *map(str, self.clashing)]
+
+
+def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: bytes | None) -> _Found:
+    """Return what a command names."""
     folder = Path(settings.output)
-    files, wrong = find_many(
+    files, missing = find_many(
         settings.sketches,
         outputs.ending,
         settings.hints,
@@ -264,9 +297,16 @@ def _jobs(settings: Namespace, outputs: Outputs, content: bytes | None) -> tuple
         folder,
         may_be_empty=settings.watch,
     )
+    files, left_out = without_twins(files, settings.layers)
+    others = list(outputs.others())
     if is_file_name(folder):
-        return [plan_file(files, folder, list(outputs.others()))] if files else [], wrong
-    return plan(files, folder, outputs.ending, list(outputs.others())), wrong
+        jobs = [plan_file(files, folder, others)] if files else []
+        return _Found(jobs, missing, [], left_out)
+    jobs, clashing = without_clashes(
+        plan(files, folder, outputs.ending, others, may_clash=True),
+        lambda job: written_for(job, outputs, packing, settings.layers),
+    )
+    return _Found(jobs, missing, clashing, left_out)
 
 
 def _to_standard_output(settings: Namespace, outputs: Outputs) -> int:
@@ -279,9 +319,10 @@ def _to_standard_output(settings: Namespace, outputs: Outputs) -> int:
         raise InputError("standard output holds the map alone; give -o a folder for the rest.")
     if settings.watch or settings.dry_run:
         raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
-    jobs, _ = _jobs(settings, outputs, b"")
-    if len(jobs) > 1:  # told before they are painted
-        raise _not_one(len(jobs))
+    packing = Packing(settings.sheet, settings.split, settings.atlas)
+    found = _find(settings, outputs, packing, b"")
+    if len(found.jobs) > 1:  # told before they are painted
+        raise _not_one(len(found.jobs))
     with TemporaryDirectory() as folder:
         settings.output, settings.skip_existing = folder, False
         with redirect_stdout(StringIO()):  # where the map lies for now is of no use to anybody

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from normalgan.drawings import SMALLEST
 from normalgan.errors import InputError, brief
 from normalgan.limits import read_bounded
 from normalgan.painting.cells import Cell
@@ -58,7 +57,7 @@ def read_atlas(path: Path, shape: tuple[int, int], sheet: Path) -> list[Cell]:
                 f"{cell.width} × {cell.height} pixels, which do not lie in {sheet}, {width} × {height}."
             )
         cells.setdefault((cell.left, cell.top, cell.width, cell.height), cell)
-    return [cell for cell in cells.values() if min(cell.width, cell.height) >= SMALLEST]
+    return list(cells.values())
 
 
 def _texture(told: Any, sheet: Path) -> tuple[Any, tuple[int, int] | None]:

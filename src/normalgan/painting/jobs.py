@@ -1,6 +1,6 @@
 """Jobs: which files are read for each drawing, and which are written."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -181,7 +181,13 @@ def _with_companions(read: Sequence[DrawingFiles], hints: str | None, mask: str 
     return [replace(each, hints=own, mask=where) for each, own, where in found]
 
 
-def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Sequence[str] = ()) -> list[Job]:
+def plan(
+    files: Sequence[DrawingFiles],
+    folder: Path,
+    ending: str,
+    others: Sequence[str] = (),
+    may_clash: bool = False,
+) -> list[Job]:
     """Return what is to be painted, and where it goes.
 
     Args:
@@ -189,6 +195,7 @@ def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Seque
         folder: where everything goes.
         ending: of a normal map's name, such as ``_normal.png``.
         others: endings of what else is written.
+        may_clash: whether two drawings may go to one file, as somebody else sees to that.
 
     Raises:
         InputError: if something that is read would be written over, or two files would have one name.
@@ -196,7 +203,7 @@ def plan(files: Sequence[DrawingFiles], folder: Path, ending: str, others: Seque
     jobs = [
         Job(each, folder / each.below / f"{each.drawing.stem}{ending}", each.drawing.stem) for each in files
     ]
-    _check_names(jobs, others)
+    _check_names(jobs, others, may_clash)
     return jobs
 
 
@@ -279,22 +286,22 @@ def _companions(
     return found
 
 
-def _check_names(jobs: Sequence[Job], others: Sequence[str]) -> None:
-    """Raise `InputError` if something would be written over a sketch, its companions, or twice."""
+def _check_names(jobs: Sequence[Job], others: Sequence[str], may_clash: bool = False) -> None:
+    """Raise `InputError` if something would be written over a sketch, its companions, or twice.
+
+    With ``may_clash`` it is twice for one drawing that counts.
+    """
     given = [(job.files.drawing, job.files.hints, job.files.mask) for job in jobs]
     read = {path.resolve() for each in given for path in each if isinstance(path, Path)}
     written: set[Path] = set()
-    for path in _written(jobs, others):
-        if path.resolve() in read:
-            raise InputError(
-                f"{path} is read and would be written over; give another folder (-o) or --suffix."
-            )
-        if path.resolve() in written:
-            raise InputError(f"{path} would be written twice; rename a sketch, or give another --suffix.")
-        written.add(path.resolve())
-
-
-def _written(jobs: Sequence[Job], others: Sequence[str]) -> Iterator[Path]:
     for job in jobs:
-        yield job.target
-        yield from (job.beside(ending) for ending in others)
+        if may_clash:
+            written.clear()
+        for path in (job.target, *(job.beside(ending) for ending in others)):
+            if path.resolve() in read:
+                raise InputError(
+                    f"{path} is read and would be written over; give another folder (-o) or --suffix."
+                )
+            if path.resolve() in written:
+                raise InputError(f"{path} would be written twice; rename a sketch, or give another --suffix.")
+            written.add(path.resolve())

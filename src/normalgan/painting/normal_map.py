@@ -63,6 +63,17 @@ class NormalMap:
         """(H, W, 3), unit normals on the object and zero off it."""
         return np.where(self.mask[..., None], self.extended, np.float32(0))
 
+    @cached_property
+    def shown(self) -> Floats:
+        """(H, W, 3), `extended` as the picture itself is lit: turned along with drawings that lie turned."""
+        if not any(cell.turned for cell in self.cells):
+            return self.extended
+        whole = self.extended.copy()
+        for cell in (each for each in self.cells if each.turned):
+            x, y, z = np.moveaxis(self.extended[cell.box], -1, 0)
+            whole[cell.box] = np.stack([y, -x, z], -1)  # clockwise by a quarter
+        return whole
+
     def stronger(self, strength: float) -> "NormalMap":
         """Return the map of a surface that is as many times as high: its slopes are multiplied.
 

@@ -145,7 +145,7 @@ class Outputs:
             from normalgan.painting.preview import preview_gif, preview_png
 
             lit = preview_png if self.preview == "png" else preview_gif
-            write_bytes(job.beside(f"_preview.{self.preview}"), lit(preds.extended, preds.mask))
+            write_bytes(job.beside(f"_preview.{self.preview}"), lit(preds.shown, preds.mask))
         height = preds.height() if self._needs_height else None
         self._write_shading(job, preds, height)
         if height is None:

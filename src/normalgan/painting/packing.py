@@ -51,17 +51,23 @@ class Packing:
         """Whether drawings are sheets at all."""
         return any(each is not None for each in (self.sheet, self.split, self.atlas))
 
-    def beside(self, path: Path) -> list[Path]:
-        """Return what is read beside a sheet: its atlas, if it has one."""
-        found = None if self.atlas is None else find_companion(path, Path(self.atlas), ENDINGS)
+    def beside(self, path: Path, below: Path | None = None) -> list[Path]:
+        """Return what is read beside a sheet: its atlas, if it has one.
+
+        Args:
+            path: the sheet's file.
+            below: the folder below that of the atlases to look in first.
+        """
+        found = None if self.atlas is None else find_companion(path, Path(self.atlas), ENDINGS, below)
         return [] if found is None else [found]
 
-    def cells(self, sheet: Decoded, path: Path) -> list[Cell]:
+    def cells(self, sheet: Decoded, path: Path, below: Path | None = None) -> list[Cell]:
         """Return where the drawings of a sheet lie.
 
         Args:
             sheet: its pixels, not reduced.
             path: its file.
+            below: as `beside` has it.
 
         Raises:
             InputError: if it has none, or the grid or the atlas disagrees with it.
@@ -70,7 +76,7 @@ class Packing:
             return grid_cells(*parse_grid(self.sheet), sheet.shape, path)
         if self.atlas is None:
             return find_islands(sheet)
-        found = self.beside(path)
+        found = self.beside(path, below)
         if not found:
             raise InputError(f"{self.atlas} holds no atlas for {path}; it is named {path.stem}.json.")
         return read_atlas(found[0], sheet.shape, path)

@@ -1,10 +1,11 @@
 """Painting a job: a file of whatever kind, one drawing or many, to what is written for it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,17 +22,24 @@ from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.outputs import Heights, Outputs, level_heights
 from normalgan.painting.packing import Packing
 from normalgan.painting.painter import Painter
-from normalgan.painting.picture import Picture, read_picture, resize, to_picture
+from normalgan.painting.picture import Picture, fitted, read_picture, resize, to_picture
 from normalgan.painting.preparation import Mark
 from normalgan.painting.series import Member, flat_map, left_flat, paint_series
 from normalgan.painting.sheets import paint_sheet
 from normalgan.painting.tile import Tile
 
-__all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPainter", "target_of"]
+__all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPainter", "target_of", "written_for"]
 
 Framing = Literal["own", "shared"]
 MOST_TOGETHER = 2**26
 """Pixels of all drawings that share a frame: they are in memory together."""
+
+_SHEET = 4
+"""Objects of like size from which a picture is a sheet: three may be a scene of one's own."""
+_ALIKE = 0.3
+"""Share of the largest one's area that makes one alike."""
+_LOOKED = 512
+"""Longest side at which they are counted."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +103,8 @@ class JobPainter:
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
         preds = self._sheet(files) if self.packing.given else self._drawing(files)
+        if not self.packing.given and self.tile is None and files.mask is None:
+            preds = replace(preds, warning="; ".join(filter(None, [preds.warning, _several(preds.mask)])))
         return self._written(job, preds)
 
     def together(self, jobs: Sequence[Job]) -> Iterator[tuple[Job, Done | Exception]]:
@@ -140,7 +150,7 @@ class JobPainter:
     def _sheet(self, files: DrawingFiles) -> NormalMap:
         sheet = read_pixels(files.drawing, files.content)
         hints = as_hints(files.hints, sheet.shape)
-        cells = self.packing.cells(sheet, files.drawing)
+        cells = self.packing.cells(sheet, files.drawing, files.below)
         mask = _mask(files, sheet.shape)
         return paint_sheet(self.painter, sheet, cells, hints, mask, self.frame == "shared")
 
@@ -205,9 +215,35 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False
     return target
 
 
+def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = False) -> Iterator[Path]:
+    """Yield what is written for a job; of several frames the map and what belongs to the first."""
+    try:
+        target = target_of(job, outputs, packing, layers)
+        moves = not packing.given and moving_kind(job.files.drawing, job.files.content) is not None
+    except InputError:  # it is told when it is painted, and nothing is written then
+        return
+    yield target
+    if not layers:
+        first = job.numbered(1, outputs.ending) if moves else job
+        yield from (first.beside(ending) for ending in outputs.others())
+
+
 def _moves(outputs: Outputs) -> bool:
     """Return whether the maps of an animation go into one: it has 8 bits."""
     return outputs.format == "png" and outputs.bits == 8
+
+
+def _several(mask: Mark) -> str:
+    """Return what is to be said of a picture whose objects (H, W) look like a sheet; empty if they do not."""
+    shape = mask.shape[0], mask.shape[1]
+    small = mask if max(shape) <= _LOOKED else resize(mask.astype(np.float32), fitted(shape, _LOOKED)) > 0.5
+    areas = cv2.connectedComponentsWithStats(small.astype(np.uint8))[2][1:, cv2.CC_STAT_AREA]
+    alike = int((areas > _ALIKE * areas.max(initial=0)).sum())
+    if alike < _SHEET:
+        return ""
+    return (
+        f"it holds {alike} separate objects, painted as one; --split auto or --sheet paints each for itself"
+    )
 
 
 def _mask(files: DrawingFiles, shape: tuple[int, int]) -> Mark | str | None:

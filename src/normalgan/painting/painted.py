@@ -65,8 +65,9 @@ def paper_colour(paper: Floats) -> Floats:
     counted = [Levels(np.asarray(channel, np.float32), 0, 1) for channel in cv2.split(paper)]
     level = np.array([each.quantile(0.5) for each in counted])
     lightest = np.array([each.quantile(0.95) for each in counted])
-    # Where more than half is painted, the median is paint.
-    return np.maximum(np.where(level < 0.7 * lightest, lightest, level), 0.04).astype(np.float32)
+    # Where more than half is painted, the median is paint, in all channels: the sheet has one colour.
+    painted = bool((level < 0.7 * lightest).any())
+    return np.asarray(np.maximum(lightest if painted else level, 0.04), np.float32)
 
 
 def wide_and_dark(paper: Floats, level: Floats) -> Mark:

@@ -82,7 +82,7 @@ def paint_sheet(
     Args:
         painter: the network.
         sheet: its pixels, not reduced.
-        cells: where its drawings are. One in which nothing is drawn is left flat.
+        cells: where its drawings are. One in which nothing is drawn is left flat, and so is a tiny one.
         hints: in pixels of the sheet.
         mask: (H, W) the objects; or how they are found, as `Painter` has it.
         shared: whether the network is shown the same square of all cells, which are then of one size.
@@ -94,8 +94,10 @@ def paint_sheet(
     drawn = [(cell, member) for cell, member in members if member is not None]
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
-    painted = paint_series(painter, [member for _, member in drawn], shared, shared)
-    done = [(cell, each) for (cell, _), each in zip(drawn, painted, strict=True)]
+    large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]
+    painted = paint_series(painter, [member for _, member in large], shared, shared)
+    done = [(cell, each) for (cell, _), each in zip(large, painted, strict=True)]
+    done += [(cell, _too_small(cell)) for cell, _ in drawn if min(cell.width, cell.height) < SMALLEST]
     fine = [(cell, each) for cell, each in done if isinstance(each, NormalMap)]
     if not fine:
         cell, error = done[0]
@@ -117,6 +119,10 @@ def _member(cell: Cell, pixels: Pixels, hints: Hints | None, mask: Mark | str | 
         return None
     picture = to_picture(Decoded(part, (part.shape[0], part.shape[1])))
     return Member(picture, None if hints is None else cell.local(hints), own)
+
+
+def _too_small(cell: Cell) -> InputError:
+    return InputError(f"it is {cell.width} × {cell.height} pixels; a drawing has {SMALLEST} a side at least.")
 
 
 def _ground(part: Pixels, own: Mark) -> NDArray[np.generic]:
