@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.bird_legs import Legs
+from normalgan.animals.birds import Legs
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
 from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
