@@ -12,9 +12,10 @@ import numpy as np
 
 from normalgan.animals.frames import Floats, Frame, about, bend, hinge, pitch, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, pair, tube
-from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
+from normalgan.animals.plan import BONE, Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
+from normalgan.errors import InputError
 
 __all__ = ["Bird", "Legs", "Tail", "Wing"]
 
@@ -84,8 +85,8 @@ class Legs:
     """
 
     hip: Point
-    thigh: float
-    shank: float
+    thigh: Annotated[float, BONE]
+    shank: Annotated[float, BONE]
     thick: float
     meat: float
     toe: float
@@ -221,6 +222,9 @@ class Bird(PosedPlan):
         turn: greatest turn of the head, in degrees.
         chick: whether it is drawn young at times.
         ranges: ranges of proportions that differ from the general ones.
+
+    Raises:
+        InputError: if neck and low have not as many stations.
     """
 
     habits: tuple[Annotated[str, tuple(_POSES)], ...]
@@ -241,6 +245,12 @@ class Bird(PosedPlan):
     turn: float = 35.0
     chick: bool = False
     ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the neck, which is drawn between the two."""
+        upright, low = len(self.neck.x), len(self.low.x)
+        if upright != low:
+            raise InputError(f"low has as many stations as neck, {upright}, not {low}.")
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
