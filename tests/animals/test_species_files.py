@@ -146,3 +146,38 @@ def test_joints_feathers_points_and_sizes_are_checked(tmp_path: Path) -> None:
     path.write_text(hen.replace("feathers = 7", "feathers = 1"), encoding="utf-8")
     with pytest.raises(InputError, match=r"tail\.feathers is 2 to 30, not 1\."):
         read_species(path)
+
+
+@pytest.mark.parametrize(
+    ("file", "was", "now", "sentence"),
+    [
+        (
+            "birds/heron.toml",
+            r"\[low\].*?\n\n",
+            "[low]\nx = [0.0, 0.2]\ny = [0.0, 0.1]\nradius = [0.1, 0.1]\n\n",
+            "low has as many stations as neck, 7, not 2.",
+        ),
+        ("birds/heron.toml", r"thigh = \S+", "thigh = 0.0", "leg.thigh is 0.01 to 100, not 0.0."),
+        ("bipeds/monkey.toml", r"leg = \S+", "leg = 0.0", "measures.leg is 0.01 to 100, not 0.0."),
+        (
+            "fish/tuna.toml",
+            r"outline = \[\[.*?\]\]",
+            "outline = []",
+            "fins[1]: outline has three corners or more, not 0.",
+        ),
+        (
+            "dinosaurs/raptor.toml",
+            r"(\[tail\].*?x +=) \[[^,]*,",
+            r"\1 [0.0,",
+            "tail begins behind the hip, at an x less than 0, not at 0.",
+        ),
+    ],
+)
+def test_what_could_not_grow_is_refused_when_it_is_read(
+    file: str, was: str, now: str, sentence: str, tmp_path: Path
+) -> None:
+    text = (FOLDER / file).read_text(encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    path.write_text(re.sub(was, now, text, count=1, flags=re.DOTALL), encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(f"mine.toml: {sentence}")):
+        read_species(path)

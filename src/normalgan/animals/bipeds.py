@@ -10,7 +10,7 @@ import numpy as np
 from normalgan.animals.bipeds_bones import STANCES, Limb, Measures, Skeleton, skeleton, vary
 from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
-from normalgan.animals.frames import Floats, Frame
+from normalgan.animals.frames import Floats, Frame, spanned
 from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
 from normalgan.animals.plan import Between, PosedPlan, Rng
 from normalgan.animals.shapes import Shape, Sweep
@@ -143,13 +143,13 @@ def _trunk(measures: Measures, bones: Skeleton) -> Sweep:
     rows = np.array([0.6 * pelvis, pelvis, waist, chest, 0.8 * chest, 0.45 * chest])
     points = bones.spine.copy()
     points[-1] = (points[-1] + points[-2]) / 2
-    return tube(points, rows[:, 0].tolist(), rows[:, 1].tolist(), side=bones.turns[:, :, 2])
+    return tube(points, rows[:, 0], rows[:, 1], side=bones.turns[:, :, 2])
 
 
 def _belly(measures: Measures, bones: Skeleton) -> Shape:
     at, turn = (bones.spine[1] + 1.4 * bones.spine[2]) / 2.4, bones.turns[2]
     size = np.array([measures.waist.half_depth, 0.40 * measures.torso, 1.02 * measures.waist.half_width])
-    return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size.tolist(), turn)
+    return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size, turn)
 
 
 def _leg(measures: Measures, limb: Limb) -> list[Shape]:
@@ -263,8 +263,5 @@ def _claw(limb: Limb, measures: Measures) -> list[Shape]:
 def _upright(axis: Floats) -> Floats:
     """Return a rotation whose second column lies along ``axis`` and whose first points ahead."""
     up = axis / np.linalg.norm(axis)
-    right = np.array([0.0, 0.0, 1.0]) - up[2] * up
-    if np.linalg.norm(right) < 0.3:
-        right = np.array([0.0, 1.0, 0.0]) - up[1] * up
-    right /= np.linalg.norm(right)
-    return np.column_stack([np.cross(up, right), up, right])
+    aside = np.array([0.0, 1.0, 0.0] if 1 - up[2] ** 2 < 0.3**2 else [0.0, 0.0, 1.0])
+    return spanned(np.zeros(3), up, aside).rotation[:, [2, 0, 1]]

@@ -3,11 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Annotated
 
 import numpy as np
 
 from normalgan.animals.frames import Floats, Frame, bend, pitch, roll, yaw
-from normalgan.animals.plan import Rng, around
+from normalgan.animals.plan import BONE, Rng, around
 
 __all__ = ["STANCES", "Arm", "Girth", "Leg", "Limb", "Measures", "Skeleton", "Stance", "skeleton", "vary"]
 
@@ -51,11 +52,11 @@ class Measures:
         crouch: degrees by which its knees are bent at rest.
     """
 
-    leg: float = 0.47
+    leg: Annotated[float, BONE] = 0.47
     torso: float = 0.30
     neck: float = 0.055
     head: float = 0.140
-    arm: float = 0.33
+    arm: Annotated[float, BONE] = 0.33
     hand: float = 0.095
     foot: float = 0.15
     hips: float = 0.055

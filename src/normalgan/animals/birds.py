@@ -1,25 +1,144 @@
-"""The birds: what a kind is, in units of the length of its body, and how its parts come together."""
+"""The birds: what a kind is, in units of the length of its body, its wings, tail and legs among it.
 
-from collections.abc import Callable, Mapping
+Feathers are flat sweeps, laid over one another like slates. A leg is a feathered thigh, a thin shank, three
+toes before and one behind, webbed or not.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.bird_legs import Legs
-from normalgan.animals.bird_wings import Tail, Wing, folded, opened, tail_fan
-from normalgan.animals.frames import Frame, bend, pitch, yaw
-from normalgan.animals.parts import Part, Ripple, ball, both, carried, fuse, pair, tube
-from normalgan.animals.plan import Eyeball, PosedPlan, Range, Rng, proportions
+from normalgan.animals.frames import Floats, Frame, about, bend, hinge, pitch, roll, yaw
+from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, pair, tube
+from normalgan.animals.plan import BONE, Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
+from normalgan.errors import InputError
 
-__all__ = ["Bird"]
+__all__ = ["Bird", "Legs", "Tail", "Wing"]
 
-_Extra = Callable[[Rng, float], list[Part]]
+_STEP = 0.010  # height by which a feather lies over its neighbour
+_THIN = 0.012  # half the thickness of a feather
+_TOES = (-34.0, 0.0, 34.0, 180.0)
 
 
-def _comb(rng: Rng, _: float) -> list[Part]:
+@dataclass(frozen=True)
+class Wing:
+    """A pair of wings, in units of the length of the body.
+
+    Args:
+        span: length of one open wing.
+        chord: length of the inner flight feathers.
+        primaries: number of feathers on the hand.
+        width: half the width of a feather, in its distance from the next; small ones spread like fingers.
+        pointed: from 0, a wing broad at its end, to 1, a pointed one.
+        folded: how far the folded wing's tip reaches behind the rump.
+        depth: half the height of the folded wing.
+        high: where it lies on the side, from -1 at the belly to 1 at the back.
+    """
+
+    span: float
+    chord: float
+    primaries: Annotated[int, Between(2, 30)] = 9
+    width: float = 0.85
+    pointed: float = 0.4
+    folded: float = 0.3
+    depth: float = 0.17
+    high: float = 0.15
+
+
+@dataclass(frozen=True)
+class Tail:
+    """A fan of feathers, in units of the length of the body.
+
+    Args:
+        length: of the feathers.
+        feathers: how many there are; 2 or more.
+        half_width: of one.
+        closed: degrees of the closed fan.
+        raised: degrees it is raised.
+    """
+
+    length: float
+    feathers: Annotated[int, Between(2, 30)]
+    half_width: float
+    closed: float
+    raised: float
+
+
+@dataclass(frozen=True)
+class Legs:
+    """A pair of legs, in units of the length of the body.
+
+    Args:
+        hip: (x, y, z) of the right one in the body's frame.
+        thigh: length from hip to heel.
+        shank: length from heel to toes.
+        thick: radius of the shank.
+        meat: radius of the thigh at the hip.
+        toe: length of the middle toe.
+        web: whether the toes are webbed.
+        stance: height of the hip when standing, as a share of the stretched leg.
+        claws: radius at the end of a toe, as a share of ``thick``.
+    """
+
+    hip: Point
+    thigh: Annotated[float, BONE]
+    shank: Annotated[float, BONE]
+    thick: float
+    meat: float
+    toe: float
+    web: bool = False
+    stance: float = 0.88
+    claws: float = 0.5
+
+    def grow(self, factor: float, pose: str, body: Frame, rng: Rng) -> list[Part]:
+        """Return both legs in the world; the ground is where those that stand reach to.
+
+        Args:
+            factor: on their length.
+            pose: stand, walk, feed, perch, one_leg, soar, spread, land.
+            body: where the body is.
+            rng: draws the stride.
+        """
+        thigh, shank = self.thigh * factor, self.shank * factor
+        stretched = thigh + shank
+        x, y, z = self.hip
+        middle = body.place([x, y, 0.0])
+        high = stretched * (0.62 * self.stance if pose == "perch" else self.stance)
+        stride = {"walk": 0.34, "feed": 0.1, "land": 0.06}.get(pose, 0.05) * stretched * rng.uniform(0.6, 1.1)
+        side = 1.0 if rng.uniform() < 0.5 else -1.0
+        meat: list[Sweep] = []
+        feet: list[Part] = []
+        for sign in (1.0, -1.0):
+            hip = body.place([x, y, sign * z])
+            foot = np.array([middle[0] * 0.5 + sign * side * stride, middle[1] - high, sign * z * 0.9])
+            heading = 6.0 * sign
+            raised = pose == "one_leg" and sign == side
+            flat = pose not in {"soar", "land"} and not raised
+            if pose == "soar":
+                foot = hip + stretched * np.array([-0.82, -0.14, 0.0])
+            elif pose == "land":
+                foot = hip + stretched * np.array([0.38, -0.72, 0.06 * sign])
+            elif raised:
+                foot = by(hip, 0.55 * (shank - 0.4 * thigh), -0.55 * thigh, -0.03 * sign)
+            elif pose == "one_leg":
+                foot[2] *= 0.35
+            heel = hinge(hip, foot, thigh, shank, (-1.0, -0.25, 0.0))
+            knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
+            thigh_tube = tube([hip, knee, heel], [self.meat, 0.62 * self.meat, 1.15 * self.thick],
+                              [0.8 * self.meat, 0.55 * self.meat, 1.15 * self.thick])  # fmt: skip
+            meat.append(thigh_tube.smoothed(3))  # or its kinks would show as rings
+            bone = tube([heel, foot], [1.05 * self.thick, 0.95 * self.thick])
+            feet.append(fuse(bone, *_toes(self, foot, heading, flat, rng), blend=0.01))
+            if self.web:
+                feet.append(fuse(_web(self, foot, heading, flat), blend=0.01))
+        return [fuse(*meat, blend=0.07), *feet]
+
+
+def _comb(rng: Rng) -> list[Part]:
     """Return a cock's comb and wattles; a hen's are smaller."""
     size = rng.uniform(0.6, 1.25)
     edge = [(-0.42, 0.28), (-0.46, 0.60), (-0.28, 0.52), (-0.20, 0.80), (-0.06, 0.56), (0.06, 0.84),
@@ -43,7 +162,7 @@ def _sickles(rng: Rng, factor: float) -> list[Part]:
     return [fuse(*arcs, blend=0.01)]
 
 
-def _tufts(rng: Rng, _: float) -> list[Part]:
+def _tufts(rng: Rng) -> list[Part]:
     """Return an owl's veil of feathers round the eyes, and the ears of some."""
     parts = [pair(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24), blend=0.03),
              pair(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18), blend=0.05, carve=True),
@@ -54,20 +173,21 @@ def _tufts(rng: Rng, _: float) -> list[Part]:
     return parts
 
 
-def _plume(_: Rng, factor: float) -> list[Part]:
+def _plume(_: Rng) -> list[Part]:
     """Return the plumes at the back of a heron's head."""
-    plume = tube([(-0.3, 0.18), (-0.75, 0.14), (-1.25 * factor, -0.12)], [0.07, 0.06, 0.02])
+    plume = tube([(-0.3, 0.18), (-0.75, 0.14), (-1.25, -0.12)], [0.07, 0.06, 0.02])
     return [fuse(plume, blend=0.04)]
 
 
-def _brow(_: Rng, __: float) -> list[Part]:
+def _brow(_: Rng) -> list[Part]:
     """Return the ridge over an eagle's eye."""
     ridge = tube([(-0.02, 0.21, 0.34), (0.20, 0.22, 0.31), (0.36, 0.15, 0.21)], [0.05, 0.06, 0.04])
     return [pair(ridge, blend=0.06)]
 
 
-_FACES: Mapping[str, _Extra] = {"brow": _brow, "comb": _comb, "plume": _plume, "tufts": _tufts}
-_TRAINS: Mapping[str, _Extra] = {"sickles": _sickles}
+_FACES: Mapping[str, Callable[[Rng], list[Part]]] = {
+    "brow": _brow, "comb": _comb, "plume": _plume, "tufts": _tufts,
+}  # fmt: skip
 _POSES = ("stand", "walk", "feed", "perch", "one_leg", "swim", "spread", "soar", "land")
 _YOUNG_SHARE = 0.15
 _RANGES: Mapping[str, Range] = {
@@ -102,6 +222,9 @@ class Bird(PosedPlan):
         turn: greatest turn of the head, in degrees.
         chick: whether it is drawn young at times.
         ranges: ranges of proportions that differ from the general ones.
+
+    Raises:
+        InputError: if neck and low have not as many stations.
     """
 
     habits: tuple[Annotated[str, tuple(_POSES)], ...]
@@ -118,10 +241,16 @@ class Bird(PosedPlan):
     tail: Tail
     leg: Legs
     face: Annotated[str, tuple(_FACES)] | None = None
-    train: Annotated[str, tuple(_TRAINS)] | None = None
+    train: Annotated[str, ("sickles",)] | None = None
     turn: float = 35.0
     chick: bool = False
     ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the neck, which is drawn between the two."""
+        upright, low = len(self.neck.x), len(self.low.x)
+        if upright != low:
+            raise InputError(f"low has as many stations as neck, {upright}, not {low}.")
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
@@ -146,13 +275,13 @@ class Bird(PosedPlan):
         # So that the ends of an open fan touch.
         touching = 2.2 * tail.half_width * (tail.feathers - 1) / (tail.length + 0.16)
         spread = min(widest[pose], float(np.rad2deg(touching))) if out else tail.closed
-        feathers = tail_fan(tail, build["tail"], spread * rng.uniform(0.8, 1.2), rng.normal(0, 5))
+        feathers = _fan(tail, build["tail"], spread * rng.uniform(0.8, 1.2), rng.normal(0, 5))
         if self.train is not None and not young:
-            feathers += _TRAINS[self.train](rng, build["tail"])
+            feathers += _sickles(rng, build["tail"])
         if out:
-            feathers += opened(self.wing, rows, build["wing"], pose, tilt, rng)
+            feathers += _opened(self.wing, rows, build["wing"], pose, tilt, rng)
         else:
-            feathers += folded(self.wing, rows, build["wing"], young)
+            feathers += _folded(self.wing, rows, build["wing"], young)
         parts += carried(feathers, body)
         if pose != "swim":
             parts += self.leg.grow(build["legs"], pose, body, rng)
@@ -185,10 +314,142 @@ def _head(kind: Bird, build: Mapping[str, float], frame: Frame, rng: Rng, young:
         pair(ball(kind.eye.at, kind.eye.radius * (1.2 if young else 1.0))),
     ]
     if kind.face is not None and not young:
-        parts += _FACES[kind.face](rng, 1.0)
+        parts += _FACES[kind.face](rng)
     return carried(parts, frame, size)
 
 
 def _beak(rows: Stations, length: float) -> Sweep:
     longer = replace(rows, x=rows.x[0] + (rows.x - rows.x[0]) * length)
     return tube(longer.points, rows.radius, rows.widths)
+
+
+def _folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]:
+    """Return the wings laid to the sides: flight feathers and two rows of coverts; stubs of a young one."""
+    tip = -wing.folded * factor
+    layers = [
+        (0.80, 0.30, 0.75, 0.030) if young else (0.74, tip, 0.78, 0.022),
+        (0.84, 0.14 + 0.35 * tip, 1.0, 0.034),
+        (0.88, 0.36, 0.86, 0.048),
+    ]
+    parts = []
+    for number, (first, last, deep, thick) in enumerate(layers[:1] if young else layers):
+        x = np.linspace(first, last, 6)
+        at = wing.high + (0.32 - wing.high) * np.clip((0.3 - x) / 0.6, 0, 1)  # tips meet over the rump
+        points = np.column_stack([x, *_on_body(body, np.maximum(x, 0.04), at)])
+        behind = np.clip(0.1 - x, 0, None)
+        points[:, 2] = np.maximum(points[:, 2] - 0.55 * behind, 0.035) + 0.006 * number
+        points[:, 1] += 0.10 * behind
+        outline = np.array([0.42, 0.86, 1.0, 0.92, 0.62, 0.16]) * wing.depth * deep
+        parts.append(pair(tube(points, outline, thick, (0.0, -0.12, 1.0)), blend=0.012))
+    return parts
+
+
+def _on_body(body: Profile, x: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Return y and z of points on the right side of the body, ``high`` from -1, its belly, to 1."""
+    top, bottom, wide = (np.interp(x, body.x, column) for column in (body.top, body.bottom, body.half_width))
+    y = (top + bottom) / 2 + high * (top - bottom) / 2
+    return y, wide * np.sqrt(1 - high**2)
+
+
+def _opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng: Rng) -> list[Part]:
+    """Return the spread wings, which follow in part the degrees ``tilt`` by which the body is raised."""
+    span = wing.span * factor
+    y, z = _on_body(body, np.array([0.74]), np.array([0.45]))
+    shoulder = np.array([0.74, y[0], 0.7 * z[0]])
+    raised = {"soar": (-4.0, 20.0), "spread": (8.0, 38.0), "land": (28.0, 55.0)}[pose]
+    lift, sweep = rng.uniform(*raised), rng.uniform(-6, 12)
+    flap = rng.uniform(0.0, 16.0)
+    bones = _bones(span)
+    feathers = _feathers(wing, bones, span)
+    # The hand is turned up against the arm a little more.
+    hand = about((0.0, 0.0, 0.5 * span), roll(flap))
+    whole = about(shoulder, pitch(-0.55 * tilt if pose != "soar" else 0.0) @ roll(lift) @ yaw(-sweep))
+    outer = [feather.placed(hand) for feather in feathers[: wing.primaries]]
+
+    def placed(shapes: Sequence[Sweep], blend: float) -> Part:
+        return pair(*(each.placed(Frame(shoulder, np.eye(3))).placed(whole) for each in shapes), blend=blend)
+
+    return [placed([*outer, *feathers[wing.primaries :]], 0.0), placed(_arm(wing, bones), 0.02)]
+
+
+def _bones(span: float) -> Floats:
+    """Return shoulder, elbow, wrist and the end of the hand, (4, 3), the wing spread to the right."""
+    return span * np.array([[0, 0, 0], [-0.05, 0.012, 0.26], [0.075, 0.018, 0.50], [0.045, 0.01, 0.66]])
+
+
+def _arm(wing: Wing, bones: Floats) -> list[Sweep]:
+    """Return the arm with the short feathers that cover it, thick before and thin behind."""
+    back = np.array([[-0.42], [-0.34], [-0.26], [-0.12]]) * wing.chord * [1.0, 0.0, 0.0]
+    wide = np.array([0.50, 0.42, 0.34, 0.16]) * wing.chord
+    cover = tube(bones + back * 0.8, wide, [0.050, 0.036, 0.028, 0.018], (0.0, 1.0, 0.0))
+    bone = tube(bones, [0.075, 0.055, 0.045, 0.02], [0.06, 0.045, 0.035, 0.02], (0.0, 1.0, 0.0))
+    return [cover, bone]
+
+
+def _feathers(wing: Wing, bones: Floats, span: float) -> list[Sweep]:
+    """Return the flight feathers of the right wing, those of the hand first, from the tip inwards."""
+    half = wing.width * 0.075 * span
+
+    def feather(base: Floats, degrees: float, length: float, number: int) -> Sweep:
+        angle = np.deg2rad(degrees)
+        over = np.array([0.0, _STEP * (number % 2), 0.0])
+        end = base + np.array([-np.sin(angle), 0, np.cos(angle)]) * (length - half)
+        return tube([base + over, end + over], [half * 0.9, half], _THIN, (0, 1, 0))
+
+    feathers = []
+    longest = 0.36 * span + 0.15 * wing.chord
+    for i in range(wing.primaries):
+        t = i / (wing.primaries - 1)
+        # The outermost is the longest of a pointed wing; of a broad one, the third or fourth.
+        dip = (1 - wing.pointed) * 0.22 * max(0.0, 1 - 4 * t)
+        reach = (longest + (wing.chord * 1.02 - longest) * t**0.8) * (1 - dip)
+        feathers.append(feather(bones[3] + t * (bones[2] - bones[3]), 8 + 66 * t**0.9, reach, i))
+    inner = max(6, wing.primaries - 2)
+    for i in range(inner):
+        t = (i + 0.7) / inner
+        base = bones[2] + (bones[1] - bones[2]) * min(2 * t, 1) + (bones[0] - bones[1]) * max(2 * t - 1, 0)
+        feathers.append(feather(base, 78 + 14 * t, wing.chord * (1.0 - 0.12 * t), i))
+    return feathers
+
+
+def _fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Part]:
+    """Return the tail, ``spread`` degrees between its outermost feathers, turned ``aside`` to the left."""
+    count, half, raised = tail.feathers, tail.half_width, tail.raised
+    feathers = []
+    for i in range(count):
+        t = 2 * i / (count - 1) - 1
+        turn = pitch(-raised) @ yaw(aside + t * spread / 2)
+        way = turn @ np.array([-1.0, 0.0, 0.0])
+        start = np.array([0.16, 0.03, 0.0])
+        over = turn @ np.array([0.0, _STEP * (1 - abs(t)) * 2.0 + _STEP * (i % 2), 0.0])
+        end = start + way * (tail.length * factor + 0.16 - half) * (1 - 0.08 * t * t) + over
+        upward = turn @ np.array([0.0, 1.0, 0.0])
+        feathers.append(tube([start + over, end], [0.7 * half, half], _THIN, upward))
+    rear = pitch(-raised) @ np.array([-0.12, 0.0, 0.0]) + [0.05, 0.03, 0.0]
+    rump = tube([np.array([0.22, 0.03, 0.0]), rear], [0.10, 0.04], [0.11, 0.05])
+    return [fuse(*feathers, blend=0.01), fuse(rump, blend=0.08)]
+
+
+def _toes(shape: Legs, foot: Floats, heading: float, flat: bool, rng: Rng) -> list[Sweep]:
+    toes = []
+    for angle in _TOES:
+        length = shape.toe * {0.0: 1.0, 180.0: 0.55}.get(angle, 0.88)
+        turn = yaw(heading + angle + rng.normal(0, 3))
+        drop = 0.0 if flat else (-0.5 if abs(angle) < 90 else -0.8)
+        r = shape.thick
+        bones = in_space([(0, 0), (0.35, 0.08 + 0.35 * drop), (0.75, 0.02 + 0.75 * drop), (1.0, drop - 0.03)])
+        points = foot + bones * length @ turn.T
+        if flat:
+            points[:, 1] = np.maximum(points[:, 1], foot[1] - 0.2 * r)
+        toes.append(tube(points, [r, 0.85 * r, 0.75 * r, shape.claws * r]))
+    return toes
+
+
+def _web(shape: Legs, foot: Floats, heading: float, flat: bool) -> Plate:
+    reach = 0.95 * shape.toe
+    tips = [(reach * np.cos(a), reach * np.sin(a)) for a in np.deg2rad([-36, -18, 0, 18, 36])]
+    dents = [(0.9 * x, 0.9 * y) if i in {1, 3} else (x, y) for i, (x, y) in enumerate(tips)]
+    outline = rounded([(-0.1 * reach, -0.06 * reach), *dents, (-0.1 * reach, 0.06 * reach)], 1)
+    lay = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # its axes: x, -z, y
+    slope = pitch(0.0 if flat else float(np.rad2deg(-0.5)))
+    return Plate(Frame(foot, yaw(heading) @ slope @ lay.T), outline, rim=0.6 * shape.thick)

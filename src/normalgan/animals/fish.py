@@ -36,6 +36,9 @@ class Fin:
         chord: direction of a pair's second axis, as nearly as the first allows.
         swell: growth of half the thickness inwards.
         sharp: cut the corners of the outline once instead of twice.
+
+    Raises:
+        InputError: if the outline has no area.
     """
 
     kind: ClassVar[str] = "fin"
@@ -47,6 +50,11 @@ class Fin:
     chord: Point = (1.0, 0.0, 0.0)
     swell: float = 0.08
     sharp: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the outline."""
+        if len(self.outline) < 3:
+            raise InputError(f"outline has three corners or more, not {len(self.outline)}.")
 
     def fin(self) -> "Fin":
         """Return itself."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame, hinge, pitch, roll, yaw
+from normalgan.animals.frames import Floats, Frame, hinge, pitch, ray, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, on_side, pair, tube
 from normalgan.animals.plan import BodyPlan, Form, Range, Rng, around
 from normalgan.animals.shapes import Plate, Shape, Sweep
@@ -75,7 +75,7 @@ def legs(
             angle = azimuth + rng.uniform(-4, 4) + (phase * swing if pose == "walk" else 0.0)
             lift = 0.22 * ground if pose == "walk" and phase * swing > 0 else 0.0
             far, low = (0.55 * reach, 0.9 * ground) if pose == "fly" else (reach, ground - lift)
-            away = np.array([np.cos(np.deg2rad(angle)), 0.0, np.sin(np.deg2rad(angle))])
+            away = ray(np.deg2rad(angle), 0.0)
             hip = np.array([x, at, z])
             foot = hip + far * away
             foot[1] = -low

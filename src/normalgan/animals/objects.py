@@ -1,10 +1,10 @@
-"""Things with a name, each a function: vessels, cars, craft, what stands in a garden, plants."""
+"""Things, each a function: vessels, cars, craft, what stands in a garden, plants, blobs without a name."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.blobs import blob, creature
 from normalgan.animals.frames import Floats, pitch, ray, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.plan import BodyPlan, Form, Rng, around
@@ -65,13 +65,9 @@ def _vase(pose: str, rng: Rng) -> list[Part]:
     if kind in {"belly", "bottle"} and rng.uniform() < 0.5:
         low, high = heights[2] + 0.1, heights[4]
         out = radii[2] + rng.uniform(0.0, 0.12)
-        loop = [
-            [0, low, 0.85 * radii[2]],
-            [0, (low + high) / 2 + 0.1, out + 0.02],
-            [0, high + 0.03, 0.8 * out],
-            [0, high, radii[4] - 0.01],
-        ]
-        parts.append(pair(tube(loop, 0.032), blend=0.015))
+        up = [low, (low + high) / 2 + 0.1, high + 0.03, high]
+        aside = [0.85 * radii[2], out + 0.02, 0.8 * out, radii[4] - 0.01]
+        parts.append(pair(tube(np.column_stack([np.zeros(4), up, aside]), 0.032), blend=0.015))
     if rng.uniform() < 0.4:
         parts.append(fuse(ring((0, heights[3]), radii[3], 0.025), blend=0.01))
     return parts
@@ -93,13 +89,8 @@ def _mug(pose: str, rng: Rng) -> list[Part]:
     tall, wide, taper, out = around(rng, 0.2, 0.75, 0.30, 1.0, 0.26)
     rim = wide * (1 + 0.6 * (taper - 1))
     parts = turned([0.0, 0.06, 0.35 * tall, 0.7 * tall, tall], [0.94 * wide, wide, wide, rim, rim], 0.05)
-    loop = [
-        (-wide + 0.02, 0.78 * tall),
-        (-wide - 0.8 * out, 0.80 * tall),
-        (-wide - out, 0.5 * tall),
-        (-wide - 0.6 * out, 0.2 * tall),
-        (-wide + 0.02, 0.2 * tall),
-    ]
+    behind = np.array([-0.02, 0.8 * out, out, 0.6 * out, -0.02])
+    loop = np.column_stack([-wide - behind, np.array([0.78, 0.80, 0.5, 0.2, 0.2]) * tall])
     parts.append(fuse(tube(loop, 0.042, 0.06), blend=0.025))
     if rng.uniform() < 0.4:
         parts.append(fuse(*(ring((0, y * tall), wide, 0.02) for y in (0.15, 0.85)), blend=0.01))
@@ -110,29 +101,15 @@ def _teapot(pose: str, rng: Rng) -> list[Part]:
     """Return a teapot, its spout ahead."""
     tall, wide, far, knob, out = around(rng, 0.18, 0.34, 0.42, 0.16, 0.065, 0.30)
     high = 0.06 + 1.55 * tall
-    spout = np.array(
-        [
-            (0.75 * wide, 0.55 * tall),
-            (1.25 * wide, 0.8 * tall),
-            (1.45 * wide, 1.35 * tall),
-            (1.45 * wide + far, 1.75 * tall),
-        ]
-    )
-    handle = [
-        (-0.85 * wide, 1.45 * tall),
-        (-wide - 0.7 * out, 1.55 * tall),
-        (-wide - out, 1.05 * tall),
-        (-wide - 0.5 * out, 0.6 * tall),
-        (-0.86 * wide, 0.55 * tall),
-    ]
+    size = np.array([wide, tall])
+    spout = np.array([(0.75, 0.55), (1.25, 0.8), (1.45, 1.35), (1.45, 1.75)]) * size
+    spout[-1, 0] += far
     if rng.uniform() < 0.3:  # over the top
-        handle = [
-            (0.55 * wide, 1.55 * tall),
-            (0.5 * wide, 2.3 * tall),
-            (0, 2.3 * tall + out),
-            (-0.5 * wide, 2.3 * tall),
-            (-0.55 * wide, 1.55 * tall),
-        ]
+        handle = np.array([(0.55, 1.55), (0.5, 2.3), (0, 2.3), (-0.5, 2.3), (-0.55, 1.55)]) * size
+        handle[2, 1] += out
+    else:
+        handle = np.array([(-0.85, 1.45), (-1, 1.55), (-1, 1.05), (-1, 0.6), (-0.86, 0.55)]) * size
+        handle[1:4, 0] -= np.array([0.7, 1.0, 0.5]) * out
     mouth = spout[-1]
     aim = (mouth - spout[-2]) / np.linalg.norm(mouth - spout[-2])
     grip = ball((0, high + 0.42 * tall), knob)
@@ -184,12 +161,7 @@ def _car(pose: str, rng: Rng) -> list[Part]:
             fuse(vane, *both(tube(post, 0.025))),
         ]
     else:
-        roof = [
-            (0.42 * long, deck),
-            (0.12 * long, deck + high),
-            (-0.42 * long, deck + high),
-            (-0.68 * long, deck),
-        ]
+        roof = np.array([(0.42, 0.0), (0.12, 1.0), (-0.42, 1.0), (-0.68, 0.0)]) * [long, high] + [0.0, deck]
         body = block((-0.13 * long, deck + 0.5 * high), [0.45 * long, 0.8 * high, 0.86 * wide], 0.04)
         parts.append(fuse(tube(roof, 0.55 * high, 0.88 * wide), body, blend=0.03))
         cabin, panes = -0.08, 0.26 * long
@@ -450,12 +422,114 @@ def _one_mushroom(rng: Rng, at: Floats, size: float, blend: float, lean: float =
     return parts
 
 
+_PIECES = ("ball", "ball", "rod", "rod", "cone", "block", "ring", "worm")
+_INNER = 0.5  # share of its radii within which others may grow out of a piece; dents do not reach so deep
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A solid, and points (n, 3) inside it that others can be rooted in."""
+
+    shape: Shape
+    roots: Floats
+
+
+def _blob(pose: str, rng: Rng) -> list[Part]:
+    """Return a lopsided compound."""
+    return _grown(rng, both_sides=False)
+
+
+def _creature(pose: str, rng: Rng) -> list[Part]:
+    """Return a compound that is the same on its right and left."""
+    return _grown(rng, both_sides=True)
+
+
+def _grown(rng: Rng, both_sides: bool) -> list[Part]:
+    core = _core(rng, both_sides)
+    soft = rng.uniform(0.0, 0.22)
+    ripple = None
+    if rng.uniform() < 0.15:
+        ripple = Ripple(rng.uniform(0.006, 0.02), rng.uniform(0.12, 0.3))
+    parts = [fuse(core.shape, ripple=ripple)]
+    if rng.uniform() < 0.4:
+        parts.append(_dents(core, both_sides, rng))
+    pieces = [core]
+    for _ in range(int(rng.integers(2, 6) if both_sides else rng.integers(3, 8))):
+        parent = pieces[int(rng.integers(len(pieces)))]
+        root = parent.roots[int(rng.integers(len(parent.roots)))]
+        size = rng.uniform(0.5, 1.0) * 0.85 ** (len(pieces) // 3)
+        # Only of the core is a root that is brought to the middle still inside.
+        middle = both_sides and parent is core and bool(rng.uniform() < 0.45)
+        piece = _grow_piece(str(rng.choice(_PIECES)), root * [1, 1, 0] if middle else root, size, middle, rng)
+        shapes = both(piece.shape) if both_sides else (piece.shape,)
+        parts.append(fuse(*shapes, blend=soft * size * rng.uniform(0.4, 1.2)))
+        pieces.append(piece)
+    return parts
+
+
+def _core(rng: Rng, both_sides: bool) -> _Piece:
+    radii = rng.uniform(0.24, 0.5, 3)
+    turn = pitch(rng.uniform(-90, 90))
+    if not both_sides:
+        turn = yaw(rng.uniform(0, 360)) @ turn
+    boxy = rng.uniform() < 0.25
+    shape = block([0, 0, 0], radii, rng.uniform(0.05, 0.25), turn) if boxy else ball([0, 0, 0], radii, turn)
+    within = rng.normal(size=(12, 3))
+    within *= _INNER / np.linalg.norm(within, axis=1, keepdims=True)
+    return _Piece(shape, (within * radii) @ turn.T)
+
+
+def _dents(core: _Piece, both_sides: bool, rng: Rng) -> Part:
+    """Return hollows about points of the core's surface, too shallow to reach its roots."""
+    dents = []
+    for root in core.roots[: int(rng.integers(1, 4))]:
+        size = rng.uniform(0.06, 0.11)
+        dents.append(ball(root / _INNER, [size, size * rng.uniform(0.8, 1.6), size]))
+    return fuse(*(both(*dents) if both_sides else dents), blend=0.06, carve=True)
+
+
+def _grow_piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) -> _Piece:
+    """Return a piece that holds its root and grows out of it in some direction."""
+    way = rng.normal(size=3)
+    if middle:
+        way[2] = 0.0  # along the mirror
+    way /= np.linalg.norm(way)
+    turn = yaw(rng.uniform(0, 360)) @ roll(rng.uniform(0, 360))
+    if kind == "ball":
+        radii = size * rng.uniform(0.3, 0.75, 3)
+        centre = root + 0.7 * float(radii.min()) * way
+        return _Piece(ball(centre, radii, turn), np.array([centre, centre + 0.5 * (centre - root)]))
+    if kind == "block":
+        half = size * rng.uniform(0.25, 0.6, 3)
+        centre = root + 0.7 * float(half.min()) * way
+        return _Piece(block(centre, half, size * rng.uniform(0.04, 0.15), turn), np.array([centre]))
+    if kind == "ring":
+        major = size * rng.uniform(0.4, 0.65)
+        side = np.cross(way, rng.normal(size=3))
+        side /= np.linalg.norm(side)
+        axes = np.column_stack([way, side, np.cross(way, side)])
+        hoop = ring(root + major * way, major, major * rng.uniform(0.22, 0.4), axes)
+        return _Piece(hoop, np.array([root + 2 * major * way]))
+    tip = root + size * rng.uniform(0.9, 1.4) * way
+    thick = size * rng.uniform(0.14, 0.3)
+    if kind == "cone":
+        return _Piece(tube([root, tip], [1.6 * thick, 0.15 * thick]), np.array([root]))
+    if kind == "rod":
+        knob = thick * rng.uniform(0.8, 1.5)
+        return _Piece(
+            tube([root, (root + tip) / 2, tip], [thick, thick, knob]), np.array([tip, (root + tip) / 2])
+        )
+    bow = np.cross(way, rng.normal(size=3)) * 0.4 * size
+    curve = np.array([root, root * 0.7 + tip * 0.3 + bow, root * 0.3 + tip * 0.7 + bow, tip - 0.6 * bow])
+    return _Piece(tube(curve, thick * np.array([1.1, 1.0, 0.8, 0.55])), curve[1:3])
+
+
 _SHAPES: Mapping[str, Callable[[str, Rng], list[Part]]] = {
-    "blob": blob,
+    "blob": _blob,
     "boat": _boat,
     "cactus": _cactus,
     "car": _car,
-    "creature": creature,
+    "creature": _creature,
     "fir": _fir,
     "house": _house,
     "mug": _mug,

@@ -10,6 +10,7 @@ import numpy as np
 from normalgan.animals.parts import Part
 
 __all__ = [
+    "BONE",
     "RISING",
     "Between",
     "BodyPlan",
@@ -36,6 +37,10 @@ class Between(NamedTuple):
 
     low: float
     high: float
+
+
+BONE = Between(0.01, 100.0)
+"""Marks the length of a bone: one of no length has no direction in which to grow."""
 
 
 @dataclass(frozen=True)

@@ -387,11 +387,8 @@ def _torso(species: Quadruped, build: _Build, body: Frame) -> Sweep:
     x, top, bottom = species.torso.x, species.torso.top, species.torso.bottom
     middle = np.sin(np.linspace(0, np.pi, len(x)))  # belly and waist change, breast and buttocks hardly
     deeper = top - (top - bottom) * (1 + (build["depth"] - 1) * middle)
-    return (
-        Profile(x * build["length"], top, deeper, species.torso.half_width * build["girth"])
-        .sweep()
-        .placed(body)
-    )
+    torso = Profile(x * build["length"], top, deeper, species.torso.half_width * build["girth"])
+    return torso.sweep().placed(body)
 
 
 def _neck(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> tuple[Sweep, Frame]:

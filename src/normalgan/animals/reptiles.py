@@ -173,7 +173,7 @@ class Snake(PosedPlan):
         heading = float(np.rad2deg(np.arctan2(-way[2], way[0])))
         level = rng.uniform(-18, 4) - (8.0 if self.hooded else 0.0)
         head = Frame(line[-1], yaw(heading) @ pitch(level))
-        parts = [fuse(tube(line, list(radii)))]
+        parts = [fuse(tube(line, radii))]
         if self.hooded and pose == "rear":
             parts.append(fuse(_hood(line, fat, yaw(heading)[:, 2], rng), blend=0.03))
         eyes = ball((0.36, 0.20, 0.37), 0.115)
@@ -268,6 +268,11 @@ _TURTLE_HEAD = Profile(
 )
 
 
+# Where scutes of the middle row meet those of the flanks: x and z, in shares of half the length and width.
+_CORNERS = [(-0.86, 0.16), (-0.62, 0.34), (-0.42, 0.24), (-0.22, 0.36), (-0.01, 0.25), (0.20, 0.36),
+            (0.40, 0.24), (0.58, 0.32), (0.82, 0.14)]  # fmt: skip
+
+
 def _slab(rim: float, radii: Floats) -> Sweep:
     """Return what lies below the rim of the dome, to be taken away."""
     deep = float(radii[1]) + 0.1
@@ -284,7 +289,7 @@ def _on(radii: Floats, rim: float, x: float, z: float, out: float = 0.0) -> Floa
 
 def _scutes(radii: Floats, rim: float, bumpy: float) -> list[Sweep]:
     """Return bulges in the middle of the scutes."""
-    middles = [(x, 0.0) for x in (-0.62, -0.22, 0.20, 0.58)]
+    middles = [(x, 0.0) for x, _ in _CORNERS[1::2]]
     middles += [(x, z) for x in (-0.50, -0.02, 0.44) for z in (0.56, -0.56)]
     bulges = []
     for x, z in middles:
@@ -296,17 +301,14 @@ def _scutes(radii: Floats, rim: float, bumpy: float) -> list[Sweep]:
 def _grooves(radii: Floats, rim: float) -> list[Sweep]:
     """Return the lines between the scutes: a middle row of hexagons between two rows along the flanks."""
     lines = []
-    knots = np.array([-0.86, -0.62, -0.42, -0.22, -0.01, 0.20, 0.40, 0.58, 0.82])
-    wide = np.array([0.16, 0.34, 0.24, 0.36, 0.25, 0.36, 0.24, 0.32, 0.14])
     for sign in (1, -1):
-        edge = [_on(radii, rim, x, sign * w) for x, w in zip(knots, wide, strict=True)]
-        lines.append(tube(edge, 0.010))
-        for x, w in zip((-0.62, -0.22, 0.20, 0.58), (0.34, 0.36, 0.36, 0.32), strict=True):
+        lines.append([_on(radii, rim, x, sign * w) for x, w in _CORNERS])
+        for x, w in _CORNERS[1::2]:
             far = 0.93 * np.sqrt(1 - x * x)
-            lines.append(tube([_on(radii, rim, x * 1.02, sign * z) for z in np.linspace(w, far, 5)], 0.010))
-    for x, w in zip((-0.42, -0.01, 0.40), (0.24, 0.25, 0.24), strict=True):
-        lines.append(tube([_on(radii, rim, x, z) for z in np.linspace(-w, w, 5)], 0.010))
-    return lines
+            lines.append([_on(radii, rim, x * 1.02, sign * z) for z in np.linspace(w, far, 5)])
+    for x, w in _CORNERS[2:-1:2]:
+        lines.append([_on(radii, rim, x, z) for z in np.linspace(-w, w, 5)])
+    return [tube(line, 0.010) for line in lines]
 
 
 def _turtle_legs(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
@@ -353,7 +355,7 @@ _SNAKE_HEAD = Profile(
 )
 
 
-def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, side: float) -> Floats:
+def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng: Rng) -> Floats:
     """Return a flat coil from the tip of the tail, outside, inwards.
 
     Args:
@@ -362,8 +364,9 @@ def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, sid
         inner: radius in the middle.
         rise: of each turn over the one outside it, in units of ``fat``.
         end: radians at which it ends.
-        side: 1 or -1, which way round.
+        rng: draws which way round it goes.
     """
+    side = 1.0 if rng.uniform() < 0.5 else -1.0
     angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
     radius = inner + 1.9 * fat * (angle[-1] - angle) / (2 * np.pi)
     phase = angle + (-angle[-1] + end)
@@ -371,15 +374,18 @@ def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, sid
     return np.column_stack([radius * np.cos(phase), height, side * radius * np.sin(phase)])
 
 
+def _with_neck(spiral: Floats, neck: list[tuple[float, float]], tall: float) -> Floats:
+    """Return a coil that goes on along the points of a neck, (x, share of ``tall``), to the middle plane."""
+    end = spiral[-1]
+    raised = end[:2] + np.array(neck) * [1.0, tall]
+    return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0.0, len(neck) + 1)[1:]])])
+
+
 def _coil(fat: float, rng: Rng) -> Floats:
     """Return a coil with the head raised in the middle."""
-    turns = rng.uniform(2.2, 3.0)
-    side = 1.0 if rng.uniform() < 0.5 else -1.0
-    spiral = _spiral(fat, turns, 0.16, 0.75, -np.pi / 2, side)
-    tall, end = rng.uniform(0.10, 0.30), spiral[-1]
-    neck = np.array([[0.12, 0.05], [0.16, 0.45], [0.04, 0.9], [0.10, 1.15], [0.26, 1.18]])
-    raised = end[:2] + neck * [1.0, tall + 0.08]
-    return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0.0, 6)[1:]])])
+    spiral = _spiral(fat, rng.uniform(2.2, 3.0), 0.16, 0.75, -np.pi / 2, rng)
+    neck = [(0.12, 0.05), (0.16, 0.45), (0.04, 0.9), (0.10, 1.15), (0.26, 1.18)]
+    return _with_neck(spiral, neck, rng.uniform(0.10, 0.30) + 0.08)
 
 
 def _wind(fat: float, rng: Rng) -> Floats:
@@ -394,16 +400,13 @@ def _wind(fat: float, rng: Rng) -> Floats:
 
 def _rear(fat: float, rng: Rng) -> Floats:
     """Return a coil from which the front third stands up."""
-    turns = rng.uniform(1.3, 1.9)
-    spiral = _spiral(fat, turns, 0.20, 0.5, -0.75 * np.pi, 1.0 if rng.uniform() < 0.5 else -1.0)
-    end, tall = spiral[-1], rng.uniform(0.55, 0.85)
-    up = np.array([[0.15, 0.06], [0.20, 0.26], [0.14, 0.52], [0.10, 0.78], [0.13, 0.94], [0.24, 1.0]])
-    raised = end[:2] + up * [1.0, tall]
-    return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0, 7)[1:]])])
+    spiral = _spiral(fat, rng.uniform(1.3, 1.9), 0.20, 0.5, -0.75 * np.pi, rng)
+    neck = [(0.15, 0.06), (0.20, 0.26), (0.14, 0.52), (0.10, 0.78), (0.13, 0.94), (0.24, 1.0)]
+    return _with_neck(spiral, neck, rng.uniform(0.55, 0.85))
 
 
 def _hood(line: Floats, fat: float, side: Floats, rng: Rng) -> Sweep:
     """Return the spread neck of a cobra."""
     upper = line[-5:]
     wide = fat * rng.uniform(2.2, 2.9) * np.array([0.35, 0.72, 1.0, 0.80, 0.35])
-    return tube(upper, [0.8 * fat, 0.62 * fat, 0.5 * fat, 0.5 * fat, 0.5 * fat], list(wide), side)
+    return tube(upper, np.array([0.8, 0.62, 0.5, 0.5, 0.5]) * fat, wide, side)

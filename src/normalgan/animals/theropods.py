@@ -6,12 +6,13 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.bird_legs import Legs
+from normalgan.animals.birds import Legs
 from normalgan.animals.frames import Frame, about, bend, pitch, yaw
 from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.plan import Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
+from normalgan.errors import InputError
 
 __all__ = ["Arm", "Theropod"]
 
@@ -57,6 +58,9 @@ class Theropod(PosedPlan):
         sail: height of a sail on the back, 0 for none.
         pitch: degrees by which the trunk is raised.
         ranges: ranges of proportions that differ from the general ones.
+
+    Raises:
+        InputError: if the tail does not begin behind the hip.
     """
 
     habits: tuple[Annotated[str, tuple(_POSES)], ...]
@@ -72,6 +76,11 @@ class Theropod(PosedPlan):
     sail: float = 0.0
     pitch: Range = (-4.0, 16.0)
     ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the tail."""
+        if self.tail.x[0] >= 0:
+            raise InputError(f"tail begins behind the hip, at an x less than 0, not at {self.tail.x[0]:g}.")
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
