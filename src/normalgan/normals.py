@@ -181,13 +181,13 @@ def pixels_of(
     """
     import cv2  # as below
 
-    planes = [*cv2.split(encode(normals, bits))]
+    colours: Any = encode(normals, bits)
     if blue_first:
-        planes.reverse()
-    if alpha is not None:
-        planes.append(np.rint(alpha * (2**bits - 1)).astype(planes[0].dtype))
-    pixels = cv2.merge(planes)
-    return pixels.astype(np.uint8, copy=False) if bits == 8 else pixels.astype(np.uint16, copy=False)
+        colours = cv2.cvtColor(colours, cv2.COLOR_RGB2BGR)
+    if alpha is None:
+        return np.asarray(colours)
+    opacity = np.rint(alpha * (2**bits - 1)).astype(colours.dtype)
+    return np.asarray(cv2.merge([colours, opacity]))
 
 
 def pack_png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:

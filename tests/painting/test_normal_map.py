@@ -1,14 +1,15 @@
 """A normal map as arrays and as files."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import cv2
 import numpy as np
 import pytest
 
 from normalgan.errors import InputError
-from normalgan.normals import read_png
+from normalgan.normals import Green, encode, read_png
 from normalgan.painting.normal_map import NormalMap
 from onnx_models import ramp
 
@@ -49,6 +50,24 @@ def test_a_map_is_saved_as_its_path_ends(tmp_path: Path, name: str, atol: float)
         pixels = raw[..., ::-1] / (255 if raw.dtype == np.uint8 else 1)
     flat = np.where(preds.mask[..., None], preds.normal, [0, 0, 1])
     np.testing.assert_allclose(2 * pixels - 1, flat, atol=atol)
+
+
+@pytest.mark.parametrize("inside", ["a ring", "nothing"])
+@pytest.mark.parametrize("y", get_args(Green))
+@pytest.mark.parametrize("opacity", [False, True])
+def test_each_pixel_has_the_colour_of_its_normal_or_is_flat(inside: str, y: Green, opacity: bool) -> None:
+    rows, columns = np.indices((64, 64))
+    away = np.hypot(rows - 30, columns - 35)
+    alpha = np.clip(20 - np.abs(away - 15) * 4, 0, 1).astype(np.float32) * (inside != "nothing")
+    whole = tilted()
+    preds = replace(whole, mask=alpha > 0.5, alpha=alpha)
+    there = alpha > 0 if opacity else preds.mask
+    normals = np.where(there[..., None], whole.extended, np.array([0, 0, 1], np.float32))
+    wanted = encode(normals * np.array([1, 1 if y == "up" else -1, 1], np.float32))
+    pixels = preds.pixels(y, opacity)
+    np.testing.assert_array_equal(pixels[..., :3], wanted)
+    if opacity:
+        np.testing.assert_array_equal(pixels[..., 3], np.rint(alpha * 255))
 
 
 def test_green_opacity_and_depth_are_as_asked_for(tmp_path: Path) -> None:

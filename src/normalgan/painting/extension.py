@@ -35,10 +35,10 @@ def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_])
 
 
 def _pushed_and_pulled(values: Floats, known: NDArray[np.bool_], sweeps: int) -> Floats:
-    """Return values (H, W, 3) that go on from where they are known."""
+    """Return values (H, W, 3) that go on from where they are known; they matter only where they are not."""
     mask = known.view(np.uint8)
-    kept = cv2.copyTo(values, mask, np.zeros_like(values))
-    levels = [np.asarray(cv2.merge([*cv2.split(kept), known.astype(np.float32)]), np.float32)]
+    whole = cv2.cvtColor(values, cv2.COLOR_BGR2BGRA)  # the fourth value is 1
+    levels = [np.asarray(cv2.copyTo(whole, mask, np.zeros_like(whole)), np.float32)]
     while max(levels[-1].shape[:2]) > 1:
         h, w = levels[-1].shape[:2]
         half = cv2.resize(levels[-1], ((w + 1) // 2, (h + 1) // 2), interpolation=cv2.INTER_AREA)
@@ -46,9 +46,9 @@ def _pushed_and_pulled(values: Floats, known: NDArray[np.bool_], sweeps: int) ->
     # At the finest scale a pixel is known or not: it is copied, where coarser ones are known in part.
     filled = cv2.resize(_settled(levels[1:], sweeps), known.shape[::-1], interpolation=cv2.INTER_LINEAR)
     for _ in range(sweeps):
-        filled = cv2.copyTo(kept, mask, filled)
+        filled = cv2.copyTo(values, mask, filled)
         filled = cv2.filter2D(filled, -1, _MEAN, borderType=cv2.BORDER_REPLICATE)
-    return np.asarray(cv2.copyTo(kept, mask, filled), np.float32)
+    return np.asarray(filled, np.float32)
 
 
 def _settled(levels: list[Floats], sweeps: int) -> Floats:

@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.painting.bridging import Bridge, bridges
+from normalgan.painting.framing import box_of
 from normalgan.painting.limbs import limbs
 from normalgan.painting.line_width import line_width
 from normalgan.painting.silhouette import enclosed_by
@@ -43,6 +44,7 @@ class Filling:
     def __init__(self, inked: Mark, span: int) -> None:
         self._inked, self._span, self._width = inked, span, line_width(inked)
         self._lines, self._inside = inked, np.zeros_like(inked)
+        self._near = self._inside  # what lies in the inside or around it
         self.closed = 0.0
 
     def fill(self) -> None:
@@ -74,12 +76,12 @@ class Filling:
         if not self._inside.any():
             return self._inside
         # The lines at its edge belong to it, and so do eyes and stripes, whatever they are drawn with.
-        whole = enclosed_by(self._inside | (self._lines & self._near_inside()))
+        whole = enclosed_by(self._inside | (self._lines & self._near))
         return whole | limbs(self._inked & ~whole, whole, self._span, self._width)
 
     def _bridges(self, most: float) -> list[Bridge]:
         """Return bridges from the ends of lines that are not inside anyway."""
-        whole = enclosed_by(self._inside | (self._lines & self._near_inside()))
+        whole = enclosed_by(self._inside | (self._lines & self._near))
         ends = stroke_ends(self._inked, self._width)
         ahead = np.rint(ends.points + (self._width + 1) * ends.ways).astype(np.intp)
         column, row = np.clip(ahead, 0, np.array(whole.shape[::-1]) - 1).T
@@ -100,19 +102,16 @@ class Filling:
         if not fresh.any():
             return
         self._inside = self._inside | (_grown(fresh, self._lines, gap) if gap else fresh)
-        self.closed = float((self._inked & self._near_inside()).sum() / self._inked.sum())
-
-    def _near_inside(self) -> Mark:
-        return _thicker(self._inside, self._width + 1.5)
+        self._near = _thicker(self._inside, self._width + 1.5)
+        near = int(np.count_nonzero(self._inked & self._near))
+        self.closed = near / int(np.count_nonzero(self._inked))
 
 
 def _grown(seeds: Mark, barrier: Mark, reach: float) -> Mark:
     """Return seeds with all within ``reach`` pixels that is not behind a barrier."""
-    rows, columns = np.flatnonzero(seeds.any(1)), np.flatnonzero(seeds.any(0))
+    top, bottom, left, right = box_of(seeds)
     room = int(reach) + 1
-    box = np.s_[
-        max(rows[0] - room, 0) : rows[-1] + room + 1, max(columns[0] - room, 0) : columns[-1] + room + 1
-    ]
+    box = np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
     free = (~barrier[box] & _thicker(seeds[box], reach + 0.5)).astype(np.uint8)
     grown = seeds[box].astype(np.uint8)
     # Steps to the side only: a slanted line may hang together by its pixels' corners.

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
+from normalgan.painting.levels import median
 
-__all__ = ["Bounds", "Frame", "bounds_of", "united"]
+__all__ = ["Bounds", "Frame", "bounds_of", "box_of", "united"]
 
 Bounds = tuple[int, int, int, int]
 """First row, row after the last, first column, column after the last."""
@@ -112,7 +113,7 @@ def _darkness(shown: Floats) -> float:
     lines is brought back to that.
     """
     lines = shown[shown > 0.1]
-    return max(float(np.median(lines)), 0.1) if lines.size else 1.0
+    return max(median(lines), 0.1) if lines.size else 1.0
 
 
 def bounds_of(ink: Floats) -> Bounds:
@@ -121,8 +122,17 @@ def bounds_of(ink: Floats) -> Bounds:
     >>> bounds_of(np.pad(np.ones((2, 3), np.float32), 1))
     (1, 3, 1, 4)
     """
-    rows, columns = np.flatnonzero((ink > 0.1).any(1)), np.flatnonzero((ink > 0.1).any(0))
-    return int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
+    return box_of(ink > 0.1)
+
+
+def box_of(marked: NDArray[np.bool_]) -> Bounds:
+    """Return the box of what is marked (H, W); an empty one if nothing is.
+
+    >>> box_of(np.pad(np.ones((2, 3), bool), 1))
+    (1, 3, 1, 4)
+    """
+    left, top, width, height = cv2.boundingRect(marked.view(np.uint8))
+    return top, top + height, left, left + width
 
 
 def united(boxes: Iterable[Bounds]) -> Bounds:

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 from normalgan.normals import Floats
-from normalgan.painting.framing import Frame
+from normalgan.painting.framing import Frame, box_of
+from normalgan.painting.levels import median
 
 __all__ = ["Mark", "areas", "line_width", "middle", "show"]
 
@@ -89,17 +90,15 @@ def line_width(inked: Mark) -> float:
 def _width(inked: Mark, depth: Floats) -> float:
     # Pixels as far inside as their neighbours or farther lie on the middle of a line.
     ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(1e-4))
-    return float(np.median(2 * depth[ridge] - 1)) if ridge.any() else 0.0
+    return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
 
 
 def _around(marked: Mark, room: int) -> tuple[slice, slice]:
     """Return the part of a picture (H, W) that holds what is marked, with so many pixels around it."""
-    if not marked.any():
+    top, bottom, left, right = box_of(marked)
+    if top == bottom:
         return np.s_[:, :]
-    rows, columns = np.flatnonzero(marked.any(1)), np.flatnonzero(marked.any(0))
-    return np.s_[
-        max(rows[0] - room, 0) : rows[-1] + 1 + room, max(columns[0] - room, 0) : columns[-1] + 1 + room
-    ]
+    return np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
 
 
 def areas(inked: Mark, width: float, depth: Floats, side: int) -> Mark:

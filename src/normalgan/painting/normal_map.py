@@ -5,6 +5,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal, get_args
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,12 +24,14 @@ from normalgan.normals import (
     strips,
 )
 from normalgan.painting.cells import Cell
+from normalgan.painting.framing import box_of
 from normalgan.painting.tile import Tile
 from normalgan.painting.vectors import unit
 
 __all__ = ["Format", "NormalMap", "part_of"]
 
 Format = Literal["png", "exr", "tiff"]
+_FLAT = np.array([[[0, 0, 1]]], np.float32)
 _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
 
 
@@ -129,16 +132,24 @@ class NormalMap:
     def _pixels(
         self, bits: Bits, y: Green, alpha: bool, *, blue_first: bool = False
     ) -> NDArray[np.uint8] | NDArray[np.uint16]:
-        shape = (*self.mask.shape, 4 if alpha else 3)
-        pixels = np.empty(shape, np.uint8 if bits == 8 else np.uint16)
-        for rows in strips(shape):
-            opacity = self.alpha[rows] if alpha else None
-            pixels[rows] = pixels_of(self._flat(y, alpha, rows), bits, opacity, blue_first=blue_first)
+        opaque = self.alpha > 0 if alpha else self.mask
+        none = np.zeros((1, 1), np.float32)
+        flat = pixels_of(_FLAT, bits, none if alpha else None, blue_first=blue_first)
+        pixels = np.empty((*opaque.shape, flat.shape[-1]), flat.dtype)
+        pixels[:] = np.repeat(flat, opaque.shape[1], axis=1)
+        # Only the box of the object is computed, which is half of most maps.
+        top, bottom, left, right = box_of(opaque)
+        box = np.s_[top:bottom, left:right]
+        inside, there, normals = pixels[box], opaque[box].view(np.uint8), self.extended[box]
+        for rows in strips(inside.shape):
+            turned = flip_green(normals[rows]) if y == "down" else normals[rows]
+            opacity = self.alpha[box][rows] if alpha else None
+            colours = pixels_of(turned, bits, opacity, blue_first=blue_first)
+            inside[rows] = cv2.copyTo(colours, there[rows], inside[rows])
         return pixels
 
-    def _flat(self, y: Green, alpha: bool, rows: slice = np.s_[:]) -> Floats:
-        opaque = self.alpha[rows] > 0 if alpha else self.mask[rows]
-        normals = paint_flat(self.extended[rows], opaque)
+    def _flat(self, y: Green, alpha: bool) -> Floats:
+        normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)
         return flip_green(normals) if y == "down" else normals
 
     def save(self, path: str | Path, bits: Bits = 8, y: Green = "up", alpha: bool = False) -> None:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats
 from normalgan.painting.filling import MARGIN, Filling
+from normalgan.painting.framing import box_of
 from normalgan.painting.picture import fitted, resize
 
 __all__ = ["Mark", "Outline", "fill_outline"]
@@ -49,10 +50,11 @@ def fill_outline(ink: Floats) -> Outline:
     inked = small > 0.35
     if not inked.any():
         return Outline(np.zeros(shape, bool), 0.0)
-    rows, columns = np.flatnonzero(inked.any(1)), np.flatnonzero(inked.any(0))
-    span = int(max(np.ptp(rows), np.ptp(columns))) + 1
+    top, bottom, left, right = box_of(inked)
+    span = max(bottom - top, right - left)
     margin = int(MARGIN * span) + 2
-    filling = Filling(np.pad(inked, margin), span)
+    padded = cv2.copyMakeBorder(inked.view(np.uint8), *(margin,) * 4, cv2.BORDER_CONSTANT, value=0)
+    filling = Filling(padded > 0, span)
     filling.fill()
     guessed = filling.closed < _FAILED and filling.guess()
     mask = filling.mask()[margin:-margin, margin:-margin]

@@ -52,12 +52,12 @@ Mark = NDArray[np.bool_]
 
 def darkest(colour: Floats) -> Floats:
     """Return the least channel of colours, (H, W); NumPy's own takes ten times as long."""
-    return np.asarray(reduce(cv2.min, cv2.split(colour)), np.float32)
+    return colour if colour.ndim == 2 else np.asarray(reduce(cv2.min, cv2.split(colour)), np.float32)
 
 
 def lightest(colour: Floats) -> Floats:
     """Return the greatest channel of colours, (H, W), as `darkest` does the least."""
-    return np.asarray(reduce(cv2.max, cv2.split(colour)), np.float32)
+    return colour if colour.ndim == 2 else np.asarray(reduce(cv2.max, cv2.split(colour)), np.float32)
 
 
 def paper_colour(paper: Floats) -> Floats:

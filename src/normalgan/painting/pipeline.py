@@ -11,6 +11,7 @@ from normalgan.errors import InputError
 from normalgan.normals import Floats, strips
 from normalgan.painting.backend import Backend
 from normalgan.painting.edits import MOST_PINS, REACH, hold_pins
+from normalgan.painting.levels import ranked
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.picture import resize
 from normalgan.painting.preparation import Mark, Prepared
@@ -60,7 +61,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     length = lengths(preds)
     present = frame.restore(length[..., None]).reshape(prepared.ink.shape) > 0.5
     mask, warning = _choose(prepared, present)
-    painted_share = float((mask & present).sum() / max(int(mask.sum()), 1))
+    painted_share = int(np.count_nonzero(mask & present)) / max(int(np.count_nonzero(mask)), 1)
     if painted_share < _PRESENT:
         warning += "; " if warning else ""
         warning += (
@@ -125,10 +126,16 @@ def _soft_edge(mask: Mark, shape: tuple[int, int]) -> Floats:
     """Return a mask as opacity (H, W) at a picture's size: its staircase becomes an edge of a pixel."""
     soft = np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 1.0), np.float32)
     sharper = np.float32(1.6 * max(shape[1] / mask.shape[1], 1.0))
-    edge = resize(soft, shape)
+    edge = soft if shape == soft.shape else resize(soft, shape)
     for strip in strips(shape):
-        steep = np.clip((edge[strip] - 0.5) * sharper + 0.5, 0, 1)
-        edge[strip] = np.rint(steep * 255) / 255
+        steep = edge[strip]  # in place: at each step a copy would take longer than the step
+        steep -= 0.5
+        steep *= sharper
+        steep += 0.5
+        np.clip(steep, 0, 1, out=steep)
+        steep *= 255
+        np.rint(steep, out=steep)
+        steep /= 255
     return edge
 
 
@@ -148,7 +155,7 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: Mark, length: Floats | No
     needed = prepared.frame.shrink(mask.astype(np.float32)) > 0
     known: Mark = length > 0.5
     if needed.any():
-        usual = float(np.percentile(length[needed], 95))
+        usual = ranked(length[needed], 0.95)
         known |= needed & (length > max(0.1 * usual, _LEAST))
     return Coarse(unit(preds, length=length), known, needed)
 

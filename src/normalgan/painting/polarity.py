@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from normalgan.normals import Floats
-from normalgan.painting.levels import Levels
+from normalgan.painting.levels import Levels, median
 from normalgan.painting.picture import fitted, resize
 
 __all__ = ["is_light_on_dark"]
@@ -28,7 +28,7 @@ def is_light_on_dark(brightness: Floats) -> bool:
     levels = Levels(small, 0, 1)
     low, high = levels.quantile(0.005), levels.quantile(0.995)
     sides = [small[:2].ravel(), small[-2:].ravel(), small[:, :2].ravel(), small[:, -2:].ravel()]
-    middle, border = (low + high) / 2, float(np.median(np.concatenate(sides)))
+    middle, border = (low + high) / 2, median(np.concatenate(sides))
     if min(border, levels.quantile(0.5)) > middle:
         return False
     contrast = max(high - low, 1e-3)

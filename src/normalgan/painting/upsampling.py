@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats
 from normalgan.painting.extension import extend
+from normalgan.painting.framing import box_of
 from normalgan.painting.preparation import Prepared
 
 if TYPE_CHECKING:
@@ -157,6 +158,5 @@ def planes(normals: Floats, ink: Floats, mask: Mark) -> Floats:
 
 def _box(mask: Mark, beside: int) -> tuple[slice, slice]:
     """Return the part of a picture that holds an object and so many pixels beside it."""
-    rows, columns = (np.flatnonzero(mask.any(axis)) for axis in (1, 0))
-    top, left = max(rows[0] - beside, 0), max(columns[0] - beside, 0)
-    return np.s_[top : rows[-1] + 1 + beside, left : columns[-1] + 1 + beside]
+    top, bottom, left, right = box_of(mask)
+    return np.s_[max(top - beside, 0) : bottom + beside, max(left - beside, 0) : right + beside]

@@ -8,6 +8,7 @@ from normalgan.normals import Floats, strips
 __all__ = ["lengths", "unit"]
 
 _NONE = np.float32(1e-8)
+_SUM = np.ones((1, 3), np.float32)
 
 
 def lengths(vectors: Floats) -> Floats:
@@ -15,10 +16,9 @@ def lengths(vectors: Floats) -> Floats:
     # Not by cv2.magnitude: its last bits depend on where in the memory the result lies.
     out = np.empty(vectors.shape[:2], np.float32)
     for strip in strips(vectors.shape):
-        squares = vectors[strip] * vectors[strip]
-        np.add(squares[..., 0], squares[..., 1], out=out[strip])
-        out[strip] += squares[..., 2]
-        np.sqrt(out[strip], out=out[strip])
+        # OpenCV adds up the three of a pixel in half the time that NumPy takes.
+        squares = cv2.transform(vectors[strip] * vectors[strip], _SUM)
+        np.sqrt(squares.reshape(out[strip].shape), out=out[strip])
     return out
 
 
@@ -42,9 +42,13 @@ def unit(
     for strip in strips(vectors.shape):
         own = lengths(vectors[strip]) if length is None else length[strip]
         there = own > _NONE
-        scale = there / np.maximum(own, _NONE)
+        scale = np.maximum(own, _NONE)
+        np.divide(np.float32(1), scale, out=scale)
+        everywhere = bool(there.all())
+        if not everywhere:
+            scale *= there
         # Three planes alike: NumPy takes many times as long to stretch one over the last axis.
         np.multiply(vectors[strip], cv2.merge([scale, scale, scale]), out=out[strip])
-        if front and not there.all():
+        if front and not everywhere:
             out[strip][..., 2] += ~there
     return out
