@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from normalgan.benchmark.bootstrap import Interval, difference_interval, mesh_interval, total_interval
+from normalgan.benchmark.intervals import Interval, difference_interval, mesh_interval, total_interval
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.table import figure_cell, interval_cell, spread_of
 

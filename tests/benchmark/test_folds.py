@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from normalgan.benchmark.bootstrap import mesh_interval
+from normalgan.benchmark.intervals import mesh_interval
 from normalgan.errors import InputError
 
 ROOT = Path(__file__).parents[2]

@@ -6,7 +6,7 @@ from math import isnan
 from statistics import mean, stdev
 from typing import Any
 
-from normalgan.benchmark.bootstrap import Interval, difference_interval, mesh_interval, total_interval
+from normalgan.benchmark.intervals import Interval, difference_interval, mesh_interval, total_interval
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.more_metrics import more_metrics
 from normalgan.benchmark.plan import Plan

@@ -7,13 +7,13 @@ from typing import Any
 
 import torch
 
-from normalgan.benchmark.bootstrap import mesh_interval
 from normalgan.benchmark.human.cameras import CAMERAS
 from normalgan.benchmark.human.differsketching import is_differsketching, read_differsketching
 from normalgan.benchmark.human.drawing import Found
 from normalgan.benchmark.human.evaluation import COUNTS, Measurement, measure_drawings
 from normalgan.benchmark.human.opensketch import is_opensketch, read_opensketch
 from normalgan.benchmark.human.tracings import is_tracings, read_tracings
+from normalgan.benchmark.intervals import mesh_interval
 from normalgan.benchmark.machine import commit, describe_machine, describe_versions
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.table import figure_cell, interval_cell

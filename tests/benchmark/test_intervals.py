@@ -1,4 +1,4 @@
-"""Intervals against scipy's bootstrap."""
+"""Intervals, against those of scipy: of means, of differences, over meshes and seeds."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import bootstrap, ttest_rel
 
-from normalgan.benchmark.bootstrap import difference_interval, draws_of, mesh_interval, total_interval
+from normalgan.benchmark.intervals import difference_interval, draws_of, mesh_interval, total_interval
 
 
 def a_run(values: list[float], pixels: list[int] | None = None) -> dict[str, Any]:
