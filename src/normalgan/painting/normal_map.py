@@ -28,7 +28,7 @@ from normalgan.painting.framing import box_of
 from normalgan.painting.tile import Tile
 from normalgan.painting.vectors import unit
 
-__all__ = ["Format", "NormalMap", "part_of"]
+__all__ = ["Format", "NormalMap", "as_it_lies", "part_of"]
 
 Format = Literal["png", "exr", "tiff"]
 _FLAT = np.array([[[0, 0, 1]]], np.float32)
@@ -65,17 +65,6 @@ class NormalMap:
     def normal(self) -> Floats:
         """(H, W, 3), unit normals on the object and zero off it."""
         return np.where(self.mask[..., None], self.extended, np.float32(0))
-
-    @cached_property
-    def shown(self) -> Floats:
-        """(H, W, 3), `extended` as the picture itself is lit: turned along with drawings that lie turned."""
-        if not any(cell.turned for cell in self.cells):
-            return self.extended
-        whole = self.extended.copy()
-        for cell in (each for each in self.cells if each.turned):
-            x, y, z = np.moveaxis(self.extended[cell.box], -1, 0)
-            whole[cell.box] = np.stack([y, -x, z], -1)  # clockwise by a quarter
-        return whole
 
     def stronger(self, strength: float) -> "NormalMap":
         """Return the map of a surface that is as many times as high: its slopes are multiplied.
@@ -191,3 +180,17 @@ def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
         confidence,
         sheet.warning,
     )
+
+
+def as_it_lies(sheet: NormalMap) -> Floats:
+    """Return normals as a sheet is lit that is looked at as a picture, (H, W, 3).
+
+    Those of drawings that lie turned are turned along: in the map they are those of the upright drawing.
+    """
+    if not any(cell.turned for cell in sheet.cells):
+        return sheet.extended
+    whole = sheet.extended.copy()
+    for cell in (each for each in sheet.cells if each.turned):
+        x, y, z = np.moveaxis(sheet.extended[cell.box], -1, 0)
+        whole[cell.box] = np.stack([y, -x, z], -1)  # clockwise by a quarter
+    return whole

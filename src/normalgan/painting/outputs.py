@@ -12,7 +12,7 @@ from normalgan.files import write_bytes
 from normalgan.normals import Bits, Floats, Green, encode_grey
 from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import Job
-from normalgan.painting.normal_map import Format, NormalMap, part_of
+from normalgan.painting.normal_map import Format, NormalMap, as_it_lies, part_of
 from normalgan.painting.tile import middle, wrapped
 
 __all__ = [
@@ -145,7 +145,7 @@ class Outputs:
             from normalgan.painting.preview import preview_gif, preview_png
 
             lit = preview_png if self.preview == "png" else preview_gif
-            write_bytes(job.beside(f"_preview.{self.preview}"), lit(preds.shown, preds.mask))
+            write_bytes(job.beside(f"_preview.{self.preview}"), lit(as_it_lies(preds), preds.mask))
         height = preds.height() if self._needs_height else None
         self._write_shading(job, preds, height)
         if height is None:
