@@ -195,9 +195,9 @@ def change_width(sketch: Tensor, strength: float) -> Tensor:
 
     cross = torch.tensor([[0.0, 1, 0], [1, 1, 1], [0, 1, 0]], device=sketch.device)
     amount = (torch.rand(len(sketch), 1, 1, 1, device=sketch.device) * 2 - 1) * strength
-    way = torch.where(amount < 0, -1.0, 1.0)
+    sign = torch.where(amount < 0, -1.0, 1.0)
     # Erosion is the dilation of the negative: one morphology, not two, for sketches that go both ways.
-    return torch.lerp(sketch, way * dilation(way * sketch, cross), amount.abs())
+    return torch.lerp(sketch, sign * dilation(sign * sketch, cross), amount.abs())
 
 
 @AUGMENTATIONS.register

@@ -91,7 +91,7 @@ def unit_vectors(vectors: Tensor) -> Tensor:
         [0.6000000238418579, 0.800000011920929, 0.0]
     """
     vectors = _of_unit_size(vectors.to(torch.promote_types(vectors.dtype, torch.float32)))
-    return vectors / _length(vectors).clamp(min=1.0)  # one of nonzero vectors is at least 1 by now
+    return vectors / _length(vectors).clamp(min=1.0)  # 1 at least of any vector but zero by now
 
 
 def without_hints(mask: Tensor, where: Tensor) -> Tensor:

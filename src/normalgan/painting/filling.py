@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.painting.bridging import Bridge, bridges
-from normalgan.painting.framing import box_of
+from normalgan.painting.framing import around
 from normalgan.painting.limbs import limbs
 from normalgan.painting.line_width import line_width
 from normalgan.painting.silhouette import enclosed_by
@@ -109,9 +109,7 @@ class Filling:
 
 def _grown(seeds: Mark, barrier: Mark, reach: float) -> Mark:
     """Return seeds with all within ``reach`` pixels that is not behind a barrier."""
-    top, bottom, left, right = box_of(seeds)
-    room = int(reach) + 1
-    box = np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
+    box = around(seeds, int(reach) + 1)
     free = (~barrier[box] & _thicker(seeds[box], reach + 0.5)).astype(np.uint8)
     grown = seeds[box].astype(np.uint8)
     # Steps to the side only: a slanted line may hang together by its pixels' corners.

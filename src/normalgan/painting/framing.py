@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from normalgan.normals import Floats, normalize
 from normalgan.painting.levels import median
 
-__all__ = ["Bounds", "Frame", "bounds_of", "box_of", "united"]
+__all__ = ["Bounds", "Frame", "around", "bounds_of", "box_of", "united"]
 
 Bounds = tuple[int, int, int, int]
 """First row, row after the last, first column, column after the last."""
@@ -133,6 +133,20 @@ def box_of(marked: NDArray[np.bool_]) -> Bounds:
     """
     left, top, width, height = cv2.boundingRect(marked.view(np.uint8))
     return top, top + height, left, left + width
+
+
+def around(marked: NDArray[np.bool_], room: int) -> tuple[slice, slice]:
+    """Return the part of a picture (H, W) that holds what is marked, with so many pixels around it.
+
+    All of it if nothing is marked.
+
+    >>> around(np.pad(np.ones((2, 3), bool), 5), 1)
+    (slice(4, 8, None), slice(4, 9, None))
+    """
+    top, bottom, left, right = box_of(marked)
+    if top == bottom:
+        return np.s_[:, :]
+    return np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
 
 
 def united(boxes: Iterable[Bounds]) -> Bounds:

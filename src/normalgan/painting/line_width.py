@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 from normalgan.normals import Floats
-from normalgan.painting.framing import Frame, box_of
+from normalgan.painting.framing import Frame, around
 from normalgan.painting.levels import median
 
 __all__ = ["Mark", "areas", "line_width", "middle", "show"]
@@ -35,7 +35,7 @@ def show(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
         return frame.cut(ink)
     whole = _finer(frame, _FINER).marked(ink)
     # Nothing is done about what is empty, which is most of the frame of a drawing that is not square.
-    box = _around(whole, 2 * _FINER)
+    box = around(whole, 2 * _FINER)
     inked = whole[box]
     depth = _depth(inked)
     width = _width(inked, depth)
@@ -65,7 +65,7 @@ def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
     wide and deep, to a pixel: where that might make a difference the answer is no.
     """
     marked = _finer(frame, _ROUGH).marked(ink)
-    inked = marked[_around(marked, 1)]
+    inked = marked[around(marked, 1)]
     depth = _depth(inked)
     known = widths[0] * _ROUGH + 1 <= _width(inked, depth) <= widths[1] * _ROUGH - 1
     return known and float(depth.max()) + 1 <= _THIN * frame.size * _ROUGH
@@ -83,7 +83,7 @@ def line_width(inked: Mark) -> float:
     >>> round(line_width(inked))
     5
     """
-    inked = inked[_around(inked, 1)]
+    inked = inked[around(inked, 1)]
     return _width(inked, _depth(inked))
 
 
@@ -91,14 +91,6 @@ def _width(inked: Mark, depth: Floats) -> float:
     # Pixels as far inside as their neighbours or farther lie on the middle of a line.
     ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(1e-4))
     return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
-
-
-def _around(marked: Mark, room: int) -> tuple[slice, slice]:
-    """Return the part of a picture (H, W) that holds what is marked, with so many pixels around it."""
-    top, bottom, left, right = box_of(marked)
-    if top == bottom:
-        return np.s_[:, :]
-    return np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
 
 
 def areas(inked: Mark, width: float, depth: Floats, side: int) -> Mark:

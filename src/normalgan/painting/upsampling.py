@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from normalgan.normals import Floats
 from normalgan.painting.extension import extend
-from normalgan.painting.framing import box_of
+from normalgan.painting.framing import around
 from normalgan.painting.preparation import Prepared
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ class Refiner:
         scale = prepared.frame.side / prepared.frame.size
         if scale <= _ENLARGED:
             return normals
-        box = _box(mask, round(2 * scale))
+        box = around(mask, round(2 * scale))
         normals[box] = self._refined(normals[box], prepared.ink[box], mask[box], min(_LARGEST / scale, 1))
         return normals
 
@@ -154,9 +154,3 @@ def planes(normals: Floats, ink: Floats, mask: Mark) -> Floats:
     out[3], out[4] = ink, mask
     np.minimum(depth / RIM, 1, out=out[5])
     return out
-
-
-def _box(mask: Mark, beside: int) -> tuple[slice, slice]:
-    """Return the part of a picture that holds an object and so many pixels beside it."""
-    top, bottom, left, right = box_of(mask)
-    return np.s_[max(top - beside, 0) : bottom + beside, max(left - beside, 0) : right + beside]
