@@ -3,7 +3,7 @@ import pytest
 from sound import FULL_SIZE, check_closed, check_full_size, check_individuals, coarse
 
 from normalgan.animals import GROUPS, Animal
-from normalgan.animals.bipeds_bones import STANCES, Measures, skeleton
+from normalgan.animals.bipeds import STANCES, Measures, skeleton
 
 BIPEDS = GROUPS["bipeds"]
 

@@ -20,7 +20,7 @@ def test_a_round_segment_has_the_distance_of_a_capsule() -> None:
     x, y, z = axis[:, None, None], axis[None, :, None], axis[None, None, :]
     clamped = np.clip(x, 0, 1)
     expected = np.sqrt((x - clamped) ** 2 + y**2 + z**2) - 0.3
-    np.testing.assert_allclose(capsule(0.3, 0.3).distance(0, x, y, z), expected, atol=1e-5)
+    np.testing.assert_allclose(capsule(0.3, 0.3).distance(0, (x, y, z)), expected, atol=1e-5)
 
 
 def test_a_flat_segment_vanishes_on_its_ellipse_with_unit_slope() -> None:
@@ -31,10 +31,8 @@ def test_a_flat_segment_vanishes_on_its_ellipse_with_unit_slope() -> None:
         normal /= np.linalg.norm(normal)
         at = []
         for offset in (0.0, step):
-            point = np.array([0.5, y + offset * normal[0], z + offset * normal[1]], np.float32).reshape(
-                3, 1, 1, 1
-            )
-            at.append(float(sweep.distance(0, *point)[0, 0, 0]))
+            point = np.array([0.5, y + offset * normal[0], z + offset * normal[1]], np.float32)
+            at.append(float(sweep.distance(0, (point[:1], point[1:2], point[2:]))[0]))
         assert at[0] == pytest.approx(0, abs=1e-5)
         assert (at[1] - at[0]) / step == pytest.approx(1, abs=0.05)
 

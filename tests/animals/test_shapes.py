@@ -27,7 +27,7 @@ PLANE = Frame(np.array([0.2, -0.1, 0.3]), yaw(35) @ pitch(20))
 def sampled(solid: Solid, points: np.ndarray) -> np.ndarray:
     """Distances at scattered points, (n,)."""
     x, y, z = (points[:, i].astype(np.float32)[:, None, None] for i in range(3))
-    return solid.distance(x, y, z)[:, 0, 0]
+    return solid.distance((x, y, z))[:, 0, 0]
 
 
 @pytest.mark.parametrize(("solid", "volume"), SOLIDS, ids=["ellipsoid", "box", "ring"])
@@ -57,7 +57,7 @@ def test_a_mirrored_or_placed_solid_is_the_same_solid_elsewhere(solid: Solid, vo
 
 def at(plate: Plate, point: np.ndarray) -> float:
     x, y, z = point.astype(np.float32).reshape(3, 1, 1, 1)
-    return float(plate.distance(x, y, z)[0, 0, 0])
+    return float(plate.distance((x, y, z))[0, 0, 0])
 
 
 def test_the_distance_to_a_concave_outline_is_that_of_its_nearest_edge() -> None:
@@ -95,7 +95,7 @@ def test_the_box_of_a_plate_holds_its_inside() -> None:
     plate = Plate(PLANE, SQUARE, rim=0.1, bow=(0.9, 0.6))
     low, high = plate.reach()
     axes = [np.linspace(-3, 3, 61, dtype=np.float32)] * 3
-    inside = plate.distance(axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]) < 0
+    inside = plate.distance((axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :])) < 0
     points = np.argwhere(inside) * 0.1 - 3.0
     assert len(points) > 100
     assert (points >= low - 1e-6).all()

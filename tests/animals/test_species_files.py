@@ -10,7 +10,7 @@ import pytest
 
 from normalgan.animals import GROUPS, SPECIES, read_species
 from normalgan.animals.meshing import to_mesh
-from normalgan.animals.quadruped import Quadruped
+from normalgan.animals.quadrupeds import Quadruped
 from normalgan.animals.species import FOLDER, PLANS, SHARED
 from normalgan.errors import InputError
 
@@ -119,7 +119,7 @@ def test_a_file_that_is_not_there_or_has_no_pose_is_told(tmp_path: Path) -> None
     with pytest.raises(InputError, match=r"none\.toml cannot be read: No such file"):
         read_species(tmp_path / "none.toml")
     path = tmp_path / "still.toml"
-    path.write_text('plan = "snake"\nhabits = []\n', encoding="utf-8")
+    path.write_text('plan = "snake"\nhabits = []\nskull = "snake_skull"\n', encoding="utf-8")
     with pytest.raises(InputError, match=r"still\.toml: habits name one pose or more\."):
         read_species(path)
 

@@ -16,7 +16,7 @@ def test_a_profile_has_its_sections_in_the_middle_of_top_and_bottom() -> None:
     np.testing.assert_allclose(BODY.stations.points, [[0, 0.5, 0], [1, 0.5, 0], [3, 0.75, 0]])
     np.testing.assert_allclose(BODY.stations.radius, [0.5, 1.5, 0.25])
     np.testing.assert_allclose(BODY.wider(2.0).sweep().widths, [1.0, 1.6, 0.4])
-    assert BODY.at(2.0) == (1.5, -0.25, 0.5)
+    np.testing.assert_array_equal(BODY.at(2.0), (1.5, -0.25, 0.5))
 
 
 def test_what_is_not_given_is_in_the_middle_and_round() -> None:

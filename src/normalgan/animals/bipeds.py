@@ -1,23 +1,265 @@
-"""The bipeds' body plan: bones that a pose bends, and the flesh, or the metal, that goes round them."""
+"""The bipeds' body plan: measures, poses as joint angles, bones that follow, flesh or metal round them."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.bipeds_bones import STANCES, Limb, Measures, Skeleton, skeleton, vary
 from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
-from normalgan.animals.frames import Floats, Frame, spanned
+from normalgan.animals.frames import Floats, Frame, bend, pitch, roll, spanned, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
-from normalgan.animals.plan import Between, PosedPlan, Rng
+from normalgan.animals.plan import BONE, Between, PosedPlan, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
 
-__all__ = ["Biped", "Flesh", "Robot"]
+__all__ = ["STANCES", "Biped", "Flesh", "Girth", "Measures", "Robot", "Skeleton", "Stance", "skeleton"]
 
 _FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
+
+
+@dataclass(frozen=True)
+class Girth:
+    """A section of the trunk.
+
+    Args:
+        half_depth: from front to back.
+        half_width: from side to side.
+    """
+
+    half_depth: float
+    half_width: float
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Sizes of a body, in units of an adult's height.
+
+    Args:
+        leg: from hip to ankle.
+        torso: from the hips to the line of the shoulders.
+        neck: from there to the base of the skull.
+        head: height of the head.
+        arm: from shoulder to wrist.
+        hand: length.
+        foot: length.
+        hips: half the distance of the hip joints.
+        shoulders: half the distance of the shoulder joints.
+        chest: its girth.
+        waist: its girth.
+        pelvis: its girth.
+        belly: how far it bulges ahead of the waist; 0 for none.
+        thigh: radius.
+        calf: radius.
+        upper_arm: radius.
+        forearm: radius.
+        stoop: degrees by which it leans forward at rest.
+        crouch: degrees by which its knees are bent at rest.
+    """
+
+    leg: Annotated[float, BONE] = 0.47
+    torso: float = 0.30
+    neck: float = 0.055
+    head: float = 0.140
+    arm: Annotated[float, BONE] = 0.33
+    hand: float = 0.095
+    foot: float = 0.15
+    hips: float = 0.055
+    shoulders: float = 0.118
+    chest: Girth = Girth(0.068, 0.108)
+    waist: Girth = Girth(0.056, 0.082)
+    pelvis: Girth = Girth(0.066, 0.094)
+    belly: float = 0.0
+    thigh: float = 0.054
+    calf: float = 0.037
+    upper_arm: float = 0.032
+    forearm: float = 0.026
+    stoop: float = 0.0
+    crouch: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Limb:
+    """Where a limb is, right-handed, in the frame of the trunk's end that it grows from.
+
+    Args:
+        points: (3, 3) shoulder, elbow, wrist; or hip, knee, ankle.
+        end: frame of the hand or foot: its -y runs on along the forearm; a foot's x to the toes.
+    """
+
+    points: Floats
+    end: Frame
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Where everything is.
+
+    Args:
+        spine: (6, 3) crotch, hips, waist, chest, shoulders, base of the neck.
+        turns: (6, 3, 3) rotation from rest at each.
+        chest: frame at the line of the shoulders.
+        skull: base of the skull, upright whatever the trunk does.
+        legs: right and left, the left one as if it were right, in the frame of the world.
+        arms: right and left, the left one as if it were right, in the frame of the chest.
+    """
+
+    spine: Floats
+    turns: Floats
+    chest: Frame
+    skull: Frame
+    legs: tuple[_Limb, ...]
+    arms: tuple[_Limb, ...]
+
+
+@dataclass(frozen=True)
+class _Leg:
+    """Angles in degrees: of the thigh forward and outward, of the knee's fold, of the toes upward."""
+
+    swing: float = 0.0
+    out: float = 4.0
+    knee: float = 3.0
+    toes: float = 0.0
+
+
+@dataclass(frozen=True)
+class _Arm:
+    """Angles in degrees: of the upper arm forward and outward, about its length, of the elbow's fold."""
+
+    swing: float = 0.0
+    out: float = 12.0
+    twist: float = 0.0
+    elbow: float = 12.0
+
+
+@dataclass(frozen=True)
+class Stance:
+    """A pose.
+
+    Args:
+        legs: right and left.
+        arms: right and left.
+        lean: degrees the trunk leans forward.
+        twist: degrees the chest is turned to the left against the hips.
+        nod: degrees the face is raised.
+        turn: degrees the head is turned to the left.
+    """
+
+    legs: tuple[_Leg, ...]
+    arms: tuple[_Arm, ...]
+    lean: float = 0.0
+    twist: float = 0.0
+    nod: float = 0.0
+    turn: float = 0.0
+
+
+def _looking(stance: Stance, rng: Rng) -> Stance:
+    return replace(stance, nod=rng.uniform(-8, 8), turn=rng.normal(0, 14))
+
+
+def _hanging(rng: Rng) -> _Arm:
+    return _Arm(rng.uniform(-12, 14), rng.uniform(12, 28), rng.uniform(0, 30), rng.uniform(8, 35))
+
+
+def _stand(rng: Rng) -> Stance:
+    out = rng.uniform(4, 11)
+    legs = (_Leg(rng.uniform(-2, 6), out), _Leg(rng.uniform(-6, 3), out))
+    return _looking(Stance(legs, (_hanging(rng), _hanging(rng)), lean=rng.uniform(-2, 5)), rng)
+
+
+def _stride(rng: Rng, swing: float, knee: float, elbow: float, lean: float) -> Stance:
+    wide = swing * rng.uniform(0.75, 1.1)
+    ahead = _Leg(wide, 2.0, 0.25 * knee, 10.0)
+    behind = _Leg(-0.7 * wide, 2.0, knee, -25.0)
+    with_leg, against = _Arm(-wide, 12.0, 10.0, elbow * 0.7), _Arm(wide, 12.0, 10.0, elbow)
+    stance = Stance((ahead, behind), (with_leg, against), lean, rng.uniform(4, 14))
+    if rng.uniform() < 0.5:
+        stance = replace(stance, legs=(behind, ahead), arms=(against, with_leg), twist=-stance.twist)
+    return _looking(stance, rng)
+
+
+def _sit(rng: Rng) -> Stance:
+    """On a bench nobody sees, or on the ground with the legs ahead."""
+    ground = rng.uniform() < 0.5
+    knee, out = (rng.uniform(5, 30), 16.0) if ground else (rng.uniform(75, 95), 9.0)
+    legs = tuple(_Leg(88.0, out + rng.uniform(-3, 6), knee, 0.0) for _ in range(2))
+    arms = tuple(_Arm(rng.uniform(20, 38), 14.0, 15.0, rng.uniform(25, 60)) for _ in range(2))
+    return _looking(Stance(legs, arms, lean=rng.uniform(-8, 6)), rng)
+
+
+def _wave(rng: Rng) -> Stance:
+    stance = _stand(rng)
+    up = _Arm(0.0, rng.uniform(80, 115), -90.0, rng.uniform(30, 85))
+    hand = int(rng.integers(2))
+    return replace(stance, arms=(up, stance.arms[1]) if hand else (stance.arms[0], up))
+
+
+def _arms_out(rng: Rng) -> Stance:
+    """Both arms stretched sideways, or raised."""
+    stance = _stand(rng)
+    out, elbow = rng.uniform(62, 140), rng.uniform(0, 20)
+    twist = -90.0 if out > 100 else 0.0
+    return replace(stance, arms=(_Arm(0.0, out, twist, elbow), _Arm(0.0, out, twist, elbow)))
+
+
+STANCES: Mapping[str, Callable[[Rng], Stance]] = {
+    "stand": _stand,
+    "walk": partial(_stride, swing=28.0, knee=26.0, elbow=25.0, lean=4.0),
+    "run": partial(_stride, swing=52.0, knee=85.0, elbow=90.0, lean=14.0),
+    "sit": _sit,
+    "wave": _wave,
+    "arms_out": _arms_out,
+}
+
+
+def _vary(measures: Measures, spread: float, rng: Rng) -> Measures:
+    """Return an individual's measures: lengths each on their own, all girths by one factor."""
+    lengths = ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
+    usual = (getattr(measures, name) for name in lengths)
+    long = dict(zip(lengths, around(rng, spread, *usual), strict=True))
+    fat = rng.uniform(1 - 1.3 * spread, 1 + 1.8 * spread)
+    thick = {n: getattr(measures, n) * fat for n in ("thigh", "calf", "upper_arm", "forearm", "belly")}
+    chest, waist, pelvis = (
+        Girth(girth.half_depth * fat, girth.half_width * (1 + 0.6 * (fat - 1)))
+        for girth in (measures.chest, measures.waist, measures.pelvis)
+    )
+    return replace(measures, chest=chest, waist=waist, pelvis=pelvis, **long, **thick)
+
+
+def skeleton(measures: Measures, stance: Stance) -> Skeleton:
+    """Return the bones of a body in a pose, the hips at the origin."""
+    heights = np.array([-0.16, 0.0, 0.36, 0.70, 0.93, 1.06]) * measures.torso
+    rest = np.column_stack([np.zeros(6), heights, np.zeros(6)])
+    spine, turns = bend(rest, -(stance.lean + measures.stoop) * 1.2, 0.0)
+    spine = spine - spine[1]
+    turns = np.array([turn @ yaw(stance.twist * i / 5) for i, turn in enumerate(turns)])
+    chest = Frame(spine[4], turns[4])
+    up = turns[5] @ np.array([0.25, 1.0, 0.0])
+    skull = Frame(spine[5] + measures.neck * up, yaw(stance.turn + 0.5 * stance.twist) @ pitch(stance.nod))
+    legs = tuple(_leg_bones(measures, leg) for leg in stance.legs)
+    arms = tuple(_arm_bones(measures, arm) for arm in stance.arms)
+    return Skeleton(spine, turns, chest, skull, legs, arms)
+
+
+def _leg_bones(measures: Measures, leg: _Leg) -> _Limb:
+    hip = np.array([0.0, 0.0, measures.hips])
+    upper = roll(leg.out) @ pitch(leg.swing + measures.crouch)
+    lower = roll(leg.out * 0.6) @ pitch(leg.swing - leg.knee - measures.crouch)
+    knee = hip + upper @ np.array([0.0, -0.5 * measures.leg, 0.0])
+    ankle = knee + lower @ np.array([0.0, -0.5 * measures.leg, 0.0])
+    # A standing foot lies flat; one whose shin is level points its toes up.
+    tilt = 90.0 if leg.swing > 60 and leg.knee < 45 else leg.toes
+    return _Limb(np.array([hip, knee, ankle]), Frame(ankle, yaw(-8.0) @ pitch(tilt)))
+
+
+def _arm_bones(measures: Measures, arm: _Arm) -> _Limb:
+    shoulder = np.array([0.0, 0.0, measures.shoulders])
+    upper = roll(arm.out) @ pitch(arm.swing) @ yaw(arm.twist)
+    lower = upper @ pitch(arm.elbow)
+    elbow = shoulder + upper @ np.array([0.0, -0.53 * measures.arm, 0.0])
+    wrist = elbow + lower @ np.array([0.0, -0.47 * measures.arm, 0.0])
+    return _Limb(np.array([shoulder, elbow, wrist]), Frame(wrist, lower))
 
 
 @dataclass(frozen=True)
@@ -34,7 +276,6 @@ class Flesh:
         coat: fur, or None.
     """
 
-    kind: ClassVar[str] = "flesh"
     head: Annotated[str, tuple(HEADS)]
     hand: Annotated[str, ("mitt", "fingers", "paw")] = "mitt"
     foot: Annotated[str, ("shoe", "paw")] = "shoe"
@@ -70,8 +311,6 @@ class Flesh:
 class Robot:
     """Makes a machine of boxes, balls and pipes of a skeleton."""
 
-    kind: ClassVar[str] = "robot"
-
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
         """Return the parts in the order in which they blend."""
         edge = rng.uniform(0.012, 0.04)
@@ -88,10 +327,10 @@ class Robot:
             fuse(tube([chest.origin, bones.skull.place(np.array([0.0, 0.1, 0.0]) * measures.head)], 0.035)),
         ]
 
-        def leg(limb: Limb) -> list[Shape]:
+        def leg(limb: _Limb) -> list[Shape]:
             return [*_pipes(limb, measures.thigh, measures.calf, edge, boxy), *_boot(limb, measures, edge)]
 
-        def arm(limb: Limb) -> list[Shape]:
+        def arm(limb: _Limb) -> list[Shape]:
             shoulder = tube([[0, 0, 0], limb.points[0]], 0.8 * measures.upper_arm)
             bones = _pipes(limb, measures.upper_arm, measures.forearm, edge, boxy)
             return [*bones, *_claw(limb, measures), shoulder]
@@ -113,7 +352,7 @@ class Biped(PosedPlan):
     """
 
     habits: tuple[Annotated[str, tuple(STANCES)], ...]
-    body: Flesh | Robot
+    body: Annotated[Flesh | Robot, {"flesh": Flesh, "robot": Robot}]
     measures: Measures = field(default_factory=Measures)
     spread: Annotated[float, Between(0.0, 0.5)] = 0.09
 
@@ -124,11 +363,11 @@ class Biped(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
-        measures = vary(self.measures, self.spread, rng)
+        measures = _vary(self.measures, self.spread, rng)
         return self.body.parts(measures, skeleton(measures, STANCES[pose](rng)), rng)
 
 
-def _each(limbs: tuple[Limb, Limb], shapes: Callable[[Limb], list[Shape]]) -> list[Shape]:
+def _each(limbs: Sequence[_Limb], shapes: Callable[[_Limb], list[Shape]]) -> list[Shape]:
     """Return what goes round the right limb, and the images of what goes round the left."""
     sides = zip((True, False), limbs, strict=True)
     return [on_side(shape, right) for right, limb in sides for shape in shapes(limb)]
@@ -152,16 +391,15 @@ def _belly(measures: Measures, bones: Skeleton) -> Shape:
     return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size, turn)
 
 
-def _leg(measures: Measures, limb: Limb) -> list[Shape]:
+def _leg(measures: Measures, limb: _Limb) -> list[Shape]:
     hip, knee, ankle = limb.points
     thigh, calf = measures.thigh, measures.calf
-    shin = limb.end.origin - knee
-    behind = np.cross([0.0, 0.0, 1.0], shin / np.linalg.norm(shin)) * -0.3 * calf
+    behind = np.cross([0.0, 0.0, 1.0], unit(limb.end.origin - knee)) * -0.3 * calf
     rows = [hip, hip * 0.6 + knee * 0.4, knee, knee * 0.68 + ankle * 0.32 + behind, ankle]
     return [tube(rows, [1.12 * thigh, thigh, 0.5 * (thigh + calf) * 0.9, calf, 0.62 * calf])]
 
 
-def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
+def _foot(kind: str, measures: Measures, limb: _Limb) -> list[Shape]:
     size = measures.foot
     low = 0.20 * size
     if kind == "paw":
@@ -175,7 +413,7 @@ def _foot(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
     return [sole.placed(limb.end), shank.placed(limb.end)]
 
 
-def _arm(measures: Measures, limb: Limb) -> list[Shape]:
+def _arm(measures: Measures, limb: _Limb) -> list[Shape]:
     shoulder, elbow, wrist = limb.points
     upper, fore = measures.upper_arm, measures.forearm
     inner = shoulder + np.array([0.0, -0.1 * upper, -0.6 * upper])
@@ -184,7 +422,7 @@ def _arm(measures: Measures, limb: Limb) -> list[Shape]:
     return [tube(rows, radii)]
 
 
-def _hand(kind: str, measures: Measures, limb: Limb) -> list[Shape]:
+def _hand(kind: str, measures: Measures, limb: _Limb) -> list[Shape]:
     """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
     size, flat = measures.hand, _FLAT_HAND
     if kind == "paw":
@@ -231,7 +469,7 @@ def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
     return [*knobs, block((depth, -1.2 * half), [0.012, 0.3 * half, 0.6 * width], 0.01)]
 
 
-def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> list[Shape]:
+def _pipes(limb: _Limb, upper: float, lower: float, edge: float, boxy: bool) -> list[Shape]:
     """Return two boxes or pipes with balls for joints."""
     first, second, third = limb.points
     shapes: list[Shape] = [ball(first, 1.15 * upper), ball(second, 1.12 * lower), ball(third, 0.9 * lower)]
@@ -245,13 +483,13 @@ def _pipes(limb: Limb, upper: float, lower: float, edge: float, boxy: bool) -> l
     return shapes
 
 
-def _boot(limb: Limb, measures: Measures, edge: float) -> list[Shape]:
+def _boot(limb: _Limb, measures: Measures, edge: float) -> list[Shape]:
     size = measures.foot
     boot = block((0.22 * size, -0.12 * size), [0.55 * size, 0.2 * size, 0.28 * size], edge)
     return [boot.placed(limb.end)]
 
 
-def _claw(limb: Limb, measures: Measures) -> list[Shape]:
+def _claw(limb: _Limb, measures: Measures) -> list[Shape]:
     """Return a gripper: an open ring."""
     size = measures.hand
     jaw = [[0.0, -0.2, 0], [0.38, -0.4, 0], [0.4, -0.75, 0], [0.16, -1.0, 0]]
@@ -262,6 +500,6 @@ def _claw(limb: Limb, measures: Measures) -> list[Shape]:
 
 def _upright(axis: Floats) -> Floats:
     """Return a rotation whose second column lies along ``axis`` and whose first points ahead."""
-    up = axis / np.linalg.norm(axis)
+    up = unit(axis)
     aside = np.array([0.0, 1.0, 0.0] if 1 - up[2] ** 2 < 0.3**2 else [0.0, 0.0, 1.0])
     return spanned(np.zeros(3), up, aside).rotation[:, [2, 0, 1]]

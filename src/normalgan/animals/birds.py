@@ -346,7 +346,7 @@ def _folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]
 
 def _on_body(body: Profile, x: Floats, high: Floats) -> tuple[Floats, Floats]:
     """Return y and z of points on the right side of the body, ``high`` from -1, its belly, to 1."""
-    top, bottom, wide = (np.interp(x, body.x, column) for column in (body.top, body.bottom, body.half_width))
+    top, bottom, wide = body.at(x)
     y = (top + bottom) / 2 + high * (top - bottom) / 2
     return y, wide * np.sqrt(1 - high**2)
 

@@ -2,18 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.frames import Floats, spanned
+from normalgan.animals.frames import Floats, spanned, unit
 from normalgan.animals.parts import Part, ball, fuse, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import MIRROR, Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.errors import InputError
 
-__all__ = ["Fin", "Finlet", "Fish", "Gills"]
+__all__ = ["Fin", "Fish", "Gills"]
 
 _RANGES: Mapping[str, Range] = {
     "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
@@ -41,7 +41,6 @@ class Fin:
         InputError: if the outline has no area.
     """
 
-    kind: ClassVar[str] = "fin"
     outline: tuple[tuple[float, float], ...]
     thick: float = 0.007
     root: Point | None = None
@@ -56,31 +55,18 @@ class Fin:
         if len(self.outline) < 3:
             raise InputError(f"outline has three corners or more, not {len(self.outline)}.")
 
-    def fin(self) -> "Fin":
-        """Return itself."""
-        return self
 
-
-@dataclass(frozen=True)
-class Finlet:
-    """One of a row of small fins in the sagittal plane, before the tail.
+def _finlet(x: float, height: float, below: bool = False) -> Fin:
+    """Return one of a row of small fins in the sagittal plane, before the tail.
 
     Args:
         x: where it is.
         height: of its root over the middle of the body.
         below: whether it is on the belly instead of the back.
     """
-
-    kind: ClassVar[str] = "finlet"
-    x: float
-    height: float
-    below: bool = False
-
-    def fin(self) -> Fin:
-        """Return it as what all fins are."""
-        x, high, side = self.x, self.height, -1.0 if self.below else 1.0
-        corners = ((x - 0.02, high), (x - 0.035, high + 0.035), (x - 0.01, high + 0.03), (x + 0.025, high))
-        return Fin(tuple((a, side * b) for a, b in corners), sharp=True)
+    side = -1.0 if below else 1.0
+    corners = ((-0.02, 0.0), (-0.035, 0.035), (-0.01, 0.03), (0.025, 0.0))
+    return Fin(tuple((x + ahead, side * (height + up)) for ahead, up in corners), sharp=True)
 
 
 @dataclass(frozen=True)
@@ -126,7 +112,7 @@ class Fish(PosedPlan):
 
     habits: tuple[Annotated[str, tuple(_POSES)], ...]
     body: Profile
-    fins: tuple[Fin | Finlet, ...]
+    fins: tuple[Annotated[Fin, {"fin": Fin, "finlet": _finlet}], ...]
     eye: Eyeball
     mouth: tuple[Point, ...]
     gills: Gills
@@ -152,7 +138,7 @@ class Fish(PosedPlan):
             parts.append(fuse(*_plates(self.tail, spine, build["tail"]), blend=0.03))
         flare, flap = rng.normal(0, 7), rng.normal(0, 7)
         for each in self.fins:
-            moved = _moved(each.fin(), stretch)
+            moved = _moved(each, stretch)
             parts.append(fuse(*_plates(moved, spine, build["fins"], flare, flap), blend=0.018))
         eyes = np.array(_halves(np.array(self.eye.at))) * stretch
         eyes[:, 2] -= 0.35 * self.eye.radius * np.sign(eyes[:, 2])
@@ -194,7 +180,7 @@ def _spines(body: Profile, count: int, spine: Spine) -> list[Sweep]:
         angle = i * np.pi * (3 - np.sqrt(5))
         out = np.array([0.0, (top - bottom) / 2 * np.sin(angle), wide * np.cos(angle)])
         root = np.array([x, (top + bottom) / 2, 0.0]) + 0.97 * out
-        tip = root + 0.085 * (out / np.linalg.norm(out) + [1.2 * (x - 0.55), 0.0, 0.0])
+        tip = root + 0.085 * (unit(out) + np.array([1.2 * (x - 0.55), 0.0, 0.0]))
         spines.append(tube(spine.place(np.array([root, tip])), [0.022, 0.004]))
     return spines
 

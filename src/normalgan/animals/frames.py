@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "Axes",
     "Floats",
     "Frame",
     "Volume",
@@ -18,13 +19,16 @@ __all__ = [
     "ray",
     "roll",
     "spanned",
+    "unit",
     "way_along",
     "yaw",
 ]
 
 Floats = NDArray[np.float64]
 Volume = NDArray[np.float32]
-"""Values on a grid, and its coordinates."""
+"""Values on a grid."""
+Axes = tuple[Volume, Volume, Volume]
+"""Coordinates x, y, z of an open grid, (nx, 1, 1), (1, ny, 1) and (1, 1, nz), or of any that broadcast."""
 
 
 def pitch(degrees: float) -> Floats:
@@ -67,6 +71,15 @@ def ray(azimuth: float, elevation: float) -> Floats:
     return np.array([np.cos(azimuth) * level, np.sin(elevation), np.sin(azimuth) * level])
 
 
+def unit(vector: Floats) -> Floats:
+    """Return the vector (3,) of length 1 along another.
+
+    >>> unit(np.array([3.0, 4.0, 0.0])).tolist()
+    [0.6, 0.8, 0.0]
+    """
+    return vector / np.linalg.norm(vector)
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """Where a part of the body is: ``world = origin + rotation @ local``.
@@ -81,8 +94,7 @@ class Frame:
 
     def place(self, points: ArrayLike) -> Floats:
         """Return a local point (3,), or (n, 3) of them, in the world."""
-        placed: Floats = self.origin + np.asarray(points, float) @ self.rotation.T
-        return placed
+        return self.origin + np.asarray(points, float) @ self.rotation.T
 
     def carried(self, frame: "Frame", size: float = 1.0) -> "Frame":
         """Return it with its place scaled by ``size``, then carried along with another frame."""
@@ -100,8 +112,7 @@ def spanned(origin: Floats, first: Floats, second: Floats) -> Frame:
     >>> spanned(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([5.0, 2.0, 0.0])).rotation.tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
-    second = second - (second @ first) * first
-    second /= np.linalg.norm(second)
+    second = unit(second - (second @ first) * first)
     return Frame(origin, np.column_stack([first, second, np.cross(first, second)]))
 
 
@@ -118,10 +129,8 @@ def bend(points: Floats, up: float, left: float) -> tuple[Floats, Floats]:
     """
     spans = len(points) - 1
     turns = [yaw(left * (i + 1) / spans) @ pitch(up * (i + 1) / spans) for i in range(spans)]
-    moved = [points[0]]
-    for i, turn in enumerate(turns):
-        moved.append(moved[-1] + turn @ (points[i + 1] - points[i]))
-    return np.array(moved), np.array([turns[0], *turns])
+    steps = [turn @ step for turn, step in zip(turns, np.diff(points, axis=0), strict=True)]
+    return np.cumsum([points[0], *steps], axis=0), np.array([turns[0], *turns])
 
 
 def fold(points: Floats, joints: tuple[int, ...], angles: tuple[float, ...]) -> Floats:
@@ -165,12 +174,9 @@ def hinge(
     """
     way = end - start
     length = float(np.linalg.norm(way))
-    reachable = length < upper + lower
-    along = (
-        (length**2 + upper**2 - lower**2) / (2 * length) if reachable else length * upper / (upper + lower)
-    )
-    height = float(np.sqrt(max(upper**2 - along**2, 0.0))) if reachable else 0.0
+    along, height = length * upper / (upper + lower), 0.0
+    if length < upper + lower:
+        along = (length**2 + upper**2 - lower**2) / (2 * length)
+        height = float(np.sqrt(max(upper**2 - along**2, 0.0)))
     out = np.array(bend, dtype=np.float64)
-    out = out - (out @ way) / length**2 * way
-    joint: Floats = start + way / length * along + out / np.linalg.norm(out) * height
-    return joint
+    return start + way / length * along + unit(out - (out @ way) / length**2 * way) * height

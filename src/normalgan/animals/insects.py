@@ -267,10 +267,8 @@ def _caterpillar(pose: str, rng: Rng) -> list[Part]:
     feet = []
     for at, size in zip(line[1:-1], sizes[1:-1], strict=True):
         if arch < 0.1 or at[1] < 0.35 * arch + 0.02:
-            for k in (1, -1):
-                feet.append(
-                    tube([by(at, 0, 0, 0.5 * size * k), by(at, 0, -1.15 * size, 0.65 * size * k)], 0.032)
-                )
+            for out in (size, -size):
+                feet.append(tube([by(at, 0, 0, 0.5 * out), by(at, 0, -1.15 * size, 0.65 * out)], 0.032))
     end = by(line[-1], 0.5 * fat, 0.02, 0.0)
     # On an arched back beads lie too far apart to touch: a spine holds them together.
     parts = [fuse(tube(line, 0.7 * sizes))]
@@ -350,7 +348,7 @@ def _mantis(pose: str, rng: Rng) -> list[Part]:
     """Return a praying mantis: raised breast, folded arms, a head like a triangle."""
     neck, belly, reach = around(rng, 0.12, 0.45, 1.0, 0.32)
     tilt = np.deg2rad(rng.uniform(35, 65))
-    top = np.array([0.05, 0.02, 0]) + neck * np.array([np.cos(tilt), np.sin(tilt), 0])
+    top = np.array([0.05, 0.02, 0]) + neck * ray(0.0, tilt)
     face = by(top, 0.07, 0.05, 0)
     open_by = 0.09 if pose == "strike" else 0.0
     elbow = by(top, 0.55 * reach, -0.35 * reach + open_by, 0.10)
@@ -405,6 +403,7 @@ def _scorpion(pose: str, rng: Rng) -> list[Part]:
     curl = np.deg2rad(np.linspace(165, rng.uniform(10, 50), 7))
     arc = [-0.36 + radius * np.cos(curl), 0.04 + radius + radius * np.sin(curl) * 1.15, 0 * curl]
     tail = np.vstack([[-0.34, 0.0, 0], [-0.55, 0.04, 0], np.column_stack(arc)])
+    sting = tube([tail[-1], by(tail[-1], 0.06, -0.13, 0)], [0.05, 0.014])
     hand = np.array([0.62, 0.0, 0.30])
     arm = np.array([[0.24, 0.0, 0.08], [0.36, 0.06, 0.28], [0.52, 0.02, 0.36], hand])
     pincer = yaw(rng.uniform(-5, 20))
@@ -417,9 +416,7 @@ def _scorpion(pose: str, rng: Rng) -> list[Part]:
     return [
         fuse(_ringed([(-0.40, 0), (-0.1, 0.01), (0.28, 0)], [0.07, 0.11, 0.09], 7, 0.12, 1.45 * wide)),
         fuse(_ringed(tail, np.linspace(0.062, 0.05, len(tail)), 6, 0.3), blend=0.02),
-        fuse(
-            ball(tail[-1], 0.068), tube([tail[-1], by(tail[-1], 0.06, -0.13, 0)], [0.05, 0.014]), blend=0.01
-        ),
+        fuse(ball(tail[-1], 0.068), sting, blend=0.01),
         pair(tube(arm, [0.04, 0.036, 0.034, 0.04]), palm, *grip, blend=0.01),
         _eyes([0.24, 0.10, 0.03], 0.022),
         legs(rows, pose, rng, 0.15, 0.026, 1.3),

@@ -7,7 +7,7 @@ import numpy as np
 from scipy import ndimage
 from skimage.measure import marching_cubes, mesh_surface_area
 
-from normalgan.animals.frames import Floats, Volume
+from normalgan.animals.frames import Axes, Floats, Volume
 from normalgan.animals.parts import Part, Ripple
 from normalgan.animals.shapes import Sweep, smooth_minimum
 from normalgan.rendering.mesh import Mesh
@@ -127,13 +127,11 @@ class Grid:
         last = np.clip(np.ceil((high - self.origin) / self.spacing) + 1, 0, self.shape).astype(int)
         return slice(first[0], last[0]), slice(first[1], last[1]), slice(first[2], last[2])
 
-    def axes(self, window: Window) -> tuple[Volume, Volume, Volume]:
-        """Return the open coordinate grids of a window."""
-        x, y, z = (
-            (self.origin[i] + self.spacing * np.arange(part.start, part.stop)).astype(np.float32)
-            for i, part in enumerate(window)
-        )
-        return x[:, None, None], y[None, :, None], z[None, None, :]
+    def axes(self, window: Window) -> Axes:
+        """Return the coordinates of the samples in a window."""
+        steps = zip(self.origin, np.ogrid[window], strict=True)
+        x, y, z = ((start + self.spacing * step).astype(np.float32) for start, step in steps)
+        return x, y, z
 
 
 def sample(parts: Sequence[Part], grid: Grid) -> Volume:
@@ -164,7 +162,7 @@ def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume
         for piece in shape.pieces(grid.spacing):
             box = _overlap(grid.window(piece.low - margin, piece.high + margin), window)
             inner = _within(box, window)
-            np.minimum(own[inner], piece.distance(*grid.axes(box)), out=own[inner])
+            np.minimum(own[inner], piece.distance(grid.axes(box)), out=own[inner])
     if part.ripple is not None:
         own += _ripple(grid.axes(window), part.ripple)
     return own
@@ -180,7 +178,7 @@ def _within(box: Window, window: Window) -> Window:
     return x, y, z
 
 
-def _ripple(axes: tuple[Volume, Volume, Volume], ripple: Ripple) -> Volume:
+def _ripple(axes: Axes, ripple: Ripple) -> Volume:
     """Return bumps without a grain: plane waves in directions spread evenly over the sphere, summed.
 
     The directions follow the Fibonacci lattice, the wavelengths spread by half; the height is about the
@@ -195,5 +193,4 @@ def _ripple(axes: tuple[Volume, Volume, Volume], ripple: Ripple) -> Volume:
         wave = number * np.array([level * np.cos(i * turn), up, level * np.sin(i * turn)])
         phase = sum(axis * np.float32(k) for axis, k in zip(axes, wave, strict=True))
         total += np.cos(phase + np.float32(i * i))
-    scaled: Volume = total * np.float32(ripple.height / 4)
-    return scaled
+    return total * np.float32(ripple.height / 4)

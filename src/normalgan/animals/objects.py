@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.frames import Floats, pitch, ray, roll, yaw
+from normalgan.animals.frames import Floats, pitch, ray, roll, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.plan import BodyPlan, Form, Rng, around
 from normalgan.animals.shapes import Shape
@@ -111,7 +111,7 @@ def _teapot(pose: str, rng: Rng) -> list[Part]:
         handle = np.array([(-0.85, 1.45), (-1, 1.55), (-1, 1.05), (-1, 0.6), (-0.86, 0.55)]) * size
         handle[1:4, 0] -= np.array([0.7, 1.0, 0.5]) * out
     mouth = spout[-1]
-    aim = (mouth - spout[-2]) / np.linalg.norm(mouth - spout[-2])
+    aim = unit(mouth - spout[-2])
     grip = ball((0, high + 0.42 * tall), knob)
     return [
         fuse(ball((0, 0.04 + tall), [wide, tall, wide])),
@@ -137,9 +137,8 @@ def _car(pose: str, rng: Rng) -> list[Part]:
     parts = [fuse(block((0, floor), [long, low, wide], edge))]
     cabin, panes = 0.0, 0.0  # where the side windows are, and half their length
     if kind == "beetle":
-        parts.append(
-            fuse(ball((-0.05, floor + 0.4 * low), [0.75 * long, 2.2 * high, 0.92 * wide]), blend=0.05)
-        )
+        dome = ball((-0.05, floor + 0.4 * low), [0.75 * long, 2.2 * high, 0.92 * wide])
+        parts.append(fuse(dome, blend=0.05))
         cabin, panes = -0.05, 0.28 * long
     elif kind == "van":
         parts.append(fuse(block((-0.08, deck + 0.7 * high), [0.82 * long, 1.3 * high, 0.97 * wide], edge)))
@@ -171,16 +170,14 @@ def _car(pose: str, rng: Rng) -> list[Part]:
     axles = (0.62 * long, -0.62 * long)
     rods = [tube([[x, wheel, -wide], [x, wheel, wide]], 0.35 * wheel) for x in axles]
     tyres = both(*(ball([x, wheel, wide - 0.01], [wheel, wheel, 0.075]) for x in axles))
+    arches = [ball([x, wheel, wide], [1.25 * wheel, 1.25 * wheel, 0.09]) for x in axles]
+    hubs = [ball([x, wheel, wide + 0.07], [0.5 * wheel, 0.5 * wheel, 0.03]) for x in axles]
     bumper = [[long, floor - 0.6 * low, -0.9 * wide], [long + 0.02, floor - 0.6 * low, 0.9 * wide]]
     return [
         *parts,
-        pair(*(ball([x, wheel, wide], [1.25 * wheel, 1.25 * wheel, 0.09]) for x in axles), carve=True),
+        pair(*arches, carve=True),
         fuse(*tyres, *rods),
-        pair(
-            *(ball([x, wheel, wide + 0.07], [0.5 * wheel, 0.5 * wheel, 0.03]) for x in axles),
-            carve=True,
-            blend=0.01,
-        ),
+        pair(*hubs, carve=True, blend=0.01),
         pair(ball([long - 0.005, floor + 0.2 * low, 0.62 * wide], [0.03, 0.045, 0.045]), blend=0.01),
         fuse(tube(bumper, 0.035), blend=0.01),
     ]
@@ -447,9 +444,7 @@ def _creature(pose: str, rng: Rng) -> list[Part]:
 def _grown(rng: Rng, both_sides: bool) -> list[Part]:
     core = _core(rng, both_sides)
     soft = rng.uniform(0.0, 0.22)
-    ripple = None
-    if rng.uniform() < 0.15:
-        ripple = Ripple(rng.uniform(0.006, 0.02), rng.uniform(0.12, 0.3))
+    ripple = Ripple(rng.uniform(0.006, 0.02), rng.uniform(0.12, 0.3)) if rng.uniform() < 0.15 else None
     parts = [fuse(core.shape, ripple=ripple)]
     if rng.uniform() < 0.4:
         parts.append(_dents(core, both_sides, rng))
@@ -493,7 +488,7 @@ def _grow_piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) ->
     way = rng.normal(size=3)
     if middle:
         way[2] = 0.0  # along the mirror
-    way /= np.linalg.norm(way)
+    way = unit(way)
     turn = yaw(rng.uniform(0, 360)) @ roll(rng.uniform(0, 360))
     if kind == "ball":
         radii = size * rng.uniform(0.3, 0.75, 3)
@@ -505,8 +500,7 @@ def _grow_piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) ->
         return _Piece(block(centre, half, size * rng.uniform(0.04, 0.15), turn), np.array([centre]))
     if kind == "ring":
         major = size * rng.uniform(0.4, 0.65)
-        side = np.cross(way, rng.normal(size=3))
-        side /= np.linalg.norm(side)
+        side = unit(np.cross(way, rng.normal(size=3)))
         axes = np.column_stack([way, side, np.cross(way, side)])
         hoop = ring(root + major * way, major, major * rng.uniform(0.22, 0.4), axes)
         return _Piece(hoop, np.array([root + 2 * major * way]))
@@ -516,9 +510,8 @@ def _grow_piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) ->
         return _Piece(tube([root, tip], [1.6 * thick, 0.15 * thick]), np.array([root]))
     if kind == "rod":
         knob = thick * rng.uniform(0.8, 1.5)
-        return _Piece(
-            tube([root, (root + tip) / 2, tip], [thick, thick, knob]), np.array([tip, (root + tip) / 2])
-        )
+        half_way = (root + tip) / 2
+        return _Piece(tube([root, half_way, tip], [thick, thick, knob]), np.array([tip, half_way]))
     bow = np.cross(way, rng.normal(size=3)) * 0.4 * size
     curve = np.array([root, root * 0.7 + tip * 0.3 + bow, root * 0.3 + tip * 0.7 + bow, tip - 0.6 * bow])
     return _Piece(tube(curve, thick * np.array([1.1, 1.0, 0.8, 0.55])), curve[1:3])

@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame
+from normalgan.animals.frames import Floats, Frame, unit
 from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
 
 __all__ = [
@@ -134,8 +134,7 @@ def tube(
         ends = np.column_stack([curve, thick, wide, sides])
         rows = np.linspace(ends[0], ends[1], 4)
         curve, thick, wide, sides = rows[:, :3], rows[:, 3], rows[:, 4], rows[:, 5:]
-    last = curve[-1] - curve[-2]
-    cut = Cut(curve[-1], last / np.linalg.norm(last)) if flat else None
+    cut = Cut(curve[-1], unit(curve[-1] - curve[-2])) if flat else None
     return Sweep(curve, thick, wide, sides, cut)
 
 

@@ -1,15 +1,14 @@
 """Plush toys, each a function: a round body, stubby limbs, a great head; seams on some."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame, pitch, ray, roll, yaw
+from normalgan.animals.frames import Floats, Frame, pitch, ray, roll, unit, yaw
 from normalgan.animals.insects import wing
 from normalgan.animals.parts import Part, ball, block, by, carried, fuse, in_space, pair, tube
-from normalgan.animals.plan import BodyPlan, Form, Rng, around
+from normalgan.animals.plan import BodyPlan, Form, Point, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
 
 __all__ = ["HABITS", "PLUSH", "SKULL", "on_skull"]
@@ -21,43 +20,41 @@ _BAT = np.array([(-0.05, 0.03), (0.16, 0.16), (0.40, 0.14), (0.36, -0.02), (0.26
                  (0.1, -0.1), (0.0, -0.12)])  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class _Toy:
-    """What a toy is sewn from, a seat or sole at about y = 0 and about 1 high.
+def _sewn(
+    features: list[Part],
+    pose: str,
+    rng: Rng,
+    belly: Point = (0.25, 0.30, 0.26),
+    head: float = 0.27,
+    limbs: float = 1.0,
+    arms: float = 1.0,
+    hands: bool = False,
+) -> list[Part]:
+    """Return a toy, a seat or sole at about y = 0 and about 1 high; it hugs and cheers sitting or standing.
 
     Args:
-        belly: (3,) radii of the body.
+        features: what the head is made of, in units of half its height.
+        pose: one of `HABITS`.
+        rng: draws proportions, the limbs' places, and seams on some.
+        belly: radii of the body.
         head: half the height of the head.
         limbs: thickness of arms and legs, 1 as usual.
         arms: length of the arms, 1 as usual.
         hands: whether the hands are thicker than the arms.
     """
-
-    belly: tuple[float, float, float] = (0.25, 0.30, 0.26)
-    head: float = 0.27
-    limbs: float = 1.0
-    arms: float = 1.0
-    hands: bool = False
-
-
-def _sewn(toy: _Toy, features: list[Part], pose: str, rng: Rng) -> list[Part]:
-    """Return the toy in a pose, its head on top; the unit of its features is half the height of the head.
-
-    It hugs and cheers either sitting or standing.
-    """
-    stout, tall, size, limbs, long = around(rng, 0.12, 1.0, 1.0, toy.head, 1.0, 1.0)
-    belly = np.array(toy.belly) * [stout, tall, stout]
-    depth, half, width = belly
+    stout, tall, size, fat, long = around(rng, 0.12, 1.0, 1.0, head, 1.0, 1.0)
+    radii = np.array(belly) * [stout, tall, stout]
+    depth, half, width = radii
     sits = pose == "sit" or (pose != "stand" and rng.uniform() < 0.6)
-    thick = 0.10 * toy.limbs * limbs
-    parts = [fuse(ball((0, half), belly))]
+    thick = 0.10 * limbs * fat
+    parts = [fuse(ball((0, half), radii))]
     parts.append(pair(*_leg(depth, half, width, thick, sits, rng), blend=0.025))
-    right, left = (_arm(toy, belly, 0.85 * thick, long, pose, rng) for _ in range(2))
+    right, left = (_arm(radii, 0.85 * thick, arms, long, hands, pose, rng) for _ in range(2))
     parts.append(fuse(*right, *(shape.mirrored() for shape in left), blend=0.025))
     nod = yaw(rng.normal(0, 12)) @ pitch(rng.uniform(-10, 8))
     chin = Frame(np.array([0.12 * depth, 2 * half + 0.68 * size, 0]), nod)
     if rng.uniform() < 0.45:
-        parts.append(fuse(_seam((0, half), belly), blend=0.01, carve=True))
+        parts.append(fuse(_seam((0, half), radii), blend=0.01, carve=True))
         features = [*features[:1], fuse(_seam((0, 0), SKULL), blend=0.03, carve=True), *features[1:]]
     return parts + carried(features, chin, size)
 
@@ -72,8 +69,7 @@ def _seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
 def on_skull(aside: float, up: float, out: float = 1.0) -> Floats:
     """Return the point (3,) of the head ``aside`` degrees to the right and ``up`` above its middle."""
     way = ray(np.deg2rad(aside), np.deg2rad(up))
-    point: Floats = way / np.linalg.norm(way / SKULL) * out
-    return point
+    return way / np.linalg.norm(way / SKULL) * out
 
 
 def _skull(cheeks: float = 0.0) -> list[Part]:
@@ -109,14 +105,16 @@ def _leg(depth: float, half: float, width: float, thick: float, sits: bool, rng:
     return [shank, foot]
 
 
-def _arm(toy: _Toy, belly: Floats, thick: float, long: float, pose: str, rng: Rng) -> list[Shape]:
+def _arm(
+    belly: Floats, thick: float, arms: float, long: float, hands: bool, pose: str, rng: Rng
+) -> list[Shape]:
     shoulder = belly * [0.05, 1.62, 0.66]
     jitter = rng.uniform(-0.05, 0.05, 3)
     way = {"hug": [0.30, -0.02, 0.06], "cheer": [0.04, 0.20, 0.24]}.get(pose, [0.12, -0.20, 0.17])
-    hand = shoulder + (np.array(way) + jitter) * toy.arms * long * 1.12
+    hand = shoulder + (np.array(way) + jitter) * arms * long * 1.12
     elbow = by((shoulder + hand) / 2, 0, 0, 0.015)
     arm = tube([shoulder, elbow, hand], [1.1 * thick, 1.05 * thick, thick])
-    return [arm, ball(hand, 1.25 * thick)] if toy.hands else [arm]
+    return [arm, ball(hand, 1.25 * thick)] if hands else [arm]
 
 
 def _teddy(pose: str, rng: Rng) -> list[Part]:
@@ -131,7 +129,7 @@ def _teddy(pose: str, rng: Rng) -> list[Part]:
         pair(ball([0.0, 0.80, 0.72], [0.17, ear, ear]), blend=0.08),
         pair(ball([0.15, 0.84, 0.76], [0.14, 0.6 * ear, 0.6 * ear]), blend=0.06, carve=True),
     ]
-    body = _sewn(_Toy(hands=True), face, pose, rng)
+    body = _sewn(face, pose, rng, hands=True)
     return [*body, fuse(ball((-0.24, 0.10), rng.uniform(0.06, 0.09)), blend=0.03)]
 
 
@@ -155,7 +153,7 @@ def _bunny(pose: str, rng: Rng) -> list[Part]:
         fuse(*ears, blend=0.06),
     ]
     tail = ball((-0.27, 0.13), rng.uniform(0.09, 0.13))
-    return [*_sewn(_Toy(belly=(0.24, 0.31, 0.25), limbs=0.95), face, pose, rng), fuse(tail, blend=0.02)]
+    return [*_sewn(face, pose, rng, belly=(0.24, 0.31, 0.25), limbs=0.95), fuse(tail, blend=0.02)]
 
 
 def _cat(pose: str, rng: Rng) -> list[Part]:
@@ -174,7 +172,7 @@ def _cat(pose: str, rng: Rng) -> list[Part]:
     tail = np.array(
         [[-0.15, 0.12, 0], [-0.38, 0.11, 0.08], [-0.48, 0.2 + 0.5 * up, 0.16], [-0.40, 0.25 + up, 0.2]]
     )
-    body = _sewn(_Toy(belly=(0.23, 0.29, 0.23)), face, pose, rng)
+    body = _sewn(face, pose, rng, belly=(0.23, 0.29, 0.23))
     return [*body, fuse(tube(tail * [1, 1, aside], 0.062), blend=0.03)]
 
 
@@ -184,12 +182,11 @@ def _pig(pose: str, rng: Rng) -> list[Part]:
     fold = rng.uniform(0.2, 0.5)
     ear = tube([[0.02, 0.58, 0.56], [0.2 + 0.35 * fold, 1.12 - 0.3 * fold, 0.84]], [0.15, 0.05], [0.42, 0.05])
     snout = tube([(0.7, -0.12), (1.22, -0.12)], [0.9 * wide, 0.85 * wide], [1.1 * wide, wide])
+    flat = block((1.62, -0.12), [0.4, 0.48, 0.5], 0.05)  # of the snout's front; a hug's arms are below
     face = [
         *_skull(0.3),
         fuse(snout, blend=0.06),
-        fuse(
-            block((1.62, -0.12), [0.4, 0.48, 0.5], 0.05), carve=True
-        ),  # flat in front; a hug's arms are below
+        fuse(flat, carve=True),
         pair(ball([1.24, -0.12, 0.42 * wide], [0.12, 0.3 * wide, 0.2 * wide]), blend=0.03, carve=True),
         _smile(22, -38, 9),
         _buttons(34, 22, 0.09),
@@ -197,7 +194,7 @@ def _pig(pose: str, rng: Rng) -> list[Part]:
     ]
     turn = np.linspace(0, 3.2 * np.pi, 14)
     curl = np.column_stack([-0.22 - 0.011 * turn, 0.27 + 0.05 * np.sin(turn), 0.05 * np.cos(turn) - 0.05])
-    body = _sewn(_Toy(belly=(0.28, 0.29, 0.29), head=0.26), face, pose, rng)
+    body = _sewn(face, pose, rng, belly=(0.28, 0.29, 0.29), head=0.26)
     return [*body, fuse(tube(curl, 0.022), blend=0.01)]
 
 
@@ -210,8 +207,8 @@ def _frog(pose: str, rng: Rng) -> list[Part]:
         pair(ball([0.30 + 0.8 * size, 0.72, 0.62], 0.42 * size), blend=0.02),
         _smile(62, -10, 12, 0.955),
     ]
-    toy = _Toy(belly=(0.26, 0.25, 0.28), head=0.29, limbs=0.85, arms=1.15, hands=True)
-    return _sewn(toy, face, pose, rng)
+    belly = (0.26, 0.25, 0.28)
+    return _sewn(face, pose, rng, belly, head=0.29, limbs=0.85, arms=1.15, hands=True)
 
 
 def _elephant(pose: str, rng: Rng) -> list[Part]:
@@ -232,7 +229,7 @@ def _elephant(pose: str, rng: Rng) -> list[Part]:
         tusk = tube([[0.75, -0.42, 0.34], [1.1, -0.6, 0.40], [1.3, -0.5, 0.38]], [0.12, 0.09, 0.04])
         face.append(pair(tusk, blend=0.03))
     tail = tube([[-0.2, 0.22, 0], [-0.36, 0.2, 0.02], [-0.44, 0.06, 0.03]], [0.035, 0.028, 0.04])
-    body = _sewn(_Toy(belly=(0.29, 0.31, 0.29), limbs=1.25), face, pose, rng)
+    body = _sewn(face, pose, rng, belly=(0.29, 0.31, 0.29), limbs=1.25)
     return [*body, fuse(tail, blend=0.02)]
 
 
@@ -316,16 +313,15 @@ def _dragon(pose: str, rng: Rng) -> list[Part]:
     for k in (0.35, 0.9):  # the comb's first two teeth
         tooth = [(-0.55 * k, 0.95 - 0.35 * k), (-0.75 * k - 0.12, 1.35 - 0.5 * k)]
         face.append(fuse(tube(tooth, [0.2, 0.03], 0.09), blend=0.03))
-    parts = _sewn(_Toy(belly=(0.26, 0.30, 0.26), head=0.25, limbs=0.95), face, pose, rng)
+    parts = _sewn(face, pose, rng, belly=(0.26, 0.30, 0.26), head=0.25, limbs=0.95)
     aside = float(rng.choice((-1, 1)))
     tail = np.array([[-0.1, 0.16, 0], [-0.34, 0.10, 0.02], [-0.55, 0.09, 0.10], [-0.70, 0.13, 0.24]])
     tail = tail * [1, 1, aside]
-    way = (tail[-1] - tail[-2]) / np.linalg.norm(tail[-1] - tail[-2])
+    way = unit(tail[-1] - tail[-2])
     barb = tube([tail[-1], tail[-1] + 0.14 * way], [0.03, 0.025], [0.1, 0.02], [0, 1, 0])
     comb = []
     for i in range(5):
-        t = np.deg2rad(110 + 28 * i)
-        out = np.array([np.cos(t), np.sin(t), 0.0])
+        out = ray(0.0, np.deg2rad(110 + 28 * i))
         at = np.array([0.0, 0.30, 0]) + out * [0.22, 0.27, 0]
         comb.append(tube([at, at + 0.15 * out], [0.07, 0.012], 0.035))
     parts += [

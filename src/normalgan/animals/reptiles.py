@@ -80,9 +80,8 @@ class Crawler(PosedPlan):
                 if pose == "crawl":  # diagonal legs go together
                     swing += 26.0 * sign * ahead * rng.uniform(0.6, 1.0)
                 leg = _crawler_leg(root, self.reach * build["legs"], self.thick, ahead, swing)
-                parts.append(
-                    fuse(*(on_side(one, sign > 0).placed(spine.frame(root[0])) for one in leg), blend=0.05)
-                )
+                sided = fuse(*(on_side(one, sign > 0) for one in leg), blend=0.05)
+                parts.append(sided.placed(spine.frame(root[0])))
         if self.crest:
             parts.append(fuse(*_crest(rows, self.crest * build["crest"], spine), blend=0.015))
         if self.scutes:
@@ -99,6 +98,7 @@ class Turtle(PosedPlan):
         dome: height of the shell over its rim.
         half_width: of the shell.
         neck: length of the neck.
+        skull: its sections, or the name of shared ones.
         clear: height of the rim over the ground.
         flippers: whether it swims instead of walking.
         bumpy: how far the scutes bulge.
@@ -108,6 +108,7 @@ class Turtle(PosedPlan):
     dome: float
     half_width: float
     neck: float
+    skull: Profile
     clear: float = 0.0
     flippers: bool = False
     bumpy: float = 0.02
@@ -140,7 +141,7 @@ class Turtle(PosedPlan):
         beak = tube([(0.15, 0.0), (0.20, -0.02), (0.205, -0.06)], [0.05, 0.035, 0.012])
         mouth = tube([(0.06, -0.045, 0.092), (0.13, -0.045, 0.066), (0.18, -0.05, 0.028)], 0.007)
         face = [
-            fuse(_TURTLE_HEAD.sweep(), blend=0.03),
+            fuse(self.skull.sweep(), blend=0.03),
             fuse(beak, blend=0.02),
             pair(ball((0.085, 0.045, 0.074), 0.021)),
             pair(mouth, carve=True, blend=0.004),
@@ -155,10 +156,12 @@ class Snake(PosedPlan):
 
     Args:
         habits: the poses it is seen in; one named twice is drawn twice as often.
+        skull: its sections, or the name of shared ones.
         hooded: whether it spreads its neck, as a cobra does.
     """
 
     habits: tuple[Annotated[str, _COILED], ...]
+    skull: Profile
     hooded: bool = False
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
@@ -180,7 +183,7 @@ class Snake(PosedPlan):
         lips = [(-0.05, -0.08, 0.53), (0.35, -0.10, 0.46), (0.75, -0.08, 0.30), (1.02, -0.08, 0.12)]
         pits = tube([(0.95, 0.02, 0.14), (0.85, 0.05, 0.18)], 0.045)
         face = [
-            fuse(_SNAKE_HEAD.sweep(), blend=0.4),
+            fuse(self.skull.sweep(), blend=0.4),
             pair(eyes),
             pair(tube(lips, 0.035), pits, carve=True, blend=0.02),
         ]
@@ -260,14 +263,6 @@ def _bumps(rows: Profile, pairs: int, spine: Spine) -> list[Sweep]:
     return bumps
 
 
-_TURTLE_HEAD = Profile(
-    np.array([-0.1, -0.02, 0.07, 0.15, 0.185]),
-    np.array([0.07, 0.105, 0.1, 0.055, 0.01]),
-    np.array([-0.07, -0.09, -0.085, -0.065, -0.06]),
-    np.array([0.07, 0.095, 0.088, 0.055, 0.022]),
-)
-
-
 # Where scutes of the middle row meet those of the flanks: x and z, in shares of half the length and width.
 _CORNERS = [(-0.86, 0.16), (-0.62, 0.34), (-0.42, 0.24), (-0.22, 0.36), (-0.01, 0.25), (0.20, 0.36),
             (0.40, 0.24), (0.58, 0.32), (0.82, 0.14)]  # fmt: skip
@@ -345,14 +340,6 @@ def _flippers(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> 
         frame = spanned(np.array([x, rim - 0.02, 0.74 * radii[2]]), first, np.array([1.0, 0.0, 0.0]))
         parts.append(pair(Plate(frame, rounded(corners) * factor, 0.016, 0.25, 0.05), blend=0.05))
     return parts
-
-
-_SNAKE_HEAD = Profile(
-    np.array([-0.55, -0.25, 0.1, 0.45, 0.75, 0.88]),
-    np.array([0.26, 0.34, 0.34, 0.24, 0.1, 0.02]),
-    np.array([-0.26, -0.3, -0.3, -0.26, -0.22, -0.16]),
-    np.array([0.3, 0.5, 0.52, 0.4, 0.28, 0.2]),
-)
 
 
 def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng: Rng) -> Floats:

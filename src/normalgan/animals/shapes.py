@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from normalgan.animals.frames import Floats, Frame, Volume
+from normalgan.animals.frames import Axes, Floats, Frame, Volume
 
 __all__ = [
     "MIRROR",
@@ -42,7 +42,7 @@ class Piece(NamedTuple):
 
     low: Floats
     high: Floats
-    distance: Callable[[Volume, Volume, Volume], Volume]
+    distance: Callable[[Axes], Volume]
 
 
 class Shape(ABC):
@@ -159,20 +159,11 @@ class Sweep(Shape):
                 distance = partial(self._cut_distance, i, self.cut, 1.5 * spacing)
             yield Piece(ends.min(axis=0) - pad, ends.max(axis=0) + pad, distance)
 
-    def distance(self, index: int, x: Volume, y: Volume, z: Volume) -> Volume:
-        """Return the approximate signed distance to segment ``index`` on an open grid, negative inside.
+    def distance(self, index: int, axes: Axes) -> Volume:
+        """Return the approximate signed distance to the segment from one station to the next, as solids do.
 
         The section is scaled to a circle along its side axis; dividing the scaled distance by the length of
         its gradient makes it true to first order near the surface (Quilez, "Ellipsoid SDF", 2008).
-
-        Args:
-            index: the segment from station ``index`` to the next.
-            x: (nx, 1, 1) grid coordinates.
-            y: (1, ny, 1) grid coordinates.
-            z: (1, 1, nz) grid coordinates.
-
-        Returns:
-            (nx, ny, nz)
         """
         start = self.points[index]
         along = self.points[index + 1] - start
@@ -181,7 +172,7 @@ class Sweep(Shape):
         side = side - (side @ along) / square * along
         side = (side / max(float(np.linalg.norm(side)), 1e-9)).astype(np.float32)
         ax, ay, az = along.astype(np.float32)
-        px, py, pz = x - np.float32(start[0]), y - np.float32(start[1]), z - np.float32(start[2])
+        px, py, pz = (axis - np.float32(at) for axis, at in zip(axes, start, strict=True))
         t = np.clip((px * ax + py * ay + pz * az) / np.float32(square), 0, 1)
         dx, dy, dz = px - t * ax, py - t * ay, pz - t * az
         across = dx * side[0] + dy * side[1] + dz * side[2]
@@ -198,10 +189,9 @@ class Sweep(Shape):
         distance: Volume = (reached - radius) * reached / slope
         return distance
 
-    def _cut_distance(self, index: int, cut: Cut, soft: float, x: Volume, y: Volume, z: Volume) -> Volume:
-        point, normal = cut
-        plane = (x - point[0]) * normal[0] + (y - point[1]) * normal[1] + (z - point[2]) * normal[2]
-        return -smooth_minimum(-self.distance(index, x, y, z), -plane.astype(np.float32), soft)
+    def _cut_distance(self, index: int, cut: Cut, soft: float, axes: Axes) -> Volume:
+        x, y, z = ((axis - at) * n for axis, at, n in zip(axes, cut.point, cut.normal, strict=True))
+        return -smooth_minimum(-self.distance(index, axes), -(x + y + z).astype(np.float32), soft)
 
 
 def smooth_minimum(a: Volume, b: Volume, width: float) -> Volume:
@@ -228,25 +218,16 @@ class Solid(Shape):
     frame: Frame
 
     @abstractmethod
-    def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
-        """Return the approximate signed distance on an open grid, negative inside, true near the surface.
-
-        Args:
-            x: (nx, 1, 1) grid coordinates.
-            y: (1, ny, 1) grid coordinates.
-            z: (1, 1, nz) grid coordinates.
-
-        Returns:
-            (nx, ny, nz)
-        """
+    def distance(self, axes: Axes) -> Volume:
+        """Return about the signed distance on a grid, (nx, ny, nz), below 0 inside, true near the surface."""
 
     @abstractmethod
-    def scaled(self, size: float) -> Self:
+    def _scaled(self, size: float) -> Self:
         """Return it with its lengths, but not its frame, multiplied by ``size``."""
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
         """Return it scaled by ``size`` and carried along with a frame."""
-        return replace(self.scaled(size), frame=self.frame.carried(frame, size))
+        return replace(self._scaled(size), frame=self.frame.carried(frame, size))
 
     def mirrored(self) -> Self:
         """Return its image on the other side of the plane z = 0."""
@@ -258,10 +239,10 @@ class Solid(Shape):
         """Give itself."""
         yield Piece(*self.reach(), self.distance)
 
-    def _local(self, x: Volume, y: Volume, z: Volume) -> tuple[Volume, Volume, Volume]:
+    def _local(self, axes: Axes) -> Axes:
         """Return the coordinates, (nx, ny, nz) each or open, along the axes of the body."""
         turn, start = self.frame.rotation.astype(np.float32), self.frame.origin.astype(np.float32)
-        px, py, pz = x - start[0], y - start[1], z - start[2]
+        px, py, pz = (axis - at for axis, at in zip(axes, start, strict=True))
         if np.array_equal(turn, np.eye(3)):
             return px, py, pz
         u, v, w = (turn[0, i] * px + turn[1, i] * py + turn[2, i] * pz for i in range(3))
@@ -288,9 +269,9 @@ class Ellipsoid(Solid):
         a, b, c = self.radii**1.6075
         return float(4 * np.pi * ((a * b + b * c + c * a) / 3) ** (1 / 1.6075))
 
-    def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
+    def distance(self, axes: Axes) -> Volume:
         """Return the signed distance to first order (Quilez, "Ellipsoid SDF", 2008)."""
-        u, v, w = self._local(x, y, z)
+        u, v, w = self._local(axes)
         a, b, c = (np.float32(1 / radius) for radius in self.radii)
         u, v, w = u * a, v * b, w * c
         level = np.sqrt(u * u + v * v + w * w + _TINY)
@@ -302,8 +283,7 @@ class Ellipsoid(Solid):
         """Return it with no radius below ``thinnest``."""
         return replace(self, radii=np.maximum(self.radii, thinnest))
 
-    def scaled(self, size: float) -> Self:
-        """Return it with other radii."""
+    def _scaled(self, size: float) -> Self:
         return replace(self, radii=self.radii * size)
 
 
@@ -329,10 +309,10 @@ class Box(Solid):
         a, b, c = self.half
         return float(8 * (a * b + b * c + c * a))
 
-    def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
+    def distance(self, axes: Axes) -> Volume:
         """Return the signed distance, exact outside."""
         core = (self.half - self.rounding).astype(np.float32)
-        u, v, w = (np.abs(p) - h for p, h in zip(self._local(x, y, z), core, strict=True))
+        u, v, w = (np.abs(p) - h for p, h in zip(self._local(axes), core, strict=True))
         inside = np.minimum(np.maximum(np.maximum(u, v), w), 0)
         u, v, w = np.maximum(u, 0), np.maximum(v, 0), np.maximum(w, 0)
         distance: Volume = np.sqrt(u * u + v * v + w * w) + inside - np.float32(self.rounding)
@@ -342,8 +322,7 @@ class Box(Solid):
         """Return it with no half length below ``thinnest``."""
         return replace(self, half=np.maximum(self.half, thinnest))
 
-    def scaled(self, size: float) -> Self:
-        """Return it with other lengths."""
+    def _scaled(self, size: float) -> Self:
         return replace(self, half=self.half * size, rounding=self.rounding * size)
 
 
@@ -368,19 +347,17 @@ class Ring(Solid):
         """Return its surface."""
         return float(4 * np.pi**2 * self.major * self.minor)
 
-    def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
+    def distance(self, axes: Axes) -> Volume:
         """Return the signed distance, exact."""
-        u, v, w = self._local(x, y, z)
+        u, v, w = self._local(axes)
         out = np.sqrt(u * u + w * w) - np.float32(self.major)
-        distance: Volume = np.sqrt(out * out + v * v) - np.float32(self.minor)
-        return distance
+        return np.sqrt(out * out + v * v) - np.float32(self.minor)
 
     def thickened(self, thinnest: float) -> Self:
         """Return it with a section no thinner than ``thinnest``."""
         return replace(self, minor=max(self.minor, thinnest))
 
-    def scaled(self, size: float) -> Self:
-        """Return it with other radii."""
+    def _scaled(self, size: float) -> Self:
         return replace(self, major=self.major * size, minor=self.minor * size)
 
 
@@ -431,18 +408,17 @@ class Plate(Solid):
         # The third axis is turned round, so that the frame stays a rotation, and the bow with it.
         return replace(super().mirrored(), bow=(-self.bow[0], -self.bow[1]))
 
-    def scaled(self, size: float) -> Self:
-        """Return it with other lengths, bowed along with them."""
+    def _scaled(self, size: float) -> Self:
         bow = (self.bow[0] / size, self.bow[1] / size)
         return replace(self, outline=self.outline * size, rim=self.rim * size, most=self.most * size, bow=bow)
 
-    def distance(self, x: Volume, y: Volume, z: Volume) -> Volume:
+    def distance(self, axes: Axes) -> Volume:
         """Return the signed distance, true near the surface.
 
         Farther than `_BAND` times the outline's extent from the plane it is only the distance to the
         plane, so nothing may blend over more than that.
         """
-        u, v, w = np.broadcast_arrays(*self._local(x, y, z))
+        u, v, w = np.broadcast_arrays(*self._local(axes))
         bu, bv = (np.float32(b) for b in self.bow)
         steep = np.sqrt(1 + (bu * u) ** 2 + (bv * v) ** 2)
         across = np.abs(w - (bu * u * u + bv * v * v) / 2) / steep

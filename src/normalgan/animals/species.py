@@ -29,9 +29,9 @@ PLANS = {
     "bird": "normalgan.animals.birds.Bird",
     "crawler": "normalgan.animals.reptiles.Crawler",
     "fish": "normalgan.animals.fish.Fish",
-    "quadruped": "normalgan.animals.quadruped.Quadruped",
+    "quadruped": "normalgan.animals.quadrupeds.Quadruped",
     "snake": "normalgan.animals.reptiles.Snake",
-    "theropod": "normalgan.animals.theropods.Theropod",
+    "theropod": "normalgan.animals.dinosaurs.Theropod",
     "turtle": "normalgan.animals.reptiles.Turtle",
 }
 """What a file may name as its ``plan``, and where that is; imported when a species of it is read."""
@@ -94,7 +94,7 @@ def read_species(path: str | Path) -> BodyPlan:
     """Return the species that a TOML file describes.
 
     The file's ``plan`` names a body plan; its other keys are the fields of that class, tables those of the
-    classes within. A text in place of a table stands for one of `SHARED`; where several classes fit, the
+    classes within. A text in place of a table stands for one of `SHARED`; where there are several kinds, the
     table's ``kind`` says which.
 
     Args:
@@ -138,11 +138,12 @@ def _toml(path: Path) -> dict[str, Any]:
 def _value(given: object, hint: Any, where: str) -> Any:
     """Return what was given as what the annotation asks for."""
     if get_origin(hint) is Annotated:
-        value = _value(given, get_args(hint)[0], where)
-        for allowed in hint.__metadata__:
-            _check(value, allowed, where)
+        base, mark = get_args(hint)
+        if isinstance(mark, dict):  # what makes a thing of each kind
+            return _of_kind(given, mark, where)
+        value = _value(given, base, where)
+        _check(value, mark, where)
         return value
-    classes = [each for each in get_args(hint) if each is not NoneType]
     if get_origin(hint) is None:
         return _plain(given, hint, where) if hint in _WORDS else _record(given, hint, where)
     if get_origin(hint) is np.ndarray:
@@ -154,7 +155,8 @@ def _value(given: object, hint: Any, where: str) -> Any:
             raise InputError(f"{where} is a table, not {_shown(given)}.")
         key, item = get_args(hint)
         return {_value(k, key, where): _value(v, item, f"{where}.{k}") for k, v in given.items()}
-    return _value(given, classes[0] if len(classes) == 1 else _of_kind(given, classes, where), where)
+    (needed,) = set(get_args(hint)) - {NoneType}
+    return _value(given, needed, where)
 
 
 def _check(value: Any, allowed: tuple[str, ...] | Between, where: str) -> None:
@@ -196,15 +198,15 @@ def _tuple(given: object, hints: tuple[Any, ...], where: str) -> tuple[Any, ...]
     return tuple(_value(item, hint, f"{where}[{i}]") for i, (item, hint) in items)
 
 
-def _of_kind(given: object, classes: list[Any], where: str) -> Any:
-    """Return that class whose name the table gives as its kind, the key taken out; or else the first."""
-    kinds = {each.kind: each for each in classes}
-    named = given.pop("kind", classes[0].kind) if isinstance(given, dict) else classes[0].kind
-    return kinds[_value(named, Annotated[str, tuple(kinds)], f"{where}.kind")]
+def _of_kind(given: object, kinds: dict[str, Any], where: str) -> Any:
+    """Return what is made by the kind that the table names, or else by the first."""
+    first = next(iter(kinds))
+    kind = given.pop("kind", first) if isinstance(given, dict) else first
+    return _record(given, kinds[_value(kind, Annotated[str, tuple(kinds)], f"{where}.kind")], where)
 
 
 def _record(given: object, cls: Any, where: str) -> Any:
-    """Return an instance of a class made of a table, or of a shared one by its name."""
+    """Return what a class, or a function, makes of a table, or of a shared one by its name."""
     if isinstance(given, str):
         shared = _shared().get(cls.__name__, {})
         given = shared[_value(given, Annotated[str, tuple(shared)], where)]

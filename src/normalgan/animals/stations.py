@@ -86,11 +86,10 @@ class Profile:
         """Return it with all widths multiplied."""
         return replace(self, half_width=self.half_width * factor)
 
-    def at(self, x: float) -> tuple[float, float, float]:
-        """Return top, bottom and half width at a position between the stations."""
-        top, bottom, half = (
-            float(np.interp(x, self.x, column)) for column in (self.top, self.bottom, self.half_width)
-        )
+    def at(self, x: float | Floats) -> tuple[Floats, Floats, Floats]:
+        """Return top, bottom and half width at a position between the stations, or at (n,) of them."""
+        columns = (self.top, self.bottom, self.half_width)
+        top, bottom, half = (np.asarray(np.interp(x, self.x, column)) for column in columns)
         return top, bottom, half
 
     def sweep(self) -> Sweep:
@@ -124,10 +123,8 @@ class Spine:
         at = float(np.clip(x, self.xs[0], self.xs[-1]))
         angle = float(np.interp(at, self.xs, self.turns))
         over = x - at
-        origin = np.array([
-            float(np.interp(at, self.xs, self.along)) + over * np.cos(angle), 0.0,
-            float(np.interp(at, self.xs, self.aside)) - over * np.sin(angle)
-        ])  # fmt: skip
+        along, aside = (np.interp(at, self.xs, column) for column in (self.along, self.aside))
+        origin = np.array([along + over * np.cos(angle), 0.0, aside - over * np.sin(angle)])
         return Frame(origin, yaw(float(np.rad2deg(angle))))
 
     def place(self, points: ArrayLike) -> Floats:

@@ -31,8 +31,8 @@ class Pose:
         sit: fold the hind legs and sit on them.
     """
 
-    legs: tuple[Angles, Angles, Angles, Angles]
-    stance: tuple[bool, bool, bool, bool] = (True, True, True, True)
+    legs: tuple[Angles, ...]
+    stance: tuple[bool, ...] = (True, True, True, True)
     pitch: float = 0.0
     neck_pitch: float = 0.0
     neck_yaw: float = 0.0
@@ -85,22 +85,16 @@ def _going(gait: _Gait, rng: Rng) -> Pose:
     start = rng.uniform()
     gait = replace(gait, swing=gait.swing * rng.uniform(0.75, 1.1), lift=gait.lift * rng.uniform(0.8, 1.15))
     drawn = [_leg(gait, start + phase, fore=i < 2) for i, phase in enumerate(gait.phases)]
+    legs = tuple(angles for angles, _ in drawn)
     stance = tuple(down and gait.grounded for _, down in drawn)
-    rf, lf, rh, lh = (angles for angles, _ in drawn)
     pitch = 7.0 * float(np.sin(2 * np.pi * start)) if not gait.grounded else 0.0
-    return replace(
-        _carriage(rng),
-        legs=(rf, lf, rh, lh),
-        stance=(stance[0], stance[1], stance[2], stance[3]),
-        pitch=pitch,
-    )
+    return replace(_carriage(rng), legs=legs, stance=stance, pitch=pitch)
 
 
 def _carriage(rng: Rng) -> Pose:
     """Draw how neck, head and tail are carried, the legs at rest."""
-    still: Angles = (0.0, 0.0, 0.0, 0.0)
     return Pose(
-        (still, still, still, still),
+        4 * ((0.0, 0.0, 0.0, 0.0),),
         neck_pitch=rng.uniform(0, 1),
         neck_yaw=rng.normal(0, 14),
         head_pitch=rng.uniform(-8, 10),
@@ -112,8 +106,7 @@ def _carriage(rng: Rng) -> Pose:
 
 def _stand(rng: Rng) -> Pose:
     uppers = rng.normal(0, 4, 4).clip(-9, 9)
-    rf, lf, rh, lh = ((float(a), 0.0, 0.0, -float(a)) for a in uppers)
-    return replace(_carriage(rng), legs=(rf, lf, rh, lh))
+    return replace(_carriage(rng), legs=tuple((float(a), 0.0, 0.0, -float(a)) for a in uppers))
 
 
 def _gallop(rng: Rng) -> Pose:

@@ -2,20 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.armour import Armour
-from normalgan.animals.frames import Floats, Frame, bend, fold, pitch, yaw
+from normalgan.animals.dinosaurs import Armour
+from normalgan.animals.frames import Floats, Frame, bend, fold, pitch, unit, yaw
 from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
 from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
-from normalgan.animals.quadruped_pose import POSES, Pose
+from normalgan.animals.quadrupeds_poses import POSES, Pose
 from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
 from normalgan.errors import InputError
 
-__all__ = ["Ears", "Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Nostrils", "Ornament", "Quadruped"]
+__all__ = ["Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Ornament", "Quadruped"]
 
 _SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
 _FACE = 0.4  # share of the head's length, from the poll, behind which the muzzle's length changes nothing
@@ -111,7 +111,6 @@ class Ornament:
         otherwise: it is there if the one before it is not, whatever its chance.
     """
 
-    kind: ClassVar[str] = "tube"
     stations: Stations
     scale: Annotated[str, tuple(_RANGES)] | None = None
     side: Point = (0.0, 0.0, 1.0)
@@ -124,42 +123,29 @@ class Ornament:
     pivot: Point | None = None
     otherwise: bool = False
 
-    def ornament(self) -> "Ornament":
-        """Return itself."""
-        return self
 
-
-@dataclass(frozen=True)
-class Nostrils:
-    """A pair of nostrils, dug in.
+def _nostrils(at: Point, radius: float) -> Ornament:
+    """Return a pair of nostrils, dug in.
 
     Args:
         at: the right one, in units of the head's length.
         radius: of it.
-
-    Raises:
-        InputError: if it has no size.
     """
-
-    kind: ClassVar[str] = "nostrils"
-    at: Point
-    radius: float
-
-    def __post_init__(self) -> None:
-        """Check the sizes, as those of all ornaments."""
-        self.ornament()
-
-    def ornament(self) -> Ornament:
-        """Return them as what all ornaments are."""
-        x, y, z = self.at
-        ends = np.array([[x, y, z], [x + 0.04, y + 0.02, z - 0.01]])
-        stations = Stations(ends[:, 0], ends[:, 1], np.array([self.radius, self.radius * 0.8]), ends[:, 2])
-        return Ornament(stations, carve=True, blend=0.008)
+    x, y, z = np.column_stack([at, np.add(at, (0.04, 0.02, -0.01))])
+    return Ornament(Stations(x, y, np.array([radius, 0.8 * radius]), z), carve=True, blend=0.008)
 
 
-@dataclass(frozen=True)
-class Ears:
-    """A pair of ears shaped like leaves: wide in the middle, pointed.
+def _ears(
+    base: Point,
+    tip: Point,
+    half_width: float,
+    thick: float,
+    side: Point,
+    swivel: float = 18.0,
+    pricked: bool = False,
+    chance: float = 1.0,
+) -> Ornament:
+    """Return a pair of ears shaped like leaves: wide in the middle, pointed.
 
     Args:
         base: of the right one, in units of the head's length.
@@ -170,34 +156,12 @@ class Ears:
         swivel: degrees of individual difference.
         pricked: widest at the base instead, as a cat's.
         chance: share of the individuals that have such.
-
-    Raises:
-        InputError: if they have no size.
     """
-
-    kind: ClassVar[str] = "ears"
-    base: Point
-    tip: Point
-    half_width: float
-    thick: float
-    side: Point
-    swivel: float = 18.0
-    pricked: bool = False
-    chance: float = 1.0
-
-    def __post_init__(self) -> None:
-        """Check the sizes, as those of all ornaments."""
-        self.ornament()
-
-    def ornament(self) -> Ornament:
-        """Return them as what all ornaments are."""
-        outline = (1.0, 0.95, 0.78, 0.5, 0.12) if self.pricked else (0.55, 0.88, 1.0, 0.72, 0.16)
-        t, wide = np.array([0.0, 0.25, 0.5, 0.75, 1.0]), np.array(outline)
-        x, y, z = (a + (b - a) * t for a, b in zip(self.base, self.tip, strict=True))
-        stations = Stations(x, y, self.thick * (1.15 - 0.4 * t), z, self.half_width * wide)
-        return Ornament(
-            stations, scale="ears", side=self.side, blend=0.015, swivel=self.swivel, chance=self.chance
-        )
+    outline = np.array((1.0, 0.95, 0.78, 0.5, 0.12) if pricked else (0.55, 0.88, 1.0, 0.72, 0.16))
+    t = np.linspace(0, 1, 5)
+    x, y, z = (a + (b - a) * t for a, b in zip(base, tip, strict=True))
+    stations = Stations(x, y, thick * (1.15 - 0.4 * t), z, half_width * outline)
+    return Ornament(stations, scale="ears", side=side, blend=0.015, swivel=swivel, chance=chance)
 
 
 @dataclass(frozen=True)
@@ -246,7 +210,7 @@ class Head:
     pitch: float
     skull: Profile
     eye: Eye
-    ornaments: tuple[Ornament | Nostrils | Ears, ...]
+    ornaments: tuple[Annotated[Ornament, {"tube": Ornament, "nostrils": _nostrils, "ears": _ears}], ...]
     mouth: Mouth | None = None
     flat: bool = False
 
@@ -360,10 +324,10 @@ def _assemble(species: Quadruped, build: _Build, pose: Pose, rng: Rng) -> list[P
     return parts
 
 
-def _chosen(items: Sequence[Ornament | Nostrils | Ears], rng: Rng) -> list[Ornament]:
+def _chosen(items: Sequence[Ornament], rng: Rng) -> list[Ornament]:
     chosen: list[Ornament] = []
     before = True
-    for item in (each.ornament() for each in items):
+    for item in items:
         before = not before if item.otherwise else bool(rng.uniform() < item.chance)
         if before:
             chosen.append(item)
@@ -404,9 +368,8 @@ def _neck(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> tuple[S
     if pose.graze:
         up, angle = _lowered(species, build, points, body)
     moved, turns = bend(points, up, pose.neck_yaw)
-    rotation = body.rotation @ yaw(pose.neck_yaw + pose.head_yaw) @ pitch(angle)
-    if pose.sit:
-        rotation = yaw(pose.neck_yaw + pose.head_yaw) @ pitch(angle)
+    upright = np.eye(3) if pose.sit else body.rotation
+    rotation = upright @ yaw(pose.neck_yaw + pose.head_yaw) @ pitch(angle)
     placed = body.place(moved)
     grow = np.linspace(1, build["head"], len(points)) * build["crest"]
     sweep = tube(placed, rows.radius * grow, rows.widths * grow, (body.rotation @ turns)[:, :, 2])
@@ -480,9 +443,7 @@ def _leg(limb: Limb, build: _Build, angles: tuple[float, ...], stance: bool, bod
     points += root
     widen = np.interp(rows.y, [0.5, 0.9], [build["bone"], build["bone"] ** 0.5])
     thick = limb.thick * limb.y * widen
-    sole = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
-    if stance:
-        sole = np.array([0.0, -1.0, 0.0])
+    sole = np.array([0.0, -1.0, 0.0]) if stance else unit(points[-1] - points[-2])
     cut = Cut(points[-1], sole) if limb.template.sole else None
     return replace(tube(points[:-1], rows.radius * thick, rows.widths * thick), cut=cut)
 
@@ -501,16 +462,13 @@ def _shoulder_blade(limb: Limb, build: _Build, body: Frame) -> Sweep:
 
 def _stretch(x: Floats, muzzle: float) -> Floats:
     """Return positions along the head with the face in front of the eyes stretched."""
-    stretched: Floats = x + (muzzle - 1) * np.maximum(x - _FACE, 0)
-    return stretched
+    return x + (muzzle - 1) * np.maximum(x - _FACE, 0)
 
 
 def _skull(head: Head, muzzle: float) -> Sweep:
     """Return the head without its ornaments, in its own frame and length."""
-    rows = head.skull.stations
-    points = replace(rows, x=_stretch(rows.x, muzzle)).points
-    cut = Cut(points[-1], np.array([1.0, 0.0, 0.0])) if head.flat else None
-    return replace(tube(points, rows.radius, rows.widths), cut=cut)
+    sweep = replace(head.skull, x=_stretch(head.skull.x, muzzle)).sweep()
+    return replace(sweep, cut=Cut(sweep.points[-1], np.array([1.0, 0.0, 0.0]))) if head.flat else sweep
 
 
 def _ornament(
