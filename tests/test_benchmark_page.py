@@ -20,7 +20,18 @@ def test_the_page_shows_what_was_measured(name: str, monkeypatch: pytest.MonkeyP
     assert not missing, "the page lacks:\n" + "\n".join(missing)
 
 
-@pytest.mark.parametrize("name", ["placement_64", "ablation_64", "critic_64"])
+INTERVALS = (
+    "placement_64",
+    "ablation_64",
+    "critic_64",
+    "lines_64",
+    "hand_25_64",
+    "hand_50_64",
+    "hand_100_64",
+)
+
+
+@pytest.mark.parametrize("name", INTERVALS)
 def test_the_page_shows_the_intervals_of_what_was_measured(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -33,3 +44,39 @@ def test_the_page_shows_the_intervals_of_what_was_measured(
     cells = [cell for line in lines[1:methods] for cell in line.strip("| ").split(" | ")[2:]]
     missing = [cell for cell in cells if cell not in page]
     assert not missing, "the page lacks:\n" + "\n".join(missing)
+
+
+def test_the_page_shows_what_a_critic_does_to_the_relief(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+    results = json.loads((ROOT / "docs" / "results" / "critic_64.json").read_text(encoding="utf-8"))
+    clipped, penalty = import_module("benchmark_rows").relief(results)[3:5]
+    page = " ".join((ROOT / "docs" / "benchmark.md").read_text(encoding="utf-8").split())
+    shown = [*clipped.strip("| ").split(" | ")[1:], penalty.split(" | ")[1]]
+    missing = [cell for cell in shown if cell not in page and cell.removeprefix("+") not in page]
+    assert not missing, "the page lacks:\n" + "\n".join(missing)
+
+
+@pytest.mark.parametrize("name", ["lines_64", "hand_25_64", "hand_50_64", "hand_100_64"])
+def test_the_page_shows_what_another_drawing_costs(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+    here, trained = (
+        json.loads((ROOT / "docs" / "results" / f"{one}.json").read_text(encoding="utf-8"))
+        for one in (name, "ablation_64")
+    )
+    paper, ours = import_module("benchmark_rows").other_test(here, trained)[-2:]
+    cells = [line.strip("| ").split(" | ")[1:3] for line in (paper, ours)]
+    assert f" | {' | '.join([*cells[0], *cells[1]])} |" in (ROOT / "docs" / "benchmark.md").read_text()
+
+
+def test_what_was_tested_on_other_drawings_are_the_networks_that_were_taken_apart() -> None:
+    curves = [
+        {
+            (run["row"], run["seed"]): [
+                [epoch[f"val/{given}/angular_mean"] for given in ("hints", "no_hints")]
+                for epoch in run["curve"]
+            ]
+            for run in json.loads((ROOT / "docs" / "results" / f"{name}.json").read_text())["runs"]
+        }
+        for name in ("lines_64", "ablation_64")
+    ]
+    assert curves[0].items() <= curves[1].items()

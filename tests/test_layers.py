@@ -1,6 +1,7 @@
 """The picture of the package in docs: an arrow only points down, and neighbours do not know one another."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,17 @@ FILES = [path for path in sorted(SOURCE.rglob("*.py")) if path != SOURCE / "__in
 def test_every_room_has_its_layer() -> None:
     assert {room(path) for path in FILES} == set().union(*LAYERS)
     assert sum(map(len, LAYERS)) == len(set().union(*LAYERS))
+
+
+def test_the_docs_show_these_layers() -> None:
+    page = (SOURCE.parents[1] / "docs" / "design.md").read_text(encoding="utf-8")
+    shown: list[set[str]] = []
+    for layer, modules in re.findall(r"^\| (\d*) ?\| (`[\w`, ]+`) \|", page, re.MULTILINE):
+        if layer:
+            assert int(layer) == len(LAYERS) - 1 - len(shown)
+            shown.append(set())
+        shown[-1] |= set(re.findall(r"\w+", modules))
+    assert shown == list(reversed(LAYERS))
 
 
 @pytest.mark.parametrize("here", sorted(set().union(*LAYERS)))

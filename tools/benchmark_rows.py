@@ -4,10 +4,12 @@ tools/benchmark_rows.py docs/results/benchmark_64.json
 tools/benchmark_rows.py docs/results/ablation_64.json --differences: also each beside the first of the plan
 tools/benchmark_rows.py docs/results/placement_64.json --placements: the tables of where hints lie
 tools/benchmark_rows.py docs/results/ablation_64.json --hints: what hints buy each method
+tools/benchmark_rows.py docs/results/critic_64.json --relief: how relief and outline differ from the first's
+tools/benchmark_rows.py docs/results/lines_64.json --other docs/results/ablation_64.json: beside another test
 """
 
 import json
-import sys
+from argparse import ArgumentParser
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -22,6 +24,7 @@ COLUMNS = (
     *(("15", "angular_median"), ("15", "below_11_25"), (OWN, "angular_mean")),
 )
 """Hints given, and the figure: means with none, 15 and 50; median and share below 11.25° with 15; its own."""
+RELIEF = ("nz_bias", "gradient_ratio", "mask_iou")
 PLACEMENTS, COUNTS = ("uniform", "curvature", "farthest", "worst"), (3, 10, 17, 30, 60)
 
 
@@ -84,6 +87,45 @@ def differences(results: Mapping[str, Any]) -> list[str]:
     ]
 
 
+def relief(results: Mapping[str, Any]) -> list[str]:
+    """Return lines of Markdown: each method's relief and mask without hints, less the first one's.
+
+    n_z, the change from pixel to pixel beside the truth's, and the mask's IoU, with intervals over the meshes
+    and the seeds.
+
+    Args:
+        results: as `normalgan benchmark` writes them.
+    """
+    first, *others = _by_method(results)
+    lines = ["", f"Difference from {first[0]['label']}, no hints: {', '.join(RELIEF)}", ""]
+    for runs in others:
+        found = (total_interval(runs, first, "0", name) for name in RELIEF)
+        cells = ["–" if one is None else "{:+.3f} [{:+.3f}, {:+.3f}]".format(*one) for one in found]
+        lines.append(f"| {runs[0]['label']} | {' | '.join(cells)} |")
+    return lines
+
+
+def other_test(results: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
+    """Return lines of Markdown: each method's errors, less those of the same method in another test.
+
+    With none, 15 uniform hints, 50 and its own, with intervals over the meshes and the seeds.
+
+    Args:
+        results: as `normalgan benchmark` writes them.
+        other: of the same networks and meshes, drawn otherwise.
+    """
+    there = {runs[0]["row"]: runs for runs in _by_method(other)}
+    lines = ["", f"Difference from {other['plan']}: no hints, 15 uniform ones, 50, its own", ""]
+    for runs in _by_method(results):
+        if runs[0]["row"] in there:
+            found = (
+                total_interval(runs, there[runs[0]["row"]], given, "angular_mean")
+                for given in ("0", "15", "50", OWN)
+            )
+            lines.append(f"| {runs[0]['label']} | {' | '.join(interval_cell(f, '+') for f in found)} |")
+    return lines
+
+
 def hints(results: Mapping[str, Any]) -> list[str]:
     """Return lines of Markdown: what each number of hints changes of each method's error without any.
 
@@ -125,8 +167,27 @@ def _row(runs: Sequence[Any]) -> str:
     return f"| {runs[0]['label']} | {' | '.join(cells)} | {seeds or '–'} |"
 
 
+def main() -> None:
+    """Print what is asked for."""
+    parser = ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
+    parser.add_argument("results", type=_read, metavar="RESULTS")
+    parser.add_argument("--placements", action="store_true", help="in place of the rows: where hints lie")
+    parser.add_argument("--differences", action="store_true", help="each beside the first of the plan")
+    parser.add_argument("--relief", action="store_true", help="relief and outline beside the first's")
+    parser.add_argument("--hints", action="store_true", help="what hints buy each method")
+    parser.add_argument("--other", type=_read, metavar="RESULTS", help="beside the same in another test")
+    options = parser.parse_args()
+    lines = placements(options.results) if options.placements else rows(options.results)
+    further = {differences: options.differences, relief: options.relief, hints: options.hints}
+    for table, asked in further.items():
+        lines += table(options.results) if asked else []
+    lines += other_test(options.results, options.other) if options.other else []
+    print("\n".join(lines))
+
+
+def _read(path: str) -> Any:
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
 if __name__ == "__main__":
-    found = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    lines = placements(found) if "--placements" in sys.argv[2:] else rows(found)
-    lines += differences(found) if "--differences" in sys.argv[2:] else []
-    print("\n".join([*lines, *hints(found)] if "--hints" in sys.argv[2:] else lines))
+    main()

@@ -29,19 +29,27 @@ def test_each_mesh_is_tested_on_once_and_never_trained_on_then(monkeypatch: pyte
 
 
 def a_fold(first: int, rows: tuple[str, ...] = ("paper",), views: str = "v") -> dict[str, Any]:
-    meshes = {str(first + i): {"angular_mean": 10.0 + first + i, "pixels": 5} for i in range(2)}
-    runs = [{"row": row, "seed": 0, "meshes": {"0": meshes, "15": meshes}} for row in rows]
+    meshes = {str(first + i): {"angular_mean": 10.0 + first + i, "pixels": 5 + 3 * i} for i in range(2)}
+    given = dict.fromkeys(("0", "15", "50", "own"), meshes)
+    runs = [
+        {"row": row, "label": row, "seed": 0, "meshes": given, "figures": {"own": {"hints": first}}}
+        for row in rows
+    ]
     return {"specification": {"views": views, "meshes": str(first)}, "runs": runs}
 
 
 def test_results_of_folds_are_joined_mesh_by_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "tools"))
-    join = import_module("join_folds").join
-    joined = join([a_fold(0, ("paper", "ours")), a_fold(2)])
+    tool = import_module("join_folds")
+    join = tool.join
+    folds = [a_fold(0, ("paper", "ours")), a_fold(2)]
+    joined = join(folds)
     assert joined.keys() == {"paper"}  # the other row lacks a fold
     found = mesh_interval(joined["paper"], "0", "angular_mean")
     assert found is not None
-    assert found.value == pytest.approx((10 + 11 + 12 + 13) / 4)
+    assert found.value == pytest.approx((5 * 10 + 8 * 11 + 5 * 12 + 8 * 13) / 26)
+    (row,) = import_module("benchmark_rows").rows(json.loads(tool.report(folds, joined)))
+    assert row == "| paper | 11.62° | 11.62° | 11.62° | – | – | 11.62° | 1.0 | 1 |"
     with pytest.raises(InputError, match="two folds test on the mesh 1"):
         join([a_fold(0), a_fold(1)])
     with pytest.raises(InputError, match="other views or hints"):
