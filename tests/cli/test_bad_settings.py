@@ -15,17 +15,24 @@ PLUGINS = {
 }
 
 
-@pytest.mark.parametrize("setting", PLUGINS)
-def test_a_plugin_that_is_not_known_is_answered_by_its_near_miss(setting: str, tmp_path: Path) -> None:
+def near_miss(setting: str) -> str:
     given, base, meant = PLUGINS[setting]
-    answer = f'argument "{setting}": no {base} named {given!r}. Did you mean {meant}? Known: '
-    run("fit", f"--{setting}", given).refused(answer)
-    section, name = setting.split(".")
+    return f'argument "{setting}": no {base} named {given!r}. Did you mean {meant}? Known: '
+
+
+@pytest.mark.parametrize("setting", PLUGINS)
+def test_a_plugin_that_is_not_known_is_answered_by_its_near_miss(setting: str) -> None:
+    run("fit", f"--{setting}", PLUGINS[setting][0]).refused(near_miss(setting))
+
+
+@pytest.mark.parametrize("setting", ["model.generator", "data.lines"])
+def test_and_so_is_one_that_a_file_names_in_either_way(setting: str, tmp_path: Path) -> None:
+    given, (section, name) = PLUGINS[setting][0], setting.split(".")
     short, nested = tmp_path / "short.yaml", tmp_path / "nested.yaml"
     short.write_text(f"{section}:\n  {name}: {given}\n")
     nested.write_text(f"{section}:\n  {name}:\n    class_path: {given}\n    init_args: {{width: 4}}\n")
     for config in (short, nested):
-        run("fit", "--config", config).refused(answer)
+        run("fit", "--config", config).refused(near_miss(setting))
 
 
 @pytest.mark.parametrize(

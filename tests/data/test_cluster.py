@@ -2,12 +2,14 @@ import os
 import signal
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import toys
 from dask_processes import SOURCES, VIEWS, DaskCluster, finished, render, start_cluster, wait_for
 from distributed import Client
 from toys import Octahedron, contents, recipe
@@ -28,6 +30,17 @@ def make_pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCluster]
         made.start_worker()
         made.start_worker()
         yield made
+
+
+@pytest.fixture(name="alone")
+def rendered_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, bytes]]:
+    """What this process writes by the settings of a slow renderer, which is not waited for."""
+
+    def render_alone(**renderer: Any) -> dict[str, bytes]:
+        monkeypatch.setattr(toys, "time", SimpleNamespace(sleep=lambda seconds: None))
+        return contents(render(tmp_path / "alone", **renderer))
+
+    return render_alone
 
 
 def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: DaskCluster) -> None:
@@ -62,7 +75,9 @@ def test_relative_paths_refer_to_where_the_command_was_given(
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: Path) -> None:
+def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(
+    tmp_path: Path, alone: Callable[..., dict[str, bytes]]
+) -> None:
     slow: dict[str, Any] = {"seconds": 0.04}
     with start_cluster(tmp_path / "dask") as dask_cluster:
         doomed = dask_cluster.start_worker()
@@ -80,11 +95,13 @@ def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: P
         thread.join()
     assert doomed.wait() == -signal.SIGKILL
     assert 0 < died_at[0] < 4
-    assert contents(folder) == contents(render(tmp_path / "alone", **slow))
+    assert contents(folder) == alone(**slow)
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
+def test_workers_of_another_version_do_nothing(
+    tmp_path: Path, alone: Callable[..., dict[str, bytes]]
+) -> None:
     preload = tmp_path / "other.py"
     preload.write_text("import normalgan.rendering.samples as s\ns.RENDERING_VERSION = -7\n")
     with start_cluster(tmp_path / "dask") as dask_cluster:
@@ -109,7 +126,7 @@ def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
         ):
             folder = render(tmp_path / "cache", dask_cluster.address, seconds=0.12)
         thread.join()
-    assert contents(folder) == contents(render(tmp_path / "alone", seconds=0.12))
+    assert contents(folder) == alone(seconds=0.12)
 
 
 @pytest.mark.slow  # starts processes of its own

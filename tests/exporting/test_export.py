@@ -149,24 +149,25 @@ def test_the_example_paints_a_map(exported: Export, tmp_path: Path) -> None:
     assert found.shape == (32, 32, 3)
 
 
-@pytest.mark.parametrize("more", [(), ("--half",)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "more"), [(KINDS[0], ()), (KINDS[1], ("--half",))])
 def test_a_file_that_paints_otherwise_is_not_written(
-    exported: Export,
-    tmp_path: Path,
+    kind: str,
     more: tuple[str, ...],
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    folder, _ = exported
+    save(tmp_path / "last.ckpt", kind)
     honest = comparison.paint
 
     def shifted(*given: object) -> list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]]:
         return [output + np.float32(2e-3) for output in honest(*given)]  # type: ignore[arg-type]
 
     monkeypatch.setattr(comparison, "paint", shifted)
-    assert export(folder / "last.ckpt", tmp_path / "new" / "m.onnx", *more) == 1
+    assert export(tmp_path / "last.ckpt", tmp_path / "new" / "m.onnx", *more) == 1
     assert "differs from torch by 0.00" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+    assert [path.name for path in tmp_path.iterdir()] == ["last.ckpt"]
 
 
 def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

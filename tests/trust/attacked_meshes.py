@@ -4,6 +4,7 @@ import base64
 import json
 import struct
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -275,6 +276,7 @@ GLTF: dict[str, Callable[[Tree], object]] = {
 """What is done to a small rig: each must be read or refused."""
 
 
+@cache
 def attacks() -> dict[str, str | bytes]:
     """Return the contents of all attacked files by name, their format in the suffix."""
     formats = {"obj": obj_attacks(), "ply": ply_attacks(), "off": off_attacks()}

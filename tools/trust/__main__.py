@@ -1,4 +1,4 @@
-"""Tries what docs/reliability.md promises, many times: tools/trust EXPERIMENT [--count N] [-o FILE]."""
+"""Tries what docs/reliability.md promises, many times: tools/trust EXPERIMENT… [--count N] [-o FILE]."""
 
 import argparse
 import os
@@ -21,10 +21,10 @@ TESTS = Path(__file__).parents[2] / "tests"
 
 
 def main() -> int:
-    """Run one of them; exit code 1 if it found anything."""
+    """Run them one after the other; exit code 1 if they found anything."""
     told = "; ".join(f"{name}: {what}" for name, (_, _, what) in EXPERIMENTS.items())
     parser = argparse.ArgumentParser(prog="tools/trust", description=__doc__.splitlines()[0], epilog=told)
-    parser.add_argument("experiment", choices=EXPERIMENTS)
+    parser.add_argument("experiments", nargs="+", choices=EXPERIMENTS, metavar="EXPERIMENT")
     parser.add_argument("--count", type=int, help="kills, flips, mutants or runs")
     parser.add_argument("--seed", type=int, default=0, help="of moments, bits and mutants")
     parser.add_argument(
@@ -37,15 +37,17 @@ def main() -> int:
     sys.path[:0] = [str(TESTS / part) for part in ("", "trust", "cli", "data")]
     from record import keep
 
-    module, count, _ = EXPERIMENTS[options.experiment]
-    experiment: Callable[[Path, int, int], Iterator[dict[str, Any]]] = getattr(import_module(module), module)
-    count = options.count or count
-    asked = f"{options.experiment} --count {count} --seed {options.seed}"
-    with tempfile.TemporaryDirectory(prefix="trust-") as temporary:
-        steps = experiment(options.work or Path(temporary), count, options.seed)
-        findings = keep(
-            options.output, options.experiment, f"python tools/trust {asked}", options.seed, steps
+    findings = []
+    for name in options.experiments:
+        module, count, _ = EXPERIMENTS[name]
+        experiment: Callable[[Path, int, int], Iterator[dict[str, Any]]] = getattr(
+            import_module(module), module
         )
+        count = options.count or count
+        asked = f"python tools/trust {name} --count {count} --seed {options.seed}"
+        with tempfile.TemporaryDirectory(prefix="trust-") as temporary:
+            work = options.work / name if options.work else Path(temporary)
+            findings += keep(options.output, name, asked, options.seed, experiment(work, count, options.seed))
     for finding in findings:
         print(finding)
     return int(bool(findings))
