@@ -166,6 +166,12 @@ def test_joints_feathers_points_and_sizes_are_checked(tmp_path: Path) -> None:
             "fins[1]: outline has three corners or more, not 0.",
         ),
         (
+            "fish/tuna.toml",
+            r"outline = ",
+            "chord = [0.0, 0.0, 0.0]\noutline = ",
+            "tail: chord is a direction, and 0, 0, 0 is none.",
+        ),
+        (
             "dinosaurs/raptor.toml",
             r"(\[tail\].*?x +=) \[[^,]*,",
             r"\1 [0.0,",

@@ -56,12 +56,13 @@ def test_a_picture_that_claims_to_be_huge_is_refused_before_it_is_unpacked(side:
     ("content", "sentence"),
     [
         (b"", "is not an image that can be read"),
-        (b"\x89PNG\r\n\x1a\n", "cannot be read as an image|is not an image that can be read"),
+        (b"\x89PNG\r\n\x1a\n", "it begins as a PNG and is cut short or damaged"),
+        (saved(Image.fromarray(GREY), "GIF")[:9], "cannot be read as an image: it begins as a GIF"),
         (saved(Image.fromarray(GREY), "JPEG")[:900], "cannot be read as an image"),
         (saved(Image.fromarray(GREY), "PNG")[:900], "cannot be read as an image"),
         (bomb(300, 200), "cannot be read as an image"),
     ],
-    ids=["empty", "a signature", "half a JPEG", "half a PNG", "too few pixels"],
+    ids=["empty", "a signature", "the head of a GIF", "half a JPEG", "half a PNG", "too few pixels"],
 )
 def test_a_broken_file_is_refused(content: bytes, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):

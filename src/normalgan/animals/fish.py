@@ -38,7 +38,7 @@ class Fin:
         sharp: cut the corners of the outline once instead of twice.
 
     Raises:
-        InputError: if the outline has no area.
+        InputError: if the outline has no area, or the chord no direction.
     """
 
     outline: tuple[tuple[float, float], ...]
@@ -51,9 +51,11 @@ class Fin:
     sharp: bool = False
 
     def __post_init__(self) -> None:
-        """Check the outline."""
+        """Check the outline and the chord."""
         if len(self.outline) < 3:
             raise InputError(f"outline has three corners or more, not {len(self.outline)}.")
+        if not any(self.chord):
+            raise InputError("chord is a direction, and 0, 0, 0 is none.")
 
 
 def _finlet(x: float, height: float, below: bool = False) -> Fin:

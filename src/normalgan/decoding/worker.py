@@ -470,7 +470,12 @@ def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
 
 
 def _opened(content: bytes) -> "Image":
-    """Return a picture whose pixels are not decoded yet."""
+    """Return a picture whose pixels are not decoded yet.
+
+    Raises:
+        UnidentifiedImageError: if it begins as none of `_PLUGINS`.
+        OSError: if it begins as one, and is damaged.
+    """
     from PIL import Image, UnidentifiedImageError
 
     Image.MAX_IMAGE_PIXELS = None  # ours are lower
@@ -478,7 +483,10 @@ def _opened(content: bytes) -> "Image":
     if plugin is None:
         raise UnidentifiedImageError
     __import__(f"PIL.{plugin}ImagePlugin")
-    return Image.open(io.BytesIO(content), formats=(plugin.upper(),))
+    try:
+        return Image.open(io.BytesIO(content), formats=(plugin.upper(),))
+    except UnidentifiedImageError:
+        raise OSError(f"it begins as a {plugin.upper()} and is cut short or damaged") from None
 
 
 def _check_sides(width: int, height: int, least: int, most: int) -> None:
