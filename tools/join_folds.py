@@ -11,6 +11,8 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
+from keep_results import rounded
+
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.plan import read_plan
 from normalgan.benchmark.table import interval_table
@@ -72,7 +74,7 @@ def _pooled(meshes: Iterable[Mapping[str, Any]]) -> dict[str, float]:
     }
 
 
-def report(folds: Sequence[Mapping[str, Any]], rows: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
+def report(folds: Sequence[Mapping[str, Any]], rows: Mapping[str, Sequence[Mapping[str, Any]]]) -> bytes:
     """Return the joined runs as JSON, as `normalgan benchmark` writes those of one split."""
     one = folds[0]
     kept = {name: one.get(name) for name in ("plan", "scale", "images", "size", "machine", "versions")}
@@ -83,8 +85,7 @@ def report(folds: Sequence[Mapping[str, Any]], rows: Mapping[str, Sequence[Mappi
     }
     runs = [run for runs in rows.values() for run in runs]
     whole = {**kept, "folds": len(folds), "specification": specification, "commits": commits, "runs": runs}
-    rounded = json.loads(json.dumps(whole), parse_float=lambda number: round(float(number), 4))
-    return json.dumps(rounded, indent=1) + "\n"
+    return rounded(whole)
 
 
 if __name__ == "__main__":
@@ -97,4 +98,4 @@ if __name__ == "__main__":
     together = join(found)
     print("\n".join(interval_table(read_plan(options.plan), together)))
     if options.output:
-        write_bytes(options.output, report(found, together).encode())
+        write_bytes(options.output, report(found, together))

@@ -1,0 +1,79 @@
+"""Writes the results of a benchmark as they are kept in docs/results: small, and of several runs one.
+
+tools/keep_results.py runs/critic/results.json -o docs/results/critic_64.json
+tools/keep_results.py runs/a/results.json runs/b/results.json -o both.json: rows of a plan, trained apart
+tools/keep_results.py runs/placement/results.json --by-mesh angular_mean -o placement_64.json: no more by mesh
+
+Figures by view are left out, and numbers rounded to four digits. The first row of the first report is the one
+that `tools/benchmark_rows.py --differences` sets the others beside.
+"""
+
+import json
+from argparse import ArgumentParser
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from normalgan.errors import InputError
+from normalgan.files import write_bytes
+
+DIGITS = 4
+ALIKE = ("plan", "scale", "images", "specification", "size")
+"""What reports must have in common to be one."""
+
+
+def keep(reports: Sequence[Mapping[str, Any]], by_mesh: Sequence[str] = ()) -> dict[str, Any]:
+    """Return one report of all runs, a row after the other, its seeds in order, without figures by view.
+
+    Args:
+        reports: as `normalgan benchmark` writes them.
+        by_mesh: the figures by mesh that are kept beside the number of pixels; all, if none is named.
+
+    Raises:
+        InputError: if they are of different plans, budgets or tests, or have a run twice.
+    """
+    first = reports[0]
+    for name in ALIKE:
+        if any(report.get(name) != first.get(name) for report in reports):
+            raise InputError(f"the reports differ in {name}; only such that were measured alike become one.")
+    runs: dict[str, dict[Any, dict[str, Any]]] = {}
+    for run in (run for report in reports for run in report["runs"]):
+        seeds = runs.setdefault(run["row"], {})
+        if run["seed"] in seeds:
+            raise InputError(f"two reports have {run['row']} with seed {run['seed']}; leave one of them out.")
+        seeds[run["seed"]] = {name: value for name, value in run.items() if name != "views"}
+        if by_mesh:
+            seeds[run["seed"]]["meshes"] = {
+                given: {
+                    mesh: {name: found[name] for name in (*by_mesh, "pixels")}
+                    for mesh, found in meshes.items()
+                }
+                for given, meshes in run["meshes"].items()
+            }
+    kept = {name: value for name, value in first.items() if name not in ("runs", "commit", "seeds")}
+    every = [run for seeds in runs.values() for _, run in sorted(seeds.items(), key=lambda one: one[0] or 0)]
+    named = sorted({run["seed"] for run in every} - {None})
+    return {
+        **kept,
+        "seeds": named,
+        "commits": sorted({str(run.get("commit")) for run in every}),
+        "runs": every,
+    }
+
+
+def rounded(report: Mapping[str, Any]) -> bytes:
+    """Return a report as JSON, its numbers rounded."""
+    whole = json.loads(json.dumps(report), parse_float=lambda number: round(float(number), DIGITS))
+    return (json.dumps(whole, indent=1) + "\n").encode()
+
+
+if __name__ == "__main__":
+    parser = ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
+    parser.add_argument("results", nargs="+", type=Path)
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    parser.add_argument(
+        "--by-mesh", nargs="+", default=(), metavar="FIGURE", help="the only ones to keep by mesh"
+    )
+    options = parser.parse_args()
+    found = [json.loads(path.read_text(encoding="utf-8")) for path in options.results]
+    write_bytes(options.output, rounded(keep(found, options.by_mesh)))
