@@ -21,29 +21,36 @@ def test_the_page_shows_what_was_measured(name: str, monkeypatch: pytest.MonkeyP
 
 
 INTERVALS = (
-    "placement_64",
-    "ablation_64",
-    "critic_64",
-    "lines_64",
-    "hand_25_64",
-    "hand_50_64",
-    "hand_100_64",
+    ("benchmark_64", "paper", ("pix2pix", "sketch2normal", "ours")),
+    ("placement_64", "paper-uniform-17", ("paper-curvature-17", "paper-farthest-17", "paper-worst-17")),
+    ("placement_64", "paper-uniform-3", ("paper-curvature-3",)),
+    ("placement_64", "paper-uniform-60", ("paper-curvature-60",)),
+    ("ablation_64", "ours", ()),
+    ("critic_64", "none", ()),
+    *((name, "paper", ("ours",)) for name in ("lines_64", "hand_25_64", "hand_50_64", "hand_100_64")),
+    ("folds_64", "paper", ("ours",)),
 )
+"""Results, the row that others are set beside, and these; all others, if none is named."""
 
 
-@pytest.mark.parametrize("name", INTERVALS)
+@pytest.mark.parametrize(("name", "beside", "rows"), INTERVALS)
 def test_the_page_shows_the_intervals_of_what_was_measured(
-    name: str, monkeypatch: pytest.MonkeyPatch
+    name: str, beside: str, rows: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "tools"))
     results = json.loads((ROOT / "docs" / "results" / f"{name}.json").read_text(encoding="utf-8"))
-    lines = [line for line in import_module("benchmark_rows").differences(results) if line.startswith("| ")]
+    labels = {run["row"]: run["label"] for run in results["runs"]}
+    lines = [
+        line.strip("| ").split(" | ")
+        for line in import_module("benchmark_rows").differences(results, beside)
+        if line.startswith("| ")
+    ]
+    others = rows or [row for row in labels if row != beside]
     page = (ROOT / "docs" / "benchmark.md").read_text(encoding="utf-8")
-    # Labels may be longer or shorter there, and what the first row is beside itself goes without saying.
-    methods = len({run["row"] for run in results["runs"]})
-    cells = [cell for line in lines[1:methods] for cell in line.strip("| ").split(" | ")[2:]]
-    missing = [cell for cell in cells if cell not in page]
-    assert not missing, "the page lacks:\n" + "\n".join(missing)
+    for row in others:  # labels may be longer or shorter there
+        over_meshes, over_both = (line for line in lines if line[0] == labels[row])
+        for meshes, both in zip(over_meshes[2:], over_both[1:], strict=True):
+            assert f"{meshes} ({both.partition('[')[2].rstrip(']')})" in page, row
 
 
 def test_the_page_shows_what_a_critic_does_to_the_relief(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,8 @@
 """Prints the rows of the short tables in the docs from the results of a benchmark.
 
 tools/benchmark_rows.py docs/results/benchmark_64.json
-tools/benchmark_rows.py docs/results/ablation_64.json --differences: also each beside the first of the plan
+tools/benchmark_rows.py docs/results/ablation_64.json --differences: also each beside the first
+tools/benchmark_rows.py docs/results/benchmark_64.json --differences --beside paper: beside that row
 tools/benchmark_rows.py docs/results/placement_64.json --placements: the tables of where hints lie
 tools/benchmark_rows.py docs/results/ablation_64.json --hints: what hints buy each method
 tools/benchmark_rows.py docs/results/critic_64.json --relief: how relief and outline differ from the first's
@@ -18,6 +19,7 @@ from typing import Any
 from normalgan.benchmark.intervals import Interval, difference_interval, mesh_interval, total_interval
 from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.table import figure_cell, interval_cell, spread_of
+from normalgan.errors import InputError
 
 COLUMNS = (
     *(("0", "angular_mean"), ("15", "angular_mean"), ("50", "angular_mean")),
@@ -66,16 +68,23 @@ def placements(results: Mapping[str, Any]) -> list[str]:
     return [*lines, *differences(results)]
 
 
-def differences(results: Mapping[str, Any]) -> list[str]:
-    """Return lines of Markdown: each method beside the first one of the plan, with intervals.
+def differences(results: Mapping[str, Any], beside: str | None = None) -> list[str]:
+    """Return lines of Markdown: each method beside another one, with intervals.
 
     First over the meshes alone, then over the meshes and the seeds.
 
     Args:
         results: as `normalgan benchmark` writes them.
+        beside: name of the row that the others are set beside; None is the first.
+
+    Raises:
+        InputError: if there is no such row.
     """
     methods = _by_method(results)
-    first = methods[0]
+    names = [runs[0]["row"] for runs in methods]
+    if beside is not None and beside not in names:
+        raise InputError(f"there is no row {beside}; those of the results are {', '.join(names)}.")
+    first = methods[names.index(beside) if beside else 0]
     heading = f"difference from {first[0]['label']}: no hints, 15 uniform ones, its own"
     lines = ["", f"Its own hints; {heading}; over the meshes:", ""]
     for runs in methods:
@@ -83,7 +92,9 @@ def differences(results: Mapping[str, Any]) -> list[str]:
         lines.append(f"| {runs[0]['label']} | {own} | {_beside(difference_interval, runs, first)} |")
     lines += ["", f"The same {heading}; over the meshes and the seeds:", ""]
     return lines + [
-        f"| {runs[0]['label']} | {_beside(total_interval, runs, first)} |" for runs in methods[1:]
+        f"| {runs[0]['label']} | {_beside(total_interval, runs, first)} |"
+        for runs in methods
+        if runs is not first
     ]
 
 
@@ -172,14 +183,17 @@ def main() -> None:
     parser = ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
     parser.add_argument("results", type=_read, metavar="RESULTS")
     parser.add_argument("--placements", action="store_true", help="in place of the rows: where hints lie")
-    parser.add_argument("--differences", action="store_true", help="each beside the first of the plan")
+    parser.add_argument("--differences", action="store_true", help="each beside the first, or --beside")
+    parser.add_argument(
+        "--beside", metavar="ROW", help="what differences are from; the first row, if not said"
+    )
     parser.add_argument("--relief", action="store_true", help="relief and outline beside the first's")
     parser.add_argument("--hints", action="store_true", help="what hints buy each method")
     parser.add_argument("--other", type=_read, metavar="RESULTS", help="beside the same in another test")
     options = parser.parse_args()
     lines = placements(options.results) if options.placements else rows(options.results)
-    further = {differences: options.differences, relief: options.relief, hints: options.hints}
-    for table, asked in further.items():
+    lines += differences(options.results, options.beside) if options.differences else []
+    for table, asked in {relief: options.relief, hints: options.hints}.items():
         lines += table(options.results) if asked else []
     lines += other_test(options.results, options.other) if options.other else []
     print("\n".join(lines))
