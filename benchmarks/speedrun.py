@@ -203,7 +203,9 @@ def speedrun(options: argparse.Namespace) -> str:
 
     torch.set_num_threads(1)
     on_gpu = any(one.startswith("trainer.accelerator=") and "cpu" not in one for one in options.set)
-    device = torch.cuda.get_device_name() if on_gpu else "one core"
+    # A core with wider instructions is another kind of device.
+    core = f"one core, {torch.backends.cpu.get_cpu_capability()}"
+    device = torch.cuda.get_device_name() if on_gpu else core
     track = digest([RECIPE.read_text(encoding="utf-8"), options.target])
     logged = load_log(options.log)
     record = record_of(logged, track, device)

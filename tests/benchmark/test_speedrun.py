@@ -69,7 +69,8 @@ def test_an_idea_from_the_command_line_to_the_log(
     assert said.endswith("A new record.")
     (one,) = map(json.loads, log.read_text(encoding="utf-8").splitlines())
     assert one["record"]
-    assert (one["idea"], one["seed"], one["device"], one["target"]) == ("first", 0, "one core", 179)
+    assert (one["idea"], one["seed"], one["target"]) == ("first", 0, 179)
+    assert one["device"].startswith("one core, ")
     assert len(one["curve"]) == 1  # it stopped at the target
     assert one["cost_to_target"] == one["curve"][0]["cost"] > 0
     assert one["curve"][0]["images"] == 8
