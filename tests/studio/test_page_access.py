@@ -128,6 +128,33 @@ def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width
             assert box["x"] + box["width"] <= width
 
 
+@pytest.mark.parametrize(("width", "height"), [(844, 390), (667, 375), (1024, 600)])
+def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
+    opened: "Browser", server: Server, width: int, height: int
+) -> None:
+    with open_studio(opened, server.url, width=width, height=height) as studio:
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        page = studio.page
+        drawing, result, footer = (
+            page.locator(each).bounding_box() for each in ("#board", "#viewer", "footer")
+        )
+        assert drawing is not None
+        assert result is not None
+        assert footer is not None
+        assert drawing["x"] + drawing["width"] <= result["x"]
+        assert min(drawing["height"], result["height"]) > 100
+        assert drawing["y"] + drawing["height"] <= footer["y"]
+        assert footer["y"] + footer["height"] <= height
+        tools = page.locator("#tools > :visible")
+        assert tools.count() == 11
+        for tool in tools.all():
+            box = tool.bounding_box()
+            assert box is not None
+            assert box["y"] + box["height"] <= footer["y"]
+
+
 def test_dark_and_light_follow_the_system_until_switched(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url) as studio:
         header = studio.page.locator("header")
