@@ -2,7 +2,7 @@
 
 tools/keep_results.py runs/critic/results.json -o docs/results/critic_64.json
 tools/keep_results.py runs/a/results.json runs/b/results.json -o both.json: rows of a plan, trained apart
-tools/keep_results.py runs/placement/results.json --by-mesh angular_mean -o placement_64.json: no more by mesh
+tools/keep_results.py runs/placement/results.json --by-mesh angular_mean --without distance -o p.json
 
 Figures by view are left out, and numbers rounded to four digits. The first row of the first report is the one
 that `tools/benchmark_rows.py --differences` sets the others beside.
@@ -22,17 +22,20 @@ ALIKE = ("plan", "scale", "images", "specification", "size")
 """What reports must have in common to be one."""
 
 
-def keep(reports: Sequence[Mapping[str, Any]], by_mesh: Sequence[str] = ()) -> dict[str, Any]:
+def keep(
+    reports: Sequence[Mapping[str, Any]], by_mesh: Sequence[str] = (), without: Sequence[str] = ()
+) -> dict[str, Any]:
     """Return one report of all runs, a row after the other, its seeds in order, without figures by view.
 
     Args:
         reports: as `normalgan benchmark` writes them.
         by_mesh: the figures by mesh that are kept beside the number of pixels; all, if none is named.
+        without: further parts of a run that are left out, such as ``distance``.
 
     Raises:
         InputError: if they are of different plans, budgets or tests, or have a run twice.
     """
-    first = reports[0]
+    first, left_out = reports[0], {"views", "names", *without}  # the names are those of the views
     for name in ALIKE:
         if any(report.get(name) != first.get(name) for report in reports):
             raise InputError(f"the reports differ in {name}; only such that were measured alike become one.")
@@ -41,7 +44,7 @@ def keep(reports: Sequence[Mapping[str, Any]], by_mesh: Sequence[str] = ()) -> d
         seeds = runs.setdefault(run["row"], {})
         if run["seed"] in seeds:
             raise InputError(f"two reports have {run['row']} with seed {run['seed']}; leave one of them out.")
-        seeds[run["seed"]] = {name: value for name, value in run.items() if name != "views"}
+        seeds[run["seed"]] = {name: value for name, value in run.items() if name not in left_out}
         if by_mesh:
             seeds[run["seed"]]["meshes"] = {
                 given: {
@@ -74,6 +77,7 @@ if __name__ == "__main__":
     parser.add_argument(
         "--by-mesh", nargs="+", default=(), metavar="FIGURE", help="the only ones to keep by mesh"
     )
+    parser.add_argument("--without", nargs="+", default=(), metavar="PART", help="left out besides: distance")
     options = parser.parse_args()
     found = [json.loads(path.read_text(encoding="utf-8")) for path in options.results]
-    write_bytes(options.output, rounded(keep(found, options.by_mesh)))
+    write_bytes(options.output, rounded(keep(found, options.by_mesh, options.without)))

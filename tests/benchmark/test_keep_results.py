@@ -36,8 +36,9 @@ def test_rows_that_were_trained_apart_become_one_report(tool: Any) -> None:
 
 
 def test_of_figures_by_mesh_some_are_kept(tool: Any) -> None:
-    (run,) = tool.keep([report("paper", 0)], ["angular_mean"])["runs"]
+    (run,) = tool.keep([report("paper", 0)], ["angular_mean"], ["commit"])["runs"]
     assert run["meshes"]["15"]["384"].keys() == {"angular_mean", "pixels"}
+    assert run.keys() == {"row", "seed", "meshes"}
 
 
 def test_what_was_not_measured_alike_stays_apart(tool: Any) -> None:
