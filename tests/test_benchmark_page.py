@@ -3,6 +3,7 @@
 import json
 from importlib import import_module
 from pathlib import Path
+from statistics import fmean
 
 import pytest
 
@@ -87,3 +88,15 @@ def test_what_was_tested_on_other_drawings_are_the_networks_that_were_taken_apar
         for name in ("lines_64", "ablation_64")
     ]
     assert curves[0].items() <= curves[1].items()
+
+
+def test_the_page_shows_what_hints_that_are_off_cost() -> None:
+    page = (ROOT / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    given = ("15", *(f"degrees-{n}" for n in (5, 10, 15, 30)), *(f"pixels-{n}" for n in (1, 2, 3, 6)), "0")
+    rows: dict[str, list[dict[str, float]]] = {}
+    for run in json.loads((ROOT / "docs" / "results" / "users_64.json").read_text(encoding="utf-8"))["runs"]:
+        rows.setdefault(run["label"], []).append({one: run["figures"][one]["angular_mean"] for one in given})
+    assert len(rows) == 3
+    for label, runs in rows.items():
+        cells = [f"{fmean(run[one] for run in runs):.2f}°" for one in given]
+        assert f"| {label} | {' | '.join(cells)} |" in page

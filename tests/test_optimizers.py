@@ -26,6 +26,13 @@ def test_a_matrix_of_zeros_stays_zero() -> None:
     assert torch.equal(orthogonalized(torch.zeros(16, 20)), torch.zeros(16, 20))
 
 
+def test_mixed_precision_changes_nothing() -> None:
+    matrix = torch.randn(24, 40, generator=torch.Generator().manual_seed(0))
+    expected = orthogonalized(matrix)
+    with torch.autocast("cpu", torch.bfloat16):
+        assert torch.equal(orthogonalized(matrix), expected)
+
+
 def gradients(*parameters: nn.Parameter) -> None:
     for i, parameter in enumerate(parameters):
         parameter.grad = torch.randn(parameter.shape, generator=torch.Generator().manual_seed(i))

@@ -36,6 +36,12 @@ def orthogonalized(matrix: Tensor) -> Tensor:
         >>> orthogonalized(torch.tensor([[3.0, 0.0], [0.0, 0.2]])).round(decimals=0).tolist()
         [[1.0, 0.0], [0.0, 1.0]]
     """
+    # Manual optimisation steps within the autocast of the forward pass; in half precision these give nan.
+    with torch.autocast(matrix.device.type, enabled=False):
+        return _orthogonalized(matrix)
+
+
+def _orthogonalized(matrix: Tensor) -> Tensor:
     wide = matrix if matrix.shape[0] <= matrix.shape[1] else matrix.T
     wide = wide / (1.01 * wide.norm()).clamp(min=torch.finfo(wide.dtype).tiny)  # singular values up to 1
     gram = wide @ wide.T
