@@ -251,7 +251,7 @@ def test_what_is_saved_is_painted_until_the_folder_vanishes(
     said = capsys.readouterr()
     names = [Path(line).name for line in said.out.split()]
     assert names == ["fox_normal.png", "owl_normal.png", "fox_normal.png"]
-    assert "half.png is not an image that can be read" in said.err
+    assert "half.png cannot be read as an image" in said.err
     assert "the folder in that is watched is gone." in said.err
 
 

@@ -132,6 +132,7 @@ def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width
 def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
     opened: "Browser", server: Server, width: int, height: int
 ) -> None:
+    server.begin_anew()
     with open_studio(opened, server.url, width=width, height=height) as studio:
         studio.new()
         with studio.repainting():
