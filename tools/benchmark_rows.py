@@ -5,6 +5,8 @@ tools/benchmark_rows.py docs/results/ablation_64.json --differences: also each b
 tools/benchmark_rows.py docs/results/benchmark_64.json --differences --beside paper: beside that row
 tools/benchmark_rows.py docs/results/placement_64.json --placements: the tables of where hints lie
 tools/benchmark_rows.py docs/results/ablation_64.json --hints: what hints buy each method
+tools/benchmark_rows.py docs/results/users_64.json --hints 15: beside 15 true ones, not beside none
+tools/benchmark_rows.py docs/results/folds_64.json --meshes: how the difference from the first row varies
 tools/benchmark_rows.py docs/results/critic_64.json --relief: how relief and outline differ from the first's
 tools/benchmark_rows.py docs/results/lines_64.json --other docs/results/ablation_64.json: beside another test
 """
@@ -14,6 +16,7 @@ from argparse import ArgumentParser
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 from normalgan.benchmark.intervals import Interval, difference_interval, mesh_interval, total_interval
@@ -137,22 +140,50 @@ def other_test(results: Mapping[str, Any], other: Mapping[str, Any]) -> list[str
     return lines
 
 
-def hints(results: Mapping[str, Any]) -> list[str]:
-    """Return lines of Markdown: what each number of hints changes of each method's error without any.
+def meshes(results: Mapping[str, Any]) -> list[str]:
+    """Return lines of Markdown: least and most over the meshes of each method's error less the first one's.
+
+    Without hints and with 15, the mean over the seeds; then how often, of how many meshes times seeds, it is
+    ahead of the first.
+
+    Args:
+        results: as `normalgan benchmark` writes them.
+    """
+    first, *others = _by_method(results)
+    lines = ["", f"By mesh, less {first[0]['label']}: no hints, ahead, 15 uniform ones, ahead", ""]
+    for runs in others:
+        cells = []
+        for given in ("0", "15"):
+            pairs = [(a["meshes"][given], b["meshes"][given]) for a, b in zip(runs, first, strict=True)]
+            by_mesh = [
+                [a[mesh]["angular_mean"] - b[mesh]["angular_mean"] for a, b in pairs] for mesh in pairs[0][0]
+            ]
+            means = [fmean(seeds) for seeds in by_mesh]
+            every = [each for seeds in by_mesh for each in seeds]
+            cells.append(f"{min(means):+.1f} to {max(means):+.1f}°")
+            cells.append(f"{sum(each < 0 for each in every)} of {len(every)}")
+        lines.append(f"| {runs[0]['label']} | {' | '.join(cells)} |")
+    return lines
+
+
+def hints(results: Mapping[str, Any], beside: str = "0") -> list[str]:
+    """Return lines of Markdown: what each way of giving hints changes of each method's error with another.
 
     Each with the interval over the meshes, and that over the meshes and the seeds.
 
     Args:
         results: as `normalgan benchmark` writes them.
+        beside: the way of giving hints that the others are set beside; none.
     """
     lines: list[str] = []
     for runs in _by_method(results):
         given = [
-            one for one in runs[0]["figures"] if one not in ("0", OWN) and one in runs[0].get("meshes", {})
+            one for one in runs[0]["figures"] if one not in (beside, OWN) and one in runs[0].get("meshes", {})
         ]
-        lines += ["", f"{runs[0]['label']}, none: {figure_cell('0', 'angular_mean')(runs)}", ""]
+        known = figure_cell(beside, "angular_mean")(runs)
+        lines += ["", f"{runs[0]['label']}, {'none' if beside == '0' else beside}: {known}", ""]
         for one in given:
-            both = (f(runs, runs, one, "angular_mean", "0") for f in (difference_interval, total_interval))
+            both = (f(runs, runs, one, "angular_mean", beside) for f in (difference_interval, total_interval))
             cells = [figure_cell(one, "angular_mean")(runs), *(interval_cell(found, "+") for found in both)]
             lines.append(f"| {one} | {' | '.join(cells)} |")
     return lines
@@ -188,13 +219,15 @@ def main() -> None:
         "--beside", metavar="ROW", help="what differences are from; the first row, if not said"
     )
     parser.add_argument("--relief", action="store_true", help="relief and outline beside the first's")
-    parser.add_argument("--hints", action="store_true", help="what hints buy each method")
+    parser.add_argument("--hints", nargs="?", const="0", metavar="GIVEN", help="what hints buy; beside none")
+    parser.add_argument("--meshes", action="store_true", help="how differences from the first vary by mesh")
     parser.add_argument("--other", type=_read, metavar="RESULTS", help="beside the same in another test")
     options = parser.parse_args()
     lines = placements(options.results) if options.placements else rows(options.results)
     lines += differences(options.results, options.beside) if options.differences else []
-    for table, asked in {relief: options.relief, hints: options.hints}.items():
-        lines += table(options.results) if asked else []
+    lines += relief(options.results) if options.relief else []
+    lines += meshes(options.results) if options.meshes else []
+    lines += hints(options.results, options.hints) if options.hints else []
     lines += other_test(options.results, options.other) if options.other else []
     print("\n".join(lines))
 

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 from matplotlib import colormaps
@@ -50,7 +51,7 @@ def picture(results: Mapping[str, Any]) -> bytes:
 
 def mean(runs: list[Any], given: str, mesh: str) -> float:
     """Return a mesh's error, the mean over the seeds."""
-    return float(sum(run["meshes"][given][mesh]["angular_mean"] for run in runs) / len(runs))
+    return fmean(run["meshes"][given][mesh]["angular_mean"] for run in runs)
 
 
 if __name__ == "__main__":

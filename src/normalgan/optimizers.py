@@ -38,21 +38,17 @@ def orthogonalized(matrix: Tensor) -> Tensor:
     """
     # Manual optimisation steps within the autocast of the forward pass; in half precision these give nan.
     with torch.autocast(matrix.device.type, enabled=False):
-        return _orthogonalized(matrix)
-
-
-def _orthogonalized(matrix: Tensor) -> Tensor:
-    wide = matrix if matrix.shape[0] <= matrix.shape[1] else matrix.T
-    wide = wide / (1.01 * wide.norm()).clamp(min=torch.finfo(wide.dtype).tiny)  # singular values up to 1
-    gram = wide @ wide.T
-    product = torch.eye(len(gram), dtype=gram.dtype, device=gram.device)
-    for a, b, c in _QUINTICS:
-        factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
-        factor.diagonal().add_(a)
-        product = factor @ product
-        gram = factor @ gram @ factor
-        gram = (gram + gram.T) / 2  # rounding would make it less and less symmetric
-    result: Tensor = product @ wide
+        wide = matrix if matrix.shape[0] <= matrix.shape[1] else matrix.T
+        wide = wide / (1.01 * wide.norm()).clamp(min=torch.finfo(wide.dtype).tiny)  # singular values up to 1
+        gram = wide @ wide.T
+        product = torch.eye(len(gram), dtype=gram.dtype, device=gram.device)
+        for a, b, c in _QUINTICS:
+            factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
+            factor.diagonal().add_(a)
+            product = factor @ product
+            gram = factor @ gram @ factor
+            gram = (gram + gram.T) / 2  # rounding would make it less and less symmetric
+        result: Tensor = product @ wide
     return result if matrix.shape[0] <= matrix.shape[1] else result.T
 
 

@@ -51,7 +51,7 @@ def test_folded_legs_stay_on(species: str, pose: str) -> None:
 
 @pytest.mark.slow
 def test_a_whole_herd_is_sound() -> None:
-    for animal in herd(30, seed=1):
+    for animal in herd(75, seed=1):
         body = solid(animal.load())
         assert body.is_watertight, animal.name
         assert body.body_count == 1, animal.name
