@@ -18,6 +18,7 @@ LAYERS = (
         "normals",
         "predictions",
         "seeds",
+        "progress",
         "training_help",
         "limits",
         "late_imports",

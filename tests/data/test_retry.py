@@ -8,7 +8,7 @@ from toys import recipe
 
 from normalgan.data.layout import Layout
 from normalgan.data.pool import Killed
-from normalgan.data.retry import DEADLY, find_troubles, render_shards
+from normalgan.data.retry import DEADLY, look_at_meshes, render_shards
 from normalgan.data.shards import ShardedSamples
 from normalgan.data.tasks import MeshTask, ShardTask
 from normalgan.errors import RunError
@@ -53,5 +53,7 @@ def test_where_every_mesh_kills_it_is_not_the_meshes(tmp_path: Path) -> None:
 
 
 def test_a_mesh_that_kills_when_it_is_loaded_is_found_among_bystanders() -> None:
-    assert find_troubles(Unlucky("c"), list(MESHES.values())) == {"c": DEADLY}
-    assert find_troubles(Unlucky(), list(MESHES.values())) == {}
+    for deadly in (("c",), ()):
+        looked_at = look_at_meshes(Unlucky(*deadly), list(MESHES.values()))
+        found = {task.source.name: why for task, why in looked_at}
+        assert found == {name: DEADLY if name in deadly else None for name in MESHES}

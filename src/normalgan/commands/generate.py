@@ -2,8 +2,8 @@
 
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass, fields
 from io import StringIO
 from pathlib import Path
@@ -37,6 +37,7 @@ from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
 from normalgan.painting.series import flat_map
 from normalgan.painting.watching import Watcher
+from normalgan.progress import progress_bar
 
 __all__ = ["LOOK", "generate", "run"]
 
@@ -176,9 +177,10 @@ class _Batch:
             settings.tile,
         )
         written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
-        with _progress(len(jobs)) as advance:
+        watched = len(jobs) > 1 and sys.stderr.isatty()
+        with progress_bar("painting", len(jobs), "drawings", shown=watched) as advance:
             for job, outcome in written:
-                advance()
+                advance(1)
                 if isinstance(outcome, Exception):
                     sentence = _sentence(job, outcome)
                     if alone:
@@ -353,24 +355,3 @@ def _sentence(job: Job, error: Exception) -> InputError:
     if not isinstance(error, InputError):
         raise error
     return named(job.files.drawing, error)
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[], None]]:
-    """Give what moves a bar on standard error on; there is none for one drawing, or if nobody watches."""
-    if total < 2 or not sys.stderr.isatty():
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (
-        TextColumn("painting"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        TextColumn("left"),
-    )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("painting", total=total)
-        yield lambda: progress.advance(task)

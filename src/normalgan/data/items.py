@@ -9,7 +9,7 @@ from torch.utils.data import Dataset
 
 from normalgan.batch import Batch
 from normalgan.errors import InputError
-from normalgan.metrics import unit_vectors
+from normalgan.metrics.functional import unit_vectors_within
 
 __all__ = ["AsStored", "Item", "SampleError", "StoredSamples", "collate", "decode", "decode_item", "to_item"]
 
@@ -72,11 +72,12 @@ def decode(batch: Batch) -> Batch:
         sketch = sketch.float() / 255
     on = mask.float()
     if normal.dtype == torch.float16 or not mask.is_floating_point():
-        normal = unit_vectors(normal) * on
+        normal = unit_vectors_within(normal.float(), on)
     decoded: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": on}
     if "hints" in batch and batch["hints"].dtype == torch.float16:
-        where = batch["hints"][:, 3:].float()
-        decoded["hints"] = torch.cat([unit_vectors(batch["hints"][:, :3]) * where, where], dim=1)
+        hints = batch["hints"].float()
+        where = hints[:, 3:]
+        decoded["hints"] = torch.cat([unit_vectors_within(hints[:, :3], where), where], dim=1)
     return decoded
 
 

@@ -3,9 +3,6 @@
 import warnings
 from collections.abc import Mapping
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 from normalgan.data.cluster import Cluster
 from normalgan.data.local_cache import LocalCache
 from normalgan.data.manifest import Manifest
@@ -18,6 +15,7 @@ from normalgan.data.survey import outstanding
 from normalgan.data.tasks import ShardTask
 from normalgan.data.workers import Workers
 from normalgan.errors import InputError
+from normalgan.progress import progress_bar
 
 __all__ = ["Sources", "open_samples", "render_samples"]
 
@@ -45,7 +43,7 @@ def render_samples(
         views_per_mesh: samples to render of each mesh, one number or one a split.
         recipe: how.
         workers: processes to render in, 0 for this one alone.
-        progress: whether to show a progress bar on the error stream.
+        progress: whether to show progress bars on the error stream.
         cluster: a Dask cluster to render on instead; see `Cluster`.
         thorough: whether to check every byte in a distant store too, not only that all objects are there, and
             to try meshes once more that could not be rendered.
@@ -70,7 +68,7 @@ def render_samples(
         if manifest is None:
             if Manifest.damaged(folder):
                 warnings.warn(f"damaged, and written again: the manifest of {folder.url}.", stacklevel=2)
-            manifest = lay_out(pool, sources, views, recipe, meshes, per_shard)
+            manifest = lay_out(pool, sources, views, recipe, meshes, per_shard, progress)
             manifest.write(folder)
         elif folder.local or thorough:
             manifest.describe(folder)  # mends what describes the arrays
@@ -119,14 +117,7 @@ def _warn(left_out: Mapping[str, str], noun: str) -> None:
 
 
 def _render_all(pool: Pool, tasks: list[ShardTask], progress: bool) -> None:
-    columns = (
-        TextColumn("rendering"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("samples"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), disable=not (progress and tasks)) as bar:
-        meter = bar.add_task("", total=sum(len(task.shard) for task in tasks))
+    total = sum(len(task.shard) for task in tasks)
+    with progress_bar("rendering", total, "samples", progress) as advance:
         for task, _ in render_shards(pool, tasks):
-            bar.advance(meter, len(task.shard))
+            advance(len(task.shard))

@@ -6,10 +6,10 @@ from normalgan.data.layout import Layout
 from normalgan.data.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.pool import Killed, Pool
 from normalgan.data.recipe import Loadable, SampleRecipe
-from normalgan.data.retry import find_troubles
 from normalgan.data.splits import plural
 from normalgan.data.storage import Storage
 from normalgan.data.tasks import MeshTask, check_recipe
+from normalgan.data.usable import find_troubles
 from normalgan.errors import InputError, RunError
 
 __all__ = ["Sources", "lay_out", "locate"]
@@ -39,8 +39,11 @@ def lay_out(
     recipe: SampleRecipe,
     meshes: Mapping[str, MeshTask],
     per_shard: int,
+    progress: bool,
 ) -> Manifest:
     """Find out which meshes can be used, as only loading them can tell, and say what lies where.
+
+    ``progress`` says whether to show a bar meanwhile: of thousands of meshes it takes minutes.
 
     Raises:
         InputError: if the renderer does not run, or no mesh of a split can be used.
@@ -48,7 +51,7 @@ def lay_out(
     for _, outcome in pool.run(check_recipe, [recipe]):
         if isinstance(outcome, Killed):
             raise RunError(f"{type(recipe).__name__} kills the process that asks whether it runs.")
-    reasons = find_troubles(pool, list(meshes.values()))
+    reasons = find_troubles(pool, list(meshes.values()), plural(recipe.noun), progress)
     left_out = {name: reasons[name] for name in meshes if name in reasons}
     splits = {}
     for split, number in views.items():

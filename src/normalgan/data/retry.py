@@ -7,7 +7,7 @@ from normalgan.data.pool import Killed, Pool, alone
 from normalgan.data.tasks import MeshTask, ShardTask, look_at, render_shard, try_mesh
 from normalgan.errors import RunError
 
-__all__ = ["DEADLY", "find_troubles", "render_shards"]
+__all__ = ["DEADLY", "look_at_meshes", "render_shards"]
 
 DEADLY = "it kills the process that works on it, most likely for want of memory."
 
@@ -54,20 +54,17 @@ def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[Shar
             yield task, outcome
 
 
-def find_troubles(pool: Pool, tasks: Sequence[MeshTask]) -> dict[str, str]:
-    """Return why meshes cannot be used, by name. Raises as `look_at` does."""
-    reasons = {}
+def look_at_meshes(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[MeshTask, str | None]]:
+    """Yield every mesh with why it cannot be used, or None if it can. Raises as `look_at` does."""
     suspects = []
     for task, outcome in pool.run(look_at, tasks, _meshes):
         if isinstance(outcome, Killed):
             suspects.append(task)
-        elif outcome is not None:
-            reasons[task.source.name] = outcome
+        else:
+            yield task, outcome
     for task in suspects:
         outcome = alone(pool, look_at, task)
-        if outcome is not None:
-            reasons[task.source.name] = DEADLY if isinstance(outcome, Killed) else outcome
-    return reasons
+        yield task, DEADLY if isinstance(outcome, Killed) else outcome
 
 
 def _killer(pool: Pool, task: ShardTask) -> str | None:

@@ -5,15 +5,17 @@ import json
 from collections.abc import Mapping, Sequence
 
 from normalgan.data.manifest import fingerprints
+from normalgan.data.pool import Pool
 from normalgan.data.recipe import Loadable
-from normalgan.data.retry import find_troubles
+from normalgan.data.retry import look_at_meshes
 from normalgan.data.storage import Storage
 from normalgan.data.tasks import MeshTask
 from normalgan.data.workers import Workers
 from normalgan.errors import InputError
+from normalgan.progress import progress_bar
 from normalgan.rendering.samples import RENDERING_VERSION
 
-__all__ = ["find_unusable", "leave_out"]
+__all__ = ["find_troubles", "find_unusable", "leave_out"]
 
 
 def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
@@ -41,10 +43,28 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
         pass
     with Workers(workers) as pool:
         tasks = [MeshTask(source, seen) for source, (_, seen) in zip(sources, prints, strict=True)]
-        reasons = find_troubles(pool, tasks)
+        reasons = find_troubles(pool, tasks, "meshes")
     left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
     folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
     return left_out
+
+
+def find_troubles(pool: Pool, tasks: Sequence[MeshTask], unit: str, progress: bool = True) -> dict[str, str]:
+    """Return why meshes cannot be used, by name.
+
+    Args:
+        pool: who loads them.
+        tasks: the meshes.
+        unit: what they are called in the bar.
+        progress: whether to show one on the error stream.
+    """
+    reasons = {}
+    with progress_bar("looking at", len(tasks), unit, progress, stays=False) as advance:
+        for task, reason in look_at_meshes(pool, tasks):
+            advance(1)
+            if reason is not None:
+                reasons[task.source.name] = reason
+    return reasons
 
 
 def leave_out(sources: Sequence[Loadable], reasons: Mapping[str, str], split: str) -> list[Loadable]:

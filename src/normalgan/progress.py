@@ -1,0 +1,40 @@
+"""Progress: how far long work has come, as a bar on the error stream."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+__all__ = ["progress_bar"]
+
+
+@contextmanager
+def progress_bar(
+    title: str, total: int, unit: str, shown: bool = True, stays: bool = True
+) -> Iterator[Callable[[int], None]]:
+    """Show a bar, and hand out what is to be told how much more is done.
+
+    Args:
+        title: what is being done.
+        total: of how much.
+        unit: what is counted.
+        shown: False shows nothing.
+        stays: whether the full bar is left, as the only word in a log file; else it is taken away.
+    """
+    if not shown or total <= 0:
+        yield lambda more: None
+        return
+    # Late, as most commands show no bar.
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn(title),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn(unit),
+        TimeRemainingColumn(),
+    )
+    console = Console(stderr=True)
+    seen = stays or console.is_terminal  # a file would get an empty line
+    with Progress(*columns, console=console, transient=not stays, disable=not seen) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda more: bar.advance(task, more)
