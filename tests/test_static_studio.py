@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow  # downloads a package of npm
 ROOT = Path(__file__).parents[1]
-LARGEST = 30e6
+LARGEST = 22e6
 SIDE = 512
 ASK = """async ([grey, width, height, more, path = "/api/paint"]) => {
   const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));

@@ -1,5 +1,5 @@
 // What is used of onnxruntime-web; the file itself comes from npm when the site is built.
-export declare const env: { wasm: { numThreads: number; wasmPaths: string } };
+export declare const env: { wasm: { numThreads: number; wasmPaths: string; wasmBinary?: ArrayBuffer } };
 export declare class Tensor {
   constructor(type: "float32", data: Float32Array, dims: number[]);
   readonly data: Float32Array;

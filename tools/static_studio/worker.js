@@ -9,6 +9,7 @@ import { doubt, suggest } from "./suggest.js";
 
 ort.env.wasm.numThreads = 1; // more threads need headers that few hosts of pages send
 ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
+const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
 
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
 /**
@@ -30,6 +31,7 @@ ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
 
 /** Pixels of what is kept: of several layers only one is painted again. */
 const KEPT = 2 ** 23;
+const runtime = unpack();
 const ready = load();
 /** @type {Map<string, import("./prepare.js").Prepared>} while a pin is turned, nothing but the hints changes */
 const prepared = new Map();
@@ -57,9 +59,15 @@ async function file(name) {
   return answer;
 }
 
+async function unpack() {
+  const { body } = await file(RUNTIME);
+  if (!body) throw new Error(`${RUNTIME} is empty`);
+  ort.env.wasm.wasmBinary = await new Response(body.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+}
+
 /** @param {string} name */
 async function network(name) {
-  const answer = await file(name);
+  const [answer] = await Promise.all([file(name), runtime]);
   return ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
 }
 
