@@ -141,7 +141,7 @@ def measure(size: int, batch_size: int, steps: int, blocks: int, folder: Path) -
         animals=4,
         size=size,
         fractions=(0.5, 0.25, 0.25),
-        train_views=batch_size * 4,
+        train_views=batch_size * 32,  # epochs of 64 batches, as of a few meshes
         val_views=1,
         test_views=1,
         renderer=EmbreeRenderer(),

@@ -96,6 +96,7 @@ _SAFE = {
         "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
         "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
         "normalgan.checkpoints": "AtomicCheckpointIO LastCheckpoint",
+        "normalgan.optimizers": "MuonRAdam",
     }.items()
     for name in names.split()
 }

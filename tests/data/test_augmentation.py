@@ -9,6 +9,7 @@ from normalgan.batch import Batch
 from normalgan.data.augmentation import (
     Augmentation,
     BatchAugmentation,
+    add_strays,
     augmented,
     change_width,
     drop_lines,
@@ -202,6 +203,30 @@ def test_dropped_share_is_bounded() -> None:
     assert gone.mean() > 0.1
 
 
+def test_strays_are_short_lie_on_the_object_and_take_no_line_away() -> None:
+    torch.manual_seed(0)
+    batch = sphere(64)
+    marked = add_strays(batch["sketch"], batch["mask"], 0.5)
+    added = (marked - batch["sketch"]).flatten(1)
+    assert added.min() >= 0
+    assert added.max() == 1
+    ink = added.sum(1)
+    assert 8 <= (ink == 0).sum() <= 24  # of 64 a quarter
+    assert ink.max() < 2 * (SIZE / 6 + 2) * 2.5  # two of the longest and widest, in pixels of 128
+    rows = (marked - batch["sketch"]).amax((0, 1, 3)).nonzero()
+    reach = 44 + SIZE / 12 + 2  # the sphere's radius and half a stroke
+    assert (rows - (SIZE - 1) / 2).abs().max() <= reach
+    assert torch.equal(add_strays(batch["sketch"], batch["mask"], 0.0), batch["sketch"])
+
+
+def test_strays_leave_the_form_as_it_is() -> None:
+    batch = sphere()
+    given: Any = {**STILL, **CLEAN}
+    plain, marked = (Augmentation(**given, strays=share)(batch, seed=0) for share in (0.0, 1.0))
+    assert torch.equal(plain["normal"], marked["normal"])
+    assert (marked["sketch"] > plain["sketch"]).flatten(1).any(1).all()
+
+
 def test_a_grid_takes_each_pixel_from_where_it_was_before_it_was_moved() -> None:
     """Pixels of a matrix: two to the right and one down, and a quarter turn about the origin."""
     picture = torch.arange(25.0).view(1, 1, 5, 5)
@@ -241,6 +266,7 @@ def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
         ({"flip": 2.0}, "flip must be between 0 and 1, not 2.0"),
         ({"scale": (1.2, 0.8)}, "two positive numbers in order"),
         ({"rotation": -1.0}, "0 or more"),
+        ({"strays": 1.5}, "strays must be between 0 and 1, not 1.5"),
         ({"shear": 60.0}, "shear must be between 0 and 45 degrees, not 60.0"),
     ],
 )

@@ -70,6 +70,27 @@ def test_deblocking_takes_the_grid_of_patches_from_smooth_forms_and_leaves_lines
     torch.testing.assert_close(after.direction.norm(dim=1), torch.ones(1, 64, 64))
 
 
+def test_with_mirror_a_mirror_image_gets_the_mirror_image_of_the_map() -> None:
+    plain = generator().eval()
+    network = ResidualUNetGenerator((8, 12, 16), (1, 1, 1), 2, mirror=True).eval()
+    network.load_state_dict(plain.state_dict())
+    given = condition()
+    flipped = given.flip(3)
+    flipped[:, 0, 5, 31 - 7] = -0.6  # the hint faces the other way
+    with torch.no_grad():
+        before, here, there = plain.predict(given), network.predict(given), network.predict(flipped)
+        trained = network.train().predict(given)
+    assert here.presence is not None
+    assert here.confidence is not None
+    turned = here.direction.flip(3) * torch.tensor([-1.0, 1.0, 1.0])[:, None, None]
+    torch.testing.assert_close(there.direction, turned)
+    torch.testing.assert_close(there.presence, here.presence.flip(3))
+    torch.testing.assert_close(there.confidence, here.confidence.flip(3))
+    torch.testing.assert_close(here.direction.norm(dim=1), torch.ones(2, 32, 32))
+    assert not torch.allclose(here.direction, before.direction)
+    torch.testing.assert_close(trained.direction, before.direction)  # as fast as without, and as it learns
+
+
 @pytest.mark.parametrize("patch", [1, 2, 4])
 def test_it_paints_vectors_no_longer_than_1_and_a_positive_confidence(patch: int) -> None:
     painted = generator(patch)(condition()).detach()

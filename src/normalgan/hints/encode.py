@@ -25,4 +25,4 @@ def hints_at(normal: Tensor, where: Tensor) -> Tensor:
                 [1.0000, 0.0000]])
     """
     hinted = where > 0.5
-    return torch.cat([torch.where(hinted, normal, torch.zeros_like(normal)), hinted.to(normal.dtype)], dim=1)
+    return torch.cat([torch.where(hinted, normal, 0.0), hinted.to(normal.dtype)], dim=1)

@@ -74,7 +74,9 @@ class Generator(Network):
         output = self(condition)
         check_painted(self, output, condition)
         output = output.float()  # under autocast it may be bfloat16
-        return Predictions(output[:, :3], confidence=output[:, 3:] if output.shape[1] > 3 else None)
+        if output.shape[1] == 3:  # to cut three of three channels out takes a copy on the way back
+            return Predictions(output)
+        return Predictions(output[:, :3], confidence=output[:, 3:])
 
 
 def check_painted(generator: nn.Module, painted: object, condition: Tensor) -> None:

@@ -20,11 +20,11 @@ def make_condition(sketch: Tensor, hints: Tensor) -> Tensor:
         Su et al. 2018, Fig. 2; He et al. 2021, 3.2 ("a four-dimensional input").
     """
     normals, where = hints[:, :3], hints[:, 3:]
-    painted = (1 - 2 * sketch) * (1 - where) + normals * where
+    painted = torch.where(where > 0.5, normals, 1 - 2 * sketch)
     return torch.cat([painted, where], dim=1)
 
 
 def paste_hints(preds: Tensor, hints: Tensor) -> Tensor:
     """Return painted normals (N, 3, H, W) with the hinted ones in place (He et al. 2021, section 3)."""
     normals, where = hints[:, :3], hints[:, 3:]
-    return preds * (1 - where) + normals * where
+    return torch.where(where > 0.5, normals, preds)

@@ -10,6 +10,7 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
 from normalgan.models.hint_pyramid import hint_pyramid
+from normalgan.models.mirror import mean_of_mirrored, mirror_condition
 from normalgan.models.precision import float32_output
 from normalgan.models.residual import residual_blocks
 from normalgan.predictions import Predictions
@@ -40,6 +41,8 @@ class ResidualUNetGenerator(Generator):
             see nothing. To tell what they are worth.
         deblock: whether directions are averaged over a patch where no line is near. Squares that are folded
             and unfolded leave a faint grid, which light shows on smooth forms.
+        mirror: whether what is painted, but for training, is the mean of what it paints for a drawing and for
+            its mirror image, which takes twice as long.
 
     Raises:
         InputError: if widths and blocks are not as many, or a number cannot be used.
@@ -59,6 +62,7 @@ class ResidualUNetGenerator(Generator):
         detail: int = 1,
         hint_levels: bool = True,
         deblock: bool = False,
+        mirror: bool = False,
     ) -> None:
         super().__init__()
         _check(widths, blocks, patch, detail)
@@ -67,6 +71,7 @@ class ResidualUNetGenerator(Generator):
         self.norm = norm
         self.hint_levels = hint_levels
         self.deblock = deblock
+        self.mirror = mirror
         self.factor = patch * 2 ** (len(widths) - 1)
         pairs = list(pairwise(widths))
         self.stem = nn.Conv2d(5 * patch**2, widths[0], 3, padding=1)
@@ -116,6 +121,12 @@ class ResidualUNetGenerator(Generator):
                 f"batch norm cannot learn from one picture of {height} × {width} pixels, of which one pixel "
                 "is left at the coarsest level; use batches of 2 or more, or norm: none."
             )
+        if self.training or not self.mirror:
+            return self._predict(condition)
+        return mean_of_mirrored(self._predict(torch.cat([condition, mirror_condition(condition)])))
+
+    def _predict(self, condition: Tensor) -> Predictions:
+        """Return what the network itself paints, without mirror images."""
         where = condition[:, 3:]
         # Each level takes hints in the layout of its features: to join two layouts is to copy one of them.
         hints = torch.cat([condition[:, :3] * where, where], dim=1).contiguous(

@@ -39,8 +39,10 @@ class L1AndHints(Reconstruction):
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return the L1 loss and the hint loss; see `Reconstruction.terms`."""
-        compared = torch.where(where > 0.5, target, preds.normal) if self.composited else preds.normal
+        painted = preds.normal
+        compared = torch.where(where > 0.5, target, painted) if self.composited else painted
+        hinted = painted if self.hint_weight else painted.detach()  # for the log alone, no pass backward
         return {
             "l1": Term(l1_loss(compared, target), self.l1_weight),
-            "hint": Term(hint_loss(preds.normal, target, where), self.hint_weight),
+            "hint": Term(hint_loss(hinted, target, where), self.hint_weight),
         }

@@ -100,6 +100,8 @@ class Refiner:
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = self._threads
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")  # as the painting network's
+        # Where that one is of ONNX, both work in the same memory, one after the other.
+        options.add_session_config_entry("session.use_env_allocators", "1")
         return onnxruntime.InferenceSession(self._path, options, providers=["CPUExecutionProvider"])
 
     def __call__(self, coarse: Coarse, prepared: Prepared, mask: Mark) -> Floats:
