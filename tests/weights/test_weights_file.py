@@ -108,7 +108,7 @@ def test_the_shipped_files_hold_the_same_weights_and_notes() -> None:
         assert stored[f"generator.{name}"].dtype == tensors[name].numpy().dtype
     # ONNX has each second norm of a block as part of the convolution before it.
     folded = [name for name in tensors if re.search(r"\d\.first\.weight", name)]
-    assert len(folded) == 20
+    assert len(folded) == 22
     for name in folded:
         norm = name.replace("first.weight", "second_norm")
         scale = tensors[f"{norm}.weight"] / (tensors[f"{norm}.running_var"] + 1e-5).sqrt()
