@@ -33,6 +33,7 @@ from normalgan.objectives import (
     Wasserstein,
     WassersteinGradientPenalty,
 )
+from normalgan.objectives.steadiness import add_strays, unsteadiness
 from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from small import gan as make
 from small import trainer
@@ -196,6 +197,32 @@ def test_training_lowers_the_error(tmp_path: Path) -> None:
     assert after < 25
 
 
+def test_steadiness_holds_the_map_against_strokes_that_say_nothing(tmp_path: Path) -> None:
+    """Two runs of the same network, seed and batches."""
+    unseen = batch(64)
+    turned: list[float] = []
+    for name, weight in (("without", 0.0), ("with", 10.0)):
+        torch.manual_seed(0)
+        model = make(
+            generator=ResidualUNetGenerator((8, 12, 16), (1, 1, 1), 2),
+            discriminator=None,
+            reconstruction=AngularLikelihood(angle_weight=3.0),
+            generator_optimizer=partial(Adam, lr=3e-3),
+            steadiness=weight,
+        )
+        trainer(tmp_path / name, max_epochs=30).fit(model, loader(16, 32, 8))
+        model.eval()
+        torch.manual_seed(1)
+        with torch.no_grad():
+            marked = add_strays(unseen["sketch"], unseen["mask"], 1.0)
+            plain, other = (
+                model.generator.predict(make_condition(s, s.new_zeros(len(s), 4, 32, 32))).direction
+                for s in (unseen["sketch"], marked)
+            )
+            turned.append(float(unsteadiness(plain, other, unseen["mask"])))
+    assert turned[1] < 0.8 * turned[0]
+
+
 def test_a_run_resumed_ends_in_the_same_weights_to_the_bit(tmp_path: Path) -> None:
     def optimizer(parameters: Any) -> RMSprop:
         return RMSprop(parameters, lr=1e-3)
@@ -286,6 +313,7 @@ def test_bf16_trains_and_measures_in_full_precision(tmp_path: Path) -> None:
     [
         ({"n_critic": 0}, "n_critic must be 1 or more, not 0"),
         ({"adversarial_weight": -1.0}, "adversarial_weight must be 0 or more"),
+        ({"steadiness": -1.0}, "steadiness must be 0 or more, not -1.0"),
         ({"gradient_clip": 0.0}, "gradient_clip must be greater than 0, or null, not 0.0"),
         ({"objective": WassersteinGradientPenalty()}, "without batch norm"),
     ],

@@ -27,6 +27,7 @@ from normalgan.models.statistics import average_statistics
 from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.objectives.checks import check_losses, check_terms
 from normalgan.objectives.finite import loss_error, not_finite, read_behind
+from normalgan.objectives.steadiness import mark_some, unsteadiness
 from normalgan.plugin_outputs import check_kinds, shown
 from normalgan.seeds import derive_seed
 from normalgan.torch_seeds import seed_torch
@@ -66,6 +67,8 @@ class NormalGAN(LightningModule):
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
         hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
+        steadiness: weight of how many radians the normals turn by where strokes are drawn that say nothing of
+            the form: a quarter of each batch is painted twice, as it is and with these; with 0, none is.
         share_every: log how long the adversarial gradient is beside that of the reconstruction at every so
             many steps of the generator, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at what it paints); 0 logs none. Such a step takes two passes
@@ -95,6 +98,7 @@ class NormalGAN(LightningModule):
         gradient_clip: float | None = None,
         n_critic: int = 5,
         hint_noise: float = 0.0,
+        steadiness: float = 0.0,
         share_every: int = 0,
         noise_at_test: bool = False,
         seed: int = 0,
@@ -112,6 +116,8 @@ class NormalGAN(LightningModule):
             raise InputError(f"adversarial_weight must be 0 or more, not {adversarial_weight}.")
         if not 0 <= hint_noise <= 90:
             raise InputError(f"hint_noise must be 0 to 90 degrees, not {hint_noise}.")
+        if steadiness < 0:
+            raise InputError(f"steadiness must be 0 or more, not {steadiness}.")
         kinds: dict[str, tuple[object, type]] = {
             "generator": (generator, Generator),
             "discriminator": (discriminator, Discriminator),
@@ -148,6 +154,7 @@ class NormalGAN(LightningModule):
         self.gradient_clip = gradient_clip
         self.n_critic = n_critic
         self.hint_noise = hint_noise
+        self.steadiness = steadiness
         self.share_every = share_every
         self.noise_at_test = noise_at_test
         self.seed = seed
@@ -205,9 +212,16 @@ class NormalGAN(LightningModule):
             hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
         condition = make_condition(batch["sketch"], hints)
         generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
+        given, count = condition, len(condition)
+        if generates and self.steadiness:
+            marked = mark_some(batch["sketch"], batch["mask"])
+            # In one pass, so that batch norm has the same statistics for both.
+            given = torch.cat([condition, make_condition(marked, hints[: len(marked)])])
         with torch.set_grad_enabled(generates):
-            preds = self.generator.predict(condition)
-            check_predictions(self.generator, preds, condition)
+            preds = self.generator.predict(given)
+            check_predictions(self.generator, preds, given)
+        with_strays = preds.direction[count:]
+        preds = preds if given is condition else preds.of(slice(count))
         fake: Tensor | None = None  # nothing is done with whole maps that nobody looks at
         if self.discriminator is not None:
             fake = paste_hints(preds.normal, hints).to(condition.dtype)
@@ -217,6 +231,9 @@ class NormalGAN(LightningModule):
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
             check_terms(self.reconstruction, terms, alone=self.discriminator is None)
+            if self.steadiness:
+                turned = unsteadiness(preds.direction, with_strays, batch["mask"].float())
+                terms = {**terms, "unsteadiness": Term(turned, self.steadiness)}
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def training_hints(self, batch: Batch, seed: int) -> Tensor:

@@ -23,6 +23,15 @@ class Predictions(NamedTuple):
         """Normals (N, 3, H, W), as long as an object is probable; what `Generator.forward` returns first."""
         return self.direction if self.presence is None else self.direction * torch.sigmoid(self.presence)
 
+    def of(self, chosen: slice) -> "Predictions":
+        """Return those of some of the pictures."""
+        direction, presence, confidence = self
+        return Predictions(
+            direction[chosen],
+            None if presence is None else presence[chosen],
+            None if confidence is None else confidence[chosen],
+        )
+
     def channels(self) -> Tensor:
         """Return (N, 3, H, W), the normals, or (N, 4, H, W) with the confidence, if any."""
         return self.normal if self.confidence is None else torch.cat([self.normal, self.confidence], dim=1)

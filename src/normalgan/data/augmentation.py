@@ -12,6 +12,7 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics.functional import unit_vectors, unit_vectors_within
+from normalgan.objectives.steadiness import add_strays
 from normalgan.plugin_outputs import called, refused, shown
 from normalgan.registry import Registry
 from normalgan.torch_seeds import seed_torch
@@ -57,7 +58,6 @@ __all__ = [
     "AUGMENTATIONS",
     "Augmentation",
     "BatchAugmentation",
-    "add_strays",
     "augmented",
     "change_width",
     "drop_lines",
@@ -203,37 +203,6 @@ def change_width(sketch: Tensor, strength: float) -> Tensor:
     sign = torch.where(amount < 0, -1.0, 1.0)
     # Erosion is the dilation of the negative: one morphology, not two, for sketches that go both ways.
     return torch.lerp(sketch, sign * dilation(sign * sketch, cross), amount.abs())
-
-
-def add_strays(sketch: Tensor, mask: Tensor, share: float) -> Tensor:
-    """Draw short straight strokes on the object that say nothing of its form, at most two a sketch.
-
-    Hatching, spots and slips of the pen are such. They are 1/30 to 1/6 of the side long and 0.8 to 3 pixels
-    of a sketch of 256 wide.
-
-    Args:
-        sketch: (N, 1, H, W) in [0, 1], ink 1.
-        mask: (N, 1, H, W), 1 on the object, where their middles lie.
-        share: probability of each of the two.
-    """
-    count, _, height, width = sketch.shape
-    device = sketch.device
-    places = torch.multinomial(mask.flatten(1) + 1e-9, 2, replacement=True)  # anywhere, if there is no object
-    row = torch.arange(height, device=device).view(1, height, 1)
-    column = torch.arange(width, device=device).view(1, 1, width)
-    for place in places.unbind(1):
-        drawn, turned, long, wide = torch.rand(4, count, 1, 1, device=device)
-        up, right = torch.sin(math.pi * turned), torch.cos(math.pi * turned)
-        down = row - (place // width)[:, None, None]
-        across = column - (place % width)[:, None, None]
-        half = width * (1 / 60 + (1 / 12 - 1 / 60) * long)
-        along = across * right - down * up
-        beyond = (along.abs() - half).clamp(min=0)
-        away = torch.hypot(across * up + down * right, beyond)
-        pen = (0.8 + 2.2 * wide) * width / 256
-        ink = (pen / 2 + 0.5 - away).clamp(0, 1) * (drawn < share)
-        sketch = torch.maximum(sketch, ink[:, None])
-    return sketch
 
 
 @AUGMENTATIONS.register
