@@ -1,5 +1,6 @@
 """The studio's page and what is kept: projects, unsaved work, a server that is killed, files in and out."""
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -269,20 +270,42 @@ def test_a_large_picture_that_is_made_smaller_is_said_to_be(
         assert studio.page.locator("#pixels").inner_text() == "2048 × 1365"
 
 
+KEPT = """async () => {
+  const there = await fetch("/api/autosave").then((answer) => answer.json());
+  const here = await new Promise((resolve) => {
+    indexedDB.open("normalgan-studio").onsuccess = ({ target: { result: database } }) => {
+      database.transaction("unsaved").objectStore("unsaved").count().onsuccess = ({ target: { result } }) => {
+        database.close();
+        resolve(result);
+      };
+    };
+  });
+  return [here, there.length];
+}"""
+"""How much unsaved work the browser's own store and the server hold."""
+
+
+def wait_for_kept(studio: Studio, here: int, there: int) -> None:
+    """Wait until so much unsaved work is kept: `wait_for_function` takes a promise for true."""
+    end = time.monotonic() + 10
+    while (kept := studio.page.evaluate(KEPT)) != [here, there]:
+        assert time.monotonic() < end, f"{kept} are kept"
+        studio.page.wait_for_timeout(20)
+
+
 def test_work_that_was_undone_again_is_not_offered_as_unsaved(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url) as studio:
         studio.new()
         studio.circle()
         save_as(studio, "hen")
         studio.wait_for_status("Saved")
-        kept = "fetch('/api/autosave').then((answer) => answer.json()).then((list) => list.length)"
         sent = "dispatchEvent(new Event('pagehide'))"  # as it is some seconds later
         studio.line((20, 20), (60, 20))
         studio.page.evaluate(sent)
-        studio.page.wait_for_function(f"async () => await {kept} === 1")
+        wait_for_kept(studio, 1, 1)
         studio.page.keyboard.press("Control+z")
         studio.page.evaluate(sent)
-        studio.page.wait_for_function(f"async () => await {kept} === 0")
+        wait_for_kept(studio, 0, 0)
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
         assert studio.page.locator("#restore").is_hidden()
