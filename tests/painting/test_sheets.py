@@ -133,10 +133,18 @@ def packed() -> Pixels:
     return sheet
 
 
-@pytest.mark.parametrize("array", [False, True])
-def test_an_atlas_says_where_sprites_lie_and_which_are_turned(here: Path, array: bool) -> None:
+def textures(*names: str) -> dict[str, Any]:
+    """An atlas of several sheets, as Phaser reads it; the last one is that of `atlas`."""
+    others = [{"image": name, "size": {"w": 64, "h": 64}, "frames": []} for name in names[:-1]]
+    told = atlas(array=True)
+    last = {"image": names[-1], "size": told["meta"]["size"], "frames": told["frames"]}
+    return {"textures": [*others, last]}
+
+
+@pytest.mark.parametrize("told", [atlas(), atlas(array=True), textures("other.png", "sheet.png")])
+def test_an_atlas_says_where_sprites_lie_and_which_are_turned(here: Path, told: dict[str, Any]) -> None:
     Image.fromarray(packed()).save("sheet.png")
-    Path("sheet.json").write_text(json.dumps(atlas(array=array)))
+    Path("sheet.json").write_text(json.dumps(told))
     assert generate("sheet.png", "--atlas", "sheet.json", "--alpha") == 0
     whole = pixels("normals/sheet_normal.png")
     for name, cell, part in (
@@ -222,6 +230,7 @@ def test_cells_can_share_a_frame(here: Path) -> None:
         (["--atlas", "placeless.json"], "has the sprite 'a' without a place"),
         (["--atlas", "broken.json"], "the atlas broken.json is no JSON"),
         (["--atlas", "nothing.json"], "lists 0 sprites"),
+        (["--atlas", "strange.json"], "has the sprites of a.png, b.png; none of these is sheet.png."),
         (["--sheet", "1x1", "--mask", "outline", "--hints", "far.json"], "far.json"),
     ],
 )
@@ -237,6 +246,7 @@ def test_what_cannot_be_used_is_told_in_a_sentence(
         ("placeless", json.dumps({"frames": {"a": {"frame": {"x": "1"}}}})),
         ("broken", "{"),
         ("nothing", "[]"),
+        ("strange", json.dumps(textures("a.png", "b.png"))),
         ("far", json.dumps([{"x": 999, "y": 0, "normal": [0, 0, 1]}])),
     ):
         Path(f"{name}.json").write_text(told)

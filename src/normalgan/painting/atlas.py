@@ -35,7 +35,7 @@ def read_atlas(path: Path, shape: tuple[int, int], sheet: Path) -> list[Cell]:
         raise InputError(f"the atlas {path} cannot be read: {error.strerror}.") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"the atlas {path} is no JSON: {brief(error)}.") from None
-    told, size = _texture(told, sheet)
+    told, size = _texture(told, sheet, path)
     frames = list(_frames(told))
     if not 0 < len(frames) <= MOST_CELLS:
         raise InputError(
@@ -60,12 +60,17 @@ def read_atlas(path: Path, shape: tuple[int, int], sheet: Path) -> list[Cell]:
     return list(cells.values())
 
 
-def _texture(told: Any, sheet: Path) -> tuple[Any, tuple[int, int] | None]:
+def _texture(told: Any, sheet: Path, path: Path) -> tuple[Any, tuple[int, int] | None]:
     """Return what lists the sprites of a sheet, and (width, height) of the sheet as it says."""
     if isinstance(told, dict) and isinstance(told.get("textures"), list):
-        textures = [each for each in told["textures"] if isinstance(each, dict)]
-        named = [each for each in textures if Path(str(each.get("image", ""))).name == sheet.name]
-        told = (named or textures or [{}])[0]
+        textures = {
+            Path(str(each.get("image", ""))).name: each for each in told["textures"] if isinstance(each, dict)
+        }
+        if len(textures) > 1 and sheet.name not in textures:
+            raise InputError(
+                f"the atlas {path} has the sprites of {', '.join(textures)}; none of these is {sheet.name}."
+            )
+        told = textures.get(sheet.name) or next(iter(textures.values()), {})
         return told, _size(told.get("size"))
     meta = told.get("meta") if isinstance(told, dict) else None
     return told, _size(meta.get("size") if isinstance(meta, dict) else None)
