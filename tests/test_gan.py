@@ -166,6 +166,7 @@ def test_clipping_holds_after_training(tmp_path: Path) -> None:
         },
         {"discriminator": UNetDiscriminator(size=32, width=4, encoder_head=True)},
         {"discriminator": None},
+        {"steadiness": 1.0},
         {
             "generator": ResidualUNetGenerator((8, 8), (1, 1)),
             "discriminator": None,
@@ -173,7 +174,7 @@ def test_clipping_holds_after_training(tmp_path: Path) -> None:
             "gradient_clip": 1.0,
         },
     ],
-    ids=["penalty", "pix2pix", "two heads", "no discriminator", "ours"],
+    ids=["penalty", "pix2pix", "two heads", "no discriminator", "steady", "ours"],
 )
 def test_every_objective_trains(tmp_path: Path, settings: dict[str, Any]) -> None:
     gan = make(**settings)
