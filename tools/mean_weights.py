@@ -1,8 +1,8 @@
 """Makes the weighted mean of two trainings of one network: tools/mean_weights.py ONE OTHER OUT --share 0.5.
 
-ONE and OTHER are safetensors of `normalgan export`, or ``shipped``; OUT is such a file, with the notes of OTHER, in
-32 bits; SHARE is how much OTHER counts. Of a network and its further training the mean is often better than
-both, as errors that they do not share shrink (Wortsman et al. 2022, "Model soups").
+ONE and OTHER are safetensors of `normalgan export`, or ``shipped``; OUT is such a file, with the notes of
+OTHER, in 32 bits; SHARE is how much OTHER counts. Of a network and its further training the mean is often
+better than both, as errors that they do not share shrink (Wortsman et al. 2022, "Model soups").
 """
 
 import argparse
