@@ -2,13 +2,17 @@
 
 import runpy
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
 
 from normalgan.errors import InputError
+from normalgan.models import GENERATORS
 from normalgan.weights.file import SHIPPED, Weights, read_weights
+from normalgan.weights.part import Part
 
 TOOL = runpy.run_path(str(Path(__file__).parents[1] / "tools" / "mean_weights.py"))
 
@@ -39,13 +43,40 @@ def test_a_share_of_the_way_is_gone_from_one_to_the_other(
             assert torch.equal(tensor, before)
 
 
+def test_the_mean_with_what_a_network_has_grown_from_is_between_the_two() -> None:
+    def network(*widths: int) -> Weights:
+        torch.manual_seed(widths[0])
+        settings: dict[str, Any] = {"widths": list(widths), "blocks": [1, 1], "patch": 2, "norm": "batch"}
+        part = Part("ResidualUNetGenerator", settings)
+        return Weights(
+            replace(read_weights(SHIPPED).notes, generator=part), part.build(GENERATORS).state_dict()
+        )
+
+    small, large = network(6, 8), network(9, 8)
+    given = torch.rand(2, 4, 16, 16)
+    with torch.no_grad():
+        wanted, at_start, half = (
+            weights.generator()(given)
+            for weights in (
+                small,
+                TOOL["mean_weights"](small, large, 0.0),
+                TOOL["mean_weights"](small, large, 0.5),
+            )
+        )
+    torch.testing.assert_close(at_start, wanted, atol=1e-5, rtol=1e-4)
+    assert not torch.allclose(half, wanted, atol=1e-2)
+    other = TOOL["mean_weights"](small, large, 0.5).tensors["stem.weight"][6:]
+    torch.testing.assert_close(other, large.tensors["stem.weight"][6:])  # new channels as they have learnt
+
+
 def test_what_has_no_mean_is_refused(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shipped = read_weights(SHIPPED)
-    smaller = Weights(shipped.notes, dict(list(shipped.tensors.items())[1:]))
+    part = Part("UNetGenerator", {"size": 32, "width": 4})
+    another = Weights(replace(shipped.notes, generator=part), part.build(GENERATORS).state_dict())
     with pytest.raises(InputError, match="different networks"):
-        TOOL["mean_weights"](shipped, smaller, 0.5)
+        TOOL["mean_weights"](shipped, another, 0.5)
     monkeypatch.setattr(sys, "argv", ["mean_weights.py", "shipped", "shipped", "out", "--share", "1.5"])
     with pytest.raises(SystemExit, match="2"):
         TOOL["main"]()

@@ -39,8 +39,8 @@ class ResidualUNetGenerator(Generator):
             power of two, at most ``patch``. Few channels on every pixel take as long as all other layers.
         hint_levels: whether hints enter at every level; if not, only with the sketch, and as many weights
             see nothing. To tell what they are worth.
-        deblock: whether directions are averaged over a patch where no line is near. Squares that are folded
-            and unfolded leave a faint grid, which light shows on smooth forms.
+        deblock: whether directions are averaged over a patch where no line is near, but for training. Squares
+            that are folded and unfolded leave a faint grid, which light shows on smooth forms.
         mirror: whether what is painted, but for training, is the mean of what it paints for a drawing and for
             its mirror image, which takes twice as long.
 
@@ -140,7 +140,8 @@ class ResidualUNetGenerator(Generator):
         fine = torch.cat([coarse, F.pixel_unshuffle(given, self.fold)], dim=1)
         heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.fold)
         direction, presence = F.normalize(heads[:, :3], dim=1, eps=1e-6), heads[:, 3:4]
-        if self.deblock and self.patch > 1:
+        # Not in training, where it takes long: it has no weights to learn.
+        if self.deblock and self.patch > 1 and not self.training:
             direction = _deblocked(direction, presence, ink.float(), self.patch)
         return Predictions(direction, presence, 1.01 + F.elu(heads[:, 4:]))
 
