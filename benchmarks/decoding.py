@@ -39,11 +39,11 @@ def decode(name, content, sides, svg_side, longest=None, grey=False):
     return decoding.Decoded(np.asarray(image), full[::-1])
 decoding.start = lambda: None
 drawings.decode = decode
-from normalgan.commands.generate import run
+from normalgan.cli.generate import run
 sys.exit(run(sys.argv[1:]))
 """
 """The command with the same decoder in its own process."""
-THERE = "import sys; from normalgan.commands.generate import run; sys.exit(run(sys.argv[1:]))"
+THERE = "import sys; from normalgan.cli.generate import run; sys.exit(run(sys.argv[1:]))"
 
 
 def waited() -> float:

@@ -24,7 +24,7 @@ import numpy as np
 from machine import describe
 from PIL import Image
 
-from normalgan.commands.generate import run
+from normalgan.cli.generate import run
 from normalgan.painting.onnx_backend import OnnxBackend
 from normalgan.painting.parallel import stream
 from normalgan.painting.picture import read_picture

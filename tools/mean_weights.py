@@ -9,7 +9,7 @@ import argparse
 from pathlib import Path
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.weights.file import Weights, find_weights, read_weights
 
 

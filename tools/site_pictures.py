@@ -15,7 +15,7 @@ from pictures import Picture, colours, draw, panels, png, render, sphere
 from PIL import Image
 
 from normalgan.animals import Animal
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.hints import CurvatureHints
 from normalgan.normals import decode, encode, flip_green, paint_flat
 from normalgan.painting.height import integrate

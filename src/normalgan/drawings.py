@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from normalgan.decoding import Decoded, Pixels, decode
 from normalgan.errors import InputError
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.normals import LEAST_Z, Green, flip_green, normalize, read_exr, vectors
 
 __all__ = [

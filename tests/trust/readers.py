@@ -32,7 +32,7 @@ def rig(path: Path) -> None:
 
 def configuration(path: Path) -> None:
     """Look at a configuration as every training command does first."""
-    from normalgan.config_files import ConfigCheck
+    from normalgan.cli.config_files import ConfigCheck
 
     ConfigCheck(("trainer", "data", "model")).check(path)
 

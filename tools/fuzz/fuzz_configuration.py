@@ -4,7 +4,7 @@ import harness
 
 with harness.instrumented():
     from normalgan.benchmark.plan import read_plan
-    from normalgan.config_files import ConfigCheck
+    from normalgan.cli.config_files import ConfigCheck
     from normalgan.data.cluster_address import read_cluster
 
 

@@ -18,7 +18,7 @@ from normalgan.benchmark.methods import Method
 from normalgan.benchmark.points import hint_order
 from normalgan.drawings import read_pixels, to_unit
 from normalgan.errors import InputError, brief
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.hints import NoHints, UniformHints
 
 __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]

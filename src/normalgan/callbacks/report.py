@@ -14,7 +14,7 @@ from normalgan.callbacks.table import results_table
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.order import spread
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.gallery import Row, write_gallery
 from normalgan.gan import NormalGAN
 from normalgan.metrics import MapMetric, StageMetrics

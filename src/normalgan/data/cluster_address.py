@@ -14,7 +14,7 @@ import yaml
 from normalgan.data.remote import reason
 from normalgan.data.workers import one_thread_each
 from normalgan.errors import InputError
-from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.warning_filters import quiet_loggers
 
 __all__ = ["CLUSTERS", "TIMEOUT", "connect", "read_cluster"]

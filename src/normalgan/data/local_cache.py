@@ -12,7 +12,7 @@ from pathlib import Path
 from filelock import FileLock
 
 from normalgan.errors import InputError, unwritable
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 __all__ = ["BUCKETS", "LocalCache"]
 

@@ -9,7 +9,7 @@ from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 from normalgan.data.partials import abandoned, partial_name
 from normalgan.data.remote import connect, no_bucket, reason
 from normalgan.errors import InputError, brief, unwritable
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 __all__ = ["Storage"]
 

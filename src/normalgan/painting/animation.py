@@ -11,7 +11,7 @@ from PIL import Image
 
 from normalgan.drawings import MOST_BYTES
 from normalgan.errors import InputError
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 
 __all__ = ["SUFFIXES", "Kind", "encode_animation", "kind_of", "moving_kind"]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError, brief
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.painting.cells import Cell
 from normalgan.painting.sheets import MOST_CELLS
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from normalgan.drawings import read_hints
 from normalgan.errors import InputError
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.normals import LEAST_Z, Floats, normalize
 
 __all__ = ["ENDINGS", "MOST_LISTED", "Hints", "load_hints", "parse_hints"]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from normalgan.decoding import DecodedLayer, DecodedLayers
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.painting.jobs import Job
 from normalgan.painting.layers import (
     cut,

@@ -10,7 +10,7 @@ import numpy as np
 import onnxruntime
 
 from normalgan.errors import InputError, brief, named
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.line_widths import line_widths_of
 from normalgan.normals import Floats
 from normalgan.painting.onnx_graph import check_graph

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.normals import Bits, Floats, Green, encode_grey
 from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
 from normalgan.painting.jobs import Job

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from normalgan.decoding import decode_frames
 from normalgan.drawings import LARGEST, SMALLEST, read_content, read_pixels
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.painting.animation import encode_animation, kind_of, moving_kind
 from normalgan.painting.inputs import as_hints
 from normalgan.painting.jobs import DrawingFiles, Job

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.normals import Floats
 from normalgan.painting.outline import Corners, corners_of
 from normalgan.painting.picture import resize

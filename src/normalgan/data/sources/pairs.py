@@ -20,7 +20,7 @@ from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
 from normalgan.drawings import SUFFIXES, read_normals
 from normalgan.errors import InputError, did_you_mean, named
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.normals import Green, flip_green
 from normalgan.painting.hint_files import load_hints
 from normalgan.painting.picture import read_picture

@@ -9,11 +9,11 @@ from typing import Any, NoReturn
 
 from lightning.pytorch.cli import LightningArgumentParser
 
-from normalgan.class_settings import OwnDefaultsParser
+from normalgan.cli.class_settings import OwnDefaultsParser
+from normalgan.cli.parser_errors import explain
 from normalgan.errors import InputError, did_you_mean
-from normalgan.parser_errors import explain
+from normalgan.files.shipped_configs import find_config
 from normalgan.plugins import SETTINGS, described, namable
-from normalgan.shipped_configs import find_config
 
 __all__ = ["Parser", "help_of", "with_shipped_configs"]
 

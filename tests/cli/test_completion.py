@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from normalgan.__main__ import COMMANDS, main
-from normalgan.completion import completion_script
+from normalgan.cli.completion import completion_script
 
 
 def completed(script: Path, *words: str) -> list[str]:
@@ -40,7 +40,7 @@ def test_what_it_needs_and_what_it_knows_is_said(
 ) -> None:
     assert main(["completion", "fish"]) == 2
     assert "fish" in capsys.readouterr().err
-    monkeypatch.setattr("normalgan.completion.find_spec", lambda name: None)
+    monkeypatch.setattr("normalgan.cli.completion.find_spec", lambda name: None)
     assert main(["completion", "bash"]) == 2
     assert capsys.readouterr().err == (
         "normalgan: completion needs shtab; install it with pip install 'normalgan[completion]'.\n"

@@ -9,13 +9,13 @@ import pytest
 import yaml
 
 from normalgan.__main__ import main
-from normalgan.config_files import ConfigCheck
+from normalgan.cli.config_files import ConfigCheck
 from normalgan.data.splits import split_by_file
 from normalgan.errors import InputError
+from normalgan.files.shipped_configs import find_config, shipped_folder, shipped_names
 from normalgan.rendering.orientation import read_orientations
-from normalgan.shipped_configs import find_config, shipped_folder, shipped_names
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def test_every_configuration_of_the_repository_has_a_name() -> None:

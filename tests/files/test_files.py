@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from normalgan import normals
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 
 def test_a_file_is_replaced_and_nothing_is_left_beside_it(tmp_path: Path) -> None:

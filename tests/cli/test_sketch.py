@@ -89,7 +89,7 @@ def test_it_loads_neither_torch_nor_lightning() -> None:
     import subprocess
 
     code = (
-        "import sys, normalgan.commands.sketch; "
+        "import sys, normalgan.cli.sketch; "
         "print({'torch', 'lightning', 'kornia', 'scipy.signal'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -10,8 +10,8 @@ from typing import Any
 import yaml
 
 from normalgan.errors import InputError, did_you_mean
-from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
-from normalgan.shipped_configs import shipped_folder, shipped_names
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.files.shipped_configs import shipped_folder, shipped_names
 
 __all__ = ["ConfigCheck", "load_bounded"]
 

@@ -221,7 +221,7 @@ def test_a_full_disk_leaves_nothing_half_written(
     def full(file: int) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("normalgan.files.os.fsync", full)
+    monkeypatch.setattr("normalgan.files.writing.os.fsync", full)
     assert generate("fox.png", "-o", "out") == 1
     assert "cannot be written to out/fox_normal.png: No space left" in capsys.readouterr().err
     assert not list(Path("out").iterdir())
@@ -229,7 +229,7 @@ def test_a_full_disk_leaves_nothing_half_written(
 
 def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
     code = (
-        "import sys, normalgan.commands.generate; "
+        "import sys, normalgan.cli.generate; "
         "heavy = {'torch', 'lightning', 'kornia', 'trimesh', 'skimage', 'matplotlib'}; "
         "sys.exit(bool(heavy & set(sys.modules)))"
     )

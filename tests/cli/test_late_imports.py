@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-from normalgan.late_imports import nothing_collected
+from normalgan.cli.late_imports import nothing_collected
 
 
 def test_the_collector_is_as_before_whatever_happens() -> None:

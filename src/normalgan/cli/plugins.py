@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 from jsonargparse import Namespace
 
-from normalgan.commands.light_parser import LightParser
-from normalgan.late_imports import nothing_collected
+from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.light_parser import LightParser
 from normalgan.registry import LeftOut, Registry, summary
 
 __all__ = ["Kind", "build_parser", "run", "show"]

@@ -6,10 +6,10 @@ from importlib.util import find_spec
 
 from jsonargparse import ArgumentParser
 
-from normalgan.__main__ import OTHERS
-from normalgan.commands.light_parser import LightParser
+from normalgan.cli.commands import OTHERS
+from normalgan.cli.light_parser import LightParser
+from normalgan.cli.training_help import COMMANDS
 from normalgan.errors import InputError
-from normalgan.training_help import COMMANDS
 
 __all__ = ["SHELLS", "build_parser", "completion_script", "run"]
 
@@ -50,7 +50,7 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     """
     if find_spec("shtab") is None:
         raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
-    from normalgan.cli import training_parser  # late: lightning takes seconds to import
+    from normalgan.cli.training import training_parser  # late: lightning takes seconds to import
 
     whole = ArgumentParser(prog="normalgan")
     commands = whole.add_subcommands()

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
-from normalgan.commands.light_parser import LightParser
+from normalgan.cli.light_parser import LightParser
 from normalgan.painting.engines import CONVENTIONS, Engine
 from normalgan.painting.normal_map import Format
 from normalgan.painting.outputs import Outputs, engine_defaults

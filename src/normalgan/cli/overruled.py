@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from normalgan.limits import load_yaml
+from normalgan.files.limits import load_yaml
 
 __all__ = ["given_names", "overruled"]
 

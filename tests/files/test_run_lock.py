@@ -10,9 +10,9 @@ import pytest
 
 from normalgan.data.local_cache import LocalCache
 from normalgan.errors import InputError
-from normalgan.run_lock import NAME, one_run_in
+from normalgan.files.run_lock import NAME, one_run_in
 
-CONF = Path(__file__).parent / "conf" / "tiny.yaml"
+CONF = Path(__file__).parents[1] / "conf" / "tiny.yaml"
 WITHOUT_FCNTL = """\
 import json, sys
 sys.modules["fcntl"] = None
@@ -59,7 +59,7 @@ def test_commands_start_without_fcntl(tmp_path: Path, meshes: Path) -> None:
         *("--config", CONF, "--data.meshes", meshes, "--data.cache", tmp_path / "cache"),
         *("--trainer.default_root_dir", tmp_path / "run", "--trainer.limit_train_batches", 1),
     ]
-    drawing = Path(__file__).parents[1] / "examples" / "sketches" / "horse.png"
+    drawing = Path(__file__).parents[2] / "examples" / "sketches" / "horse.png"
     paint = ["--data.sketches", drawing, "--trainer.accelerator", "cpu", "--output.folder", tmp_path / "maps"]
     commands = [["render", *arguments], ["fit", *arguments], ["predict", *paint]]
     told = json.dumps([[str(word) for word in command] for command in commands])

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from jsonargparse import Namespace
 
 from normalgan import decoding
-from normalgan.commands.generate_parser import as_shell_means, build_parser, engine_of
+from normalgan.cli.generate_parser import as_shell_means, build_parser, engine_of
 from normalgan.drawings import MOST_BYTES, without_companions
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
 from normalgan.painting.clashes import without_clashes, without_twins

@@ -10,11 +10,11 @@ from jsonargparse import Namespace
 from numpy.typing import NDArray
 
 from normalgan.animals import SPECIES, Animal
-from normalgan.commands.light_parser import LightParser
+from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parser_errors import refusal
 from normalgan.errors import InputError, did_you_mean, unwritable
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.normals import paint_flat, write_png
-from normalgan.parser_errors import refusal
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
 from normalgan.rendering.hand import Hand

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from normalgan.class_settings import OwnDefaultsParser
+from normalgan.cli.class_settings import OwnDefaultsParser
+from normalgan.cli.parser_errors import explain
 from normalgan.errors import InputError
-from normalgan.parser_errors import explain
 from normalgan.registry import Registry
 
 __all__ = ["LightParser"]

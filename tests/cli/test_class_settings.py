@@ -11,13 +11,13 @@ import pytest
 import yaml
 
 from normalgan.__main__ import main
-from normalgan.class_settings import OwnDefaultsParser, classes_first
-from normalgan.commands.sketch import build_parser
+from normalgan.cli.class_settings import OwnDefaultsParser, classes_first
+from normalgan.cli.sketch import build_parser
 from normalgan.plugins import REGISTRIES
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.strokes.stroke import Stroke
 
-SHIPPED = str(Path(__file__).parents[1] / "configs" / "lines_varied.yaml")
+SHIPPED = str(Path(__file__).parents[2] / "configs" / "lines_varied.yaml")
 ABSENT = inspect.Parameter.empty
 
 

@@ -31,16 +31,16 @@ from normalgan.checkpoints import (
     named_checkpoint,
     run_folder,
 )
-from normalgan.config_files import ConfigCheck, load_bounded
+from normalgan.cli.config_files import ConfigCheck, load_bounded
+from normalgan.cli.overruled import given_names, overruled
+from normalgan.cli.parser import Parser, help_of, with_shipped_configs
+from normalgan.cli.parser_errors import refusal
+from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
+from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
-from normalgan.overruled import given_names, overruled
-from normalgan.parser import Parser, help_of, with_shipped_configs
-from normalgan.parser_errors import refusal
 from normalgan.plugins import is_safe, load_plugins, settings_of_classes
-from normalgan.run_lock import check_writable, one_run_in
-from normalgan.training_help import SECTIONS, asked_for
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights

@@ -7,8 +7,8 @@ __all__ = ["find_beside", "find_config", "shipped_folder", "shipped_names"]
 
 def shipped_folder() -> Path:
     """Return where the configurations of this package lie: in the package, or in the clone it runs from."""
-    packed = Path(__file__).parent / "configs"
-    return packed if packed.is_dir() else Path(__file__).parents[2] / "configs"
+    packed = Path(__file__).parents[1] / "configs"
+    return packed if packed.is_dir() else Path(__file__).parents[3] / "configs"
 
 
 def shipped_names() -> list[str]:
