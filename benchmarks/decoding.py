@@ -25,14 +25,15 @@ from PIL import Image
 
 from normalgan import decoding
 from normalgan.decoding import worker
-from normalgan.painting.onnx_backend import SHIPPED
+from normalgan.painting.network.onnx_backend import SHIPPED
 
 SKETCH = Path(__file__).parents[1] / "examples" / "sketches" / "fox.png"
 SIDES = (256, 512, 1024, 2048)
 HERE = """
 import sys
 import numpy as np
-from normalgan import decoding, drawings
+from normalgan import decoding
+from normalgan.painting.reading import drawings
 from normalgan.decoding import worker
 def decode(name, content, sides, svg_side, longest=None, grey=False):
     image, full = worker.decode(content, *sides, svg_side, longest or 0, grey)

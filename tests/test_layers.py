@@ -13,7 +13,7 @@ LAYERS = (
     {"errors", "batch", "old_names"},
     {"files", "registry", "line_widths", "plugin_outputs"},
     {"metrics", "normals", "predictions", "seeds", "progress", "decoding", "warning_filters"},
-    {"rendering", "hints", "models", "objectives", "drawings", "gallery", "checkpoints"},
+    {"rendering", "hints", "models", "objectives", "gallery", "checkpoints"},
     {"animals"},
     {"painting", "weights"},
     {"saved_model"},
@@ -25,11 +25,11 @@ LAYERS = (
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 LIGHT = (
-    *("errors", "normals", "registry", "rendering", "animals", "drawings", "decoding"),
+    *("errors", "normals", "registry", "rendering", "animals", "decoding"),
     *("gallery", "cli", "painting", "studio"),
 )
 """Rooms that never import torch, but for the modules in `HEAVY`."""
-HEAVY = {"cli/parser.py", "cli/training.py", "painting/torch_backend.py"}
+HEAVY = {"cli/parser.py", "cli/training.py", "painting/network/torch_backend.py"}
 """The exceptions, which no light module imports until it needs them."""
 TRAINING = {"torch", "lightning", "torchmetrics", "kornia"}
 """The libraries that take seconds to import."""

@@ -9,12 +9,20 @@ from types import ModuleType
 __all__ = ["MOVED", "RENAMED", "OldNames"]
 
 MOVED = {
-    "normalgan.inference.height": "normalgan.painting.height",
+    "normalgan.drawings": "normalgan.painting.reading.drawings",
+    "normalgan.inference.height": "normalgan.painting.heights.height",
     "normalgan.inference.painting": "normalgan.painting.pipeline",
     "normalgan.inference.preparation": "normalgan.painting.preparation",
-    "normalgan.inference.preview": "normalgan.painting.preview",
-    "normalgan.inference.relief": "normalgan.painting.relief",
-    "normalgan.inference.session": "normalgan.painting.onnx_backend",
+    "normalgan.inference.preview": "normalgan.painting.outputs.preview",
+    "normalgan.inference.relief": "normalgan.painting.heights.relief",
+    "normalgan.inference.session": "normalgan.painting.network.onnx_backend",
+    "normalgan.painting.backend": "normalgan.painting.network.backend",
+    "normalgan.painting.height": "normalgan.painting.heights.height",
+    "normalgan.painting.onnx_backend": "normalgan.painting.network.onnx_backend",
+    "normalgan.painting.preview": "normalgan.painting.outputs.preview",
+    "normalgan.painting.relief": "normalgan.painting.heights.relief",
+    "normalgan.painting.torch_backend": "normalgan.painting.network.torch_backend",
+    "normalgan.painting.upsampling": "normalgan.painting.network.upsampling",
     "normalgan.rendering.animals": "normalgan.animals",
 }
 """Documented modules of the release before, and where they lie now."""

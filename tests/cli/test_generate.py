@@ -279,7 +279,7 @@ def test_what_cannot_be_used_is_told_in_a_sentence(
 def test_without_a_model_it_says_so(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("normalgan.painting.onnx_backend.SHIPPED", here / "none.onnx")
+    monkeypatch.setattr("normalgan.painting.network.onnx_backend.SHIPPED", here / "none.onnx")
     assert main(["generate", "fox.png"]) == 2
     assert "no model comes with this package" in capsys.readouterr().err
 

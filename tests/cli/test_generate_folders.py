@@ -16,8 +16,8 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer
-from normalgan.painting.layers import encode_layers
-from normalgan.painting.outputs import Outputs
+from normalgan.painting.outputs.outputs import Outputs
+from normalgan.painting.sheets_and_layers.layers import encode_layers
 from pens import blob, outline
 
 GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)

@@ -15,7 +15,7 @@ from starlette.testclient import TestClient
 from studio_client import circle, png, serving
 
 from normalgan.decoding import DecodedLayer
-from normalgan.painting.layers import LayeredKind, encode_layers
+from normalgan.painting.sheets_and_layers.layers import LayeredKind, encode_layers
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import find_opened
 

@@ -13,11 +13,10 @@ from jsonargparse import Namespace
 
 from normalgan import decoding
 from normalgan.cli.generate_parser import as_shell_means, build_parser, engine_of
-from normalgan.drawings import MOST_BYTES, without_companions
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
-from normalgan.painting.clashes import without_clashes, without_twins
 from normalgan.painting.inputs import check_size
-from normalgan.painting.jobs import (
+from normalgan.painting.jobs.clashes import without_clashes, without_twins
+from normalgan.painting.jobs.plan import (
     STDIN,
     STDOUT,
     Job,
@@ -29,14 +28,15 @@ from normalgan.painting.jobs import (
     plan,
     plan_file,
 )
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.outputs import Heights, Outputs, level_heights
-from normalgan.painting.packing import Packing
+from normalgan.painting.jobs.watching import Watcher
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.outputs.outputs import Heights, Outputs, level_heights
 from normalgan.painting.paint_job import JobPainter, target_of, written_for
 from normalgan.painting.painter import Painter
 from normalgan.painting.parallel import stream
-from normalgan.painting.series import flat_map
-from normalgan.painting.watching import Watcher
+from normalgan.painting.reading.drawings import MOST_BYTES, without_companions
+from normalgan.painting.sheets_and_layers.packing import Packing
+from normalgan.painting.sheets_and_layers.series import flat_map
 from normalgan.progress import progress_bar
 
 __all__ = ["LOOK", "generate", "run"]

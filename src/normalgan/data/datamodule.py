@@ -30,7 +30,7 @@ from normalgan.data.training_data import changes, describe_training_data
 from normalgan.data.usable import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.line_widths import USUAL_WIDTHS
-from normalgan.painting.jobs import find_files
+from normalgan.painting.jobs.plan import find_files
 from normalgan.plugin_outputs import called, check_kinds, refused
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
