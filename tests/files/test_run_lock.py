@@ -8,7 +8,7 @@ from typing import NoReturn
 
 import pytest
 
-from normalgan.data.local_cache import LocalCache
+from normalgan.data.store.local_cache import LocalCache
 from normalgan.errors import InputError
 from normalgan.files.run_lock import NAME, one_run_in
 

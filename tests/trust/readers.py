@@ -86,7 +86,7 @@ def plan(path: Path) -> None:
 
 def cluster(path: Path) -> None:
     """Read the file that says what cluster to render on."""
-    from normalgan.data.cluster_address import read_cluster
+    from normalgan.data.jobs.cluster_address import read_cluster
 
     read_cluster(path)
 
