@@ -24,6 +24,11 @@ LAYERS = (
     {"__main__"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
+PARTS = {
+    "painting": ("reading", "cleaning", "network", "mask", "jobs", "heights", "outputs", "sheets_and_layers"),
+    "data": ("store", "jobs", "loading", "sources"),
+}
+"""The parts of the large rooms, likewise; what lies loose beside them may be above or below any."""
 LIGHT = (
     *("errors", "normals", "registry", "rendering", "animals", "decoding"),
     *("gallery", "cli", "painting", "studio"),
@@ -80,6 +85,15 @@ def test_imports_point_down(here: str) -> None:
         ours = {name.split(".")[1] for name in imported(path) if name.startswith("normalgan.")}
         wrong[path] = ours - {here, "__version__"} - below
     assert not {path: names for path, names in wrong.items() if names}
+
+
+@pytest.mark.parametrize("here", PARTS)
+def test_imports_point_down_between_the_parts_of_a_room(here: str) -> None:
+    parts = PARTS[here]
+    assert set(parts) == {path.parent.name for path in FILES if path.parent.parent == SOURCE / here}
+    for path in (path for path in FILES if path.parent.parent == SOURCE / here):
+        above = {f"normalgan.{here}.{part}" for part in parts[parts.index(path.parent.name) + 1 :]}
+        assert not {".".join(name.split(".")[:3]) for name in imported(path)} & above, path
 
 
 @pytest.mark.parametrize("here", LIGHT)

@@ -20,7 +20,7 @@ from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import find_opened
 
 SHAPE = (120, 160)
-KRITA = Path(__file__).parents[1] / "painting" / "layered"
+KRITA = Path(__file__).parents[1] / "painting" / "sheets_and_layers" / "layered"
 PAPER = DecodedLayer("paper", (), 255, 0, 0, 0, 0, np.full((*SHAPE, 4), 255, np.uint8))
 
 

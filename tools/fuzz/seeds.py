@@ -84,7 +84,7 @@ def _layers(_: str) -> Iterable[tuple[str, bytes]]:
         yield from {f"sound.{kind}": content, f"cut.{kind}": content[: len(content) // 2]}.items()
     moving = [*layers, DecodedLayer("arm", ("limbs", "left"), 64, 6, 3, 1, 1, pixels)]
     yield "moving.aseprite", encode_layers("aseprite", (16, 24), moving, [80, 90])
-    for path in sorted((TESTS / "painting" / "layered").iterdir()):
+    for path in sorted((TESTS / "painting" / "sheets_and_layers" / "layered").iterdir()):
         yield path.name, path.read_bytes()
 
 
