@@ -51,7 +51,7 @@ _PACKAGES = ("hints", "metrics", "models", "objectives")
 """Packages that are imported late, each with what it offers."""
 
 
-sys.meta_path.append(OldNames())  # type: ignore[arg-type]  # it is duck-typed: `importlib.abc` takes time
+sys.meta_path.append(OldNames())
 
 
 def __getattr__(name: str) -> Any:
