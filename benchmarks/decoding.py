@@ -25,25 +25,26 @@ from PIL import Image
 
 from normalgan import decoding
 from normalgan.decoding import worker
-from normalgan.painting.onnx_backend import SHIPPED
+from normalgan.painting.network.onnx_backend import SHIPPED
 
 SKETCH = Path(__file__).parents[1] / "examples" / "sketches" / "fox.png"
 SIDES = (256, 512, 1024, 2048)
 HERE = """
 import sys
 import numpy as np
-from normalgan import decoding, drawings
+from normalgan import decoding
+from normalgan.painting.reading import drawings
 from normalgan.decoding import worker
 def decode(name, content, sides, svg_side, longest=None, grey=False):
     image, full = worker.decode(content, *sides, svg_side, longest or 0, grey)
     return decoding.Decoded(np.asarray(image), full[::-1])
 decoding.start = lambda: None
 drawings.decode = decode
-from normalgan.commands.generate import run
+from normalgan.cli.generate import run
 sys.exit(run(sys.argv[1:]))
 """
 """The command with the same decoder in its own process."""
-THERE = "import sys; from normalgan.commands.generate import run; sys.exit(run(sys.argv[1:]))"
+THERE = "import sys; from normalgan.cli.generate import run; sys.exit(run(sys.argv[1:]))"
 
 
 def waited() -> float:

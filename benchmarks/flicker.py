@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.normals import Floats, angles, encode, paint_flat
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.outputs.preview import lit
 from normalgan.painting.painter import Painter
-from normalgan.painting.picture import Picture
-from normalgan.painting.preview import lit
-from normalgan.painting.series import Member, paint_series
+from normalgan.painting.reading.picture import Picture
+from normalgan.painting.sheets_and_layers.series import Member, paint_series
 from normalgan.rendering import EmbreeRenderer, find_meshes
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.maps import Maps

@@ -24,11 +24,11 @@ import numpy as np
 from machine import describe
 from PIL import Image
 
-from normalgan.commands.generate import run
-from normalgan.painting.onnx_backend import OnnxBackend
+from normalgan.cli.generate import run
+from normalgan.painting.network.onnx_backend import OnnxBackend
 from normalgan.painting.parallel import stream
-from normalgan.painting.picture import read_picture
 from normalgan.painting.preparation import prepare
+from normalgan.painting.reading.picture import read_picture
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 SIDE = 256

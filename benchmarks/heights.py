@@ -13,7 +13,7 @@ from machine import describe
 from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
-from normalgan.painting.height import integrate
+from normalgan.painting.heights.height import integrate
 
 SIDES = (256, 512, 1024)
 

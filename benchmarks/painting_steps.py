@@ -22,8 +22,8 @@ import numpy as np
 from machine import describe
 
 from normalgan.painting import pipeline, preparation
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.picture import Picture, fitted, read_picture
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.reading.picture import Picture, fitted, read_picture
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 

@@ -21,10 +21,10 @@ from PIL import Image
 
 from normalgan.errors import InputError
 from normalgan.normals import Floats, angles, encode, paint_flat
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.painter import Painter
-from normalgan.painting.picture import fitted, read_picture
+from normalgan.painting.reading.picture import fitted, read_picture
 
 MOVES = {"right": (1, 0), "down": (0, 1), "both": (1, 1)}
 STROKE, WIDTH, FAR = 1 / 12, 1 / 170, 1 / 4

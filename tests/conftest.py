@@ -11,7 +11,7 @@ from hypothesis import settings
 
 from made_once import made_once
 from needs import SHARED_SKETCHES, not_tested
-from normalgan.late_imports import nothing_collected
+from normalgan.cli.late_imports import nothing_collected
 
 # Fixtures that several files share; a conftest in their folder would be a second module of this name.
 pytest_plugins = [

@@ -14,7 +14,7 @@ import torch
 import yaml
 from torch import nn
 
-from normalgan import cli
+from normalgan.cli import training as cli
 from normalgan.objectives import AdversarialObjective
 
 Settings = dict[str, Any]

@@ -10,42 +10,34 @@ from interpreter import loaded
 
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
-    {"errors", "batch"},
+    {"errors", "batch", "old_names"},
     {"files", "registry", "line_widths", "plugin_outputs"},
-    {
-        "class_settings",
-        "metrics",
-        "normals",
-        "predictions",
-        "seeds",
-        "progress",
-        "training_help",
-        "limits",
-        "late_imports",
-        "torch_files",
-        "torch_seeds",
-        "decoding",
-    }
-    | {"shipped_configs", "warning_filters"},
-    {"rendering", "hints", "models", "objectives", "drawings", "gallery"}
-    | {"checkpoints", "config_files", "overruled", "parser_errors", "run_lock"},
+    {"metrics", "normals", "predictions", "seeds", "progress", "decoding", "warning_filters"},
+    {"rendering", "hints", "models", "objectives", "gallery", "checkpoints"},
     {"animals"},
     {"painting", "weights"},
-    {"inference", "saved_model"},
+    {"saved_model"},
     {"data", "gan", "optimizers"},
     {"callbacks", "plugins", "testing"},
-    {"parser"},
-    {"cli", "commands"},
+    {"cli"},
     {"benchmark", "exporting", "studio"},
     {"__main__"},
-    {"completion"},
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
+PARTS = {
+    "painting": ("reading", "cleaning", "network", "mask", "jobs", "heights", "outputs", "sheets_and_layers"),
+    "data": ("store", "jobs", "loading", "sources"),
+}
+"""The parts of the large rooms, likewise; what lies loose beside them may be above or below any."""
 LIGHT = (
-    *("errors", "normals", "registry", "rendering", "animals", "drawings", "decoding"),
-    *("gallery", "config_files", "parser_errors", "commands", "painting", "studio"),
+    *("errors", "normals", "registry", "rendering", "animals", "decoding"),
+    *("gallery", "cli", "painting", "studio"),
 )
-"""Rooms that never import torch."""
+"""Rooms that never import torch, but for the modules in `HEAVY`."""
+HEAVY = {"cli/parser.py", "cli/training.py", "painting/network/torch_backend.py"}
+"""The exceptions, which no light module imports until it needs them."""
+TRAINING = {"torch", "lightning", "torchmetrics", "kornia"}
+"""The libraries that take seconds to import."""
 
 
 def room(path: Path) -> str:
@@ -95,20 +87,28 @@ def test_imports_point_down(here: str) -> None:
     assert not {path: names for path, names in wrong.items() if names}
 
 
+@pytest.mark.parametrize("here", PARTS)
+def test_imports_point_down_between_the_parts_of_a_room(here: str) -> None:
+    parts = PARTS[here]
+    assert set(parts) == {path.parent.name for path in FILES if path.parent.parent == SOURCE / here}
+    for path in (path for path in FILES if path.parent.parent == SOURCE / here):
+        above = {f"normalgan.{here}.{part}" for part in parts[parts.index(path.parent.name) + 1 :]}
+        assert not {".".join(name.split(".")[:3]) for name in imported(path)} & above, path
+
+
 @pytest.mark.parametrize("here", LIGHT)
 def test_light_rooms_do_not_name_torch(here: str) -> None:
     for path in (path for path in FILES if room(path) == here):
-        heavy = {"torch", "lightning", "torchmetrics", "kornia"}
-        if path.stem == "torch_backend":  # the one exception, which no light module imports
-            heavy.remove("torch")
-        assert not {name.split(".")[0] for name in imported(path)} & heavy, path
+        heavy = {name.split(".")[0] for name in imported(path)} & TRAINING
+        assert bool(heavy) == (path.relative_to(SOURCE).as_posix() in HEAVY), path
 
 
 def test_light_rooms_do_not_load_torch() -> None:
-    modules = [*LIGHT, "rendering.lines", "rendering.renderers", "rendering.samples"]
-    seen = loaded("; ".join(f"import normalgan.{name}" for name in modules))
+    light = [path.relative_to(SOURCE) for path in FILES if room(path) in LIGHT]
+    modules = [".".join(path.with_suffix("").parts) for path in light if path.as_posix() not in HEAVY]
+    seen = loaded("; ".join(f"import normalgan.{name.removesuffix('.__init__')}" for name in modules))
     assert "numpy" in seen
-    assert not seen & {"torch", "lightning", "torchmetrics", "kornia"}
+    assert not seen & TRAINING
 
 
 @pytest.mark.parametrize(
@@ -123,4 +123,4 @@ def test_the_front_door_opens_at_once(arguments: list[str]) -> None:
 
 def test_generate_begins_without_scipy() -> None:
     # To import it takes a quarter of the time in which a drawing is painted, and only other maps need it.
-    assert "scipy" not in loaded("import normalgan.commands.generate")
+    assert "scipy" not in loaded("import normalgan.cli.generate")

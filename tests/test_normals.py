@@ -122,7 +122,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.
         os.truncate(file, 100)
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("normalgan.files.os.fsync", full)
+    monkeypatch.setattr("normalgan.files.writing.os.fsync", full)
     with pytest.raises(OSError, match=r"No space left.*map\.png"):
         normals.write_png(tmp_path / "map.png", -hemisphere())
     assert (tmp_path / "map.png").read_bytes() == before

@@ -2,12 +2,21 @@
 
 import subprocess
 import sys
+from importlib import import_module
 
-MOVED = (
+import pytest
+
+from interpreter import loaded
+from normalgan.old_names import MOVED
+
+USED = (
     ("normalgan.rendering.animals", "Animal", "normalgan.animals", "Animal"),
-    ("normalgan.inference.session", "Model", "normalgan.painting.onnx_backend", "OnnxBackend"),
+    ("normalgan.inference.session", "Model", "normalgan.painting.network.onnx_backend", "OnnxBackend"),
     ("normalgan.inference.painting", "paint", "normalgan.painting.pipeline", "paint"),
-    ("normalgan.inference.height", "integrate", "normalgan.painting.height", "integrate"),
+    ("normalgan.inference.height", "integrate", "normalgan.painting.heights.height", "integrate"),
+    ("normalgan.painting.backend", "Backend", "normalgan.painting.network.backend", "Backend"),
+    ("normalgan.painting.height", "integrate", "normalgan.painting.heights.height", "integrate"),
+    ("normalgan.drawings", "read_hints", "normalgan.painting.reading.drawings", "read_hints"),
 )
 
 
@@ -19,7 +28,23 @@ def test_old_paths_lead_to_the_same_and_warn() -> None:
         "    warnings.simplefilter('always')\n"
         f"    from {old} import {was} as old\nfrom {new} import {name} as new\n"
         f"print('{old}', old is new, [w.category.__name__ for w in seen if 'normalgan' in str(w.message)])\n"
-        for old, was, new, name in MOVED
+        for old, was, new, name in USED
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == [f"{old} True ['DeprecationWarning']" for old, *_ in MOVED]
+    assert done.stdout.splitlines() == [f"{old} True ['DeprecationWarning']" for old, *_ in USED]
+
+
+@pytest.mark.parametrize("old", MOVED)
+def test_every_old_name_leads_to_the_same_and_warns(old: str) -> None:
+    new = import_module(MOVED[old])
+    sys.modules.pop(old, None)  # else only the first import would warn
+    with pytest.warns(DeprecationWarning, match=rf"^{old} is now {MOVED[old]}; the old name goes"):
+        former = import_module(old)
+    assert new.__all__
+    assert all(getattr(former, name) is getattr(new, name) for name in new.__all__)
+
+
+def test_old_names_load_no_more_than_the_new_ones() -> None:
+    seen = loaded("from normalgan.painting import height, onnx_backend, upsampling")
+    assert "scipy" in seen
+    assert "torch" not in seen

@@ -12,8 +12,8 @@ from studio_client import b64, serving
 import normalgan
 from normalgan.__main__ import main
 from normalgan.callbacks import NormalMapWriter
+from normalgan.painting.network.torch_backend import TorchBackend
 from normalgan.painting.painter import Painter
-from normalgan.painting.torch_backend import TorchBackend
 from pens import blob, outline
 from small import QUIET, data, gan, trainer
 
@@ -62,7 +62,7 @@ def test_predict_and_python_paint_the_same_bytes_by_torch(drawings: Path, tmp_pa
 
 
 def test_generate_studio_and_python_paint_the_same_bytes_by_onnx(drawings: Path, tmp_path: Path) -> None:
-    from normalgan.painting.onnx_backend import SHIPPED
+    from normalgan.painting.network.onnx_backend import SHIPPED
 
     out = tmp_path / "out"
     where = ("--hints", str(tmp_path), "--mask", str(tmp_path), "--bits", "16")

@@ -22,11 +22,11 @@ from chromium import browser
 from chromium import page as open_page
 from needs import NPM
 from normalgan.normals import Bits
-from normalgan.painting.composition import compose
+from normalgan.painting.network.onnx_backend import SHIPPED
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.onnx_backend import SHIPPED
-from normalgan.painting.picture import Picture, read_picture
 from normalgan.painting.preparation import prepare
+from normalgan.painting.reading.picture import Picture, read_picture
+from normalgan.painting.sheets_and_layers.composition import compose
 from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.drawing import Drawing
 from pens import blob, outline

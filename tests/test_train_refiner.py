@@ -9,7 +9,7 @@ import pytest
 import zarr
 
 from normalgan import Painter, load
-from normalgan.painting.upsampling import Refiner
+from normalgan.painting.network.upsampling import Refiner
 from pens import blob, outline
 
 TOOL = runpy.run_path(str(Path(__file__).parents[1] / "tools" / "train_refiner.py"))

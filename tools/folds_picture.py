@@ -14,7 +14,7 @@ from typing import Any
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 GIVEN = {"0": "no hints", "15": "15 uniform hints"}
 

@@ -13,9 +13,9 @@ import numpy as np
 from PIL import Image
 
 from normalgan.__main__ import main as normalgan
-from normalgan.drawings import find_drawings
 from normalgan.normals import read_png
-from normalgan.painting.lighting import lamp_direction, shade, to_srgb
+from normalgan.painting.outputs.lighting import lamp_direction, shade, to_srgb
+from normalgan.painting.reading.drawings import find_drawings
 
 
 def square(picture: Image.Image, side: int) -> Image.Image:

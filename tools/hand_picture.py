@@ -7,7 +7,7 @@ import numpy as np
 from pictures import Picture, colours, panels
 
 from normalgan.animals import Animal
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.rendering import EmbreeRenderer
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import SuggestiveContours

@@ -17,7 +17,7 @@ from normalgan.benchmark.measure import OWN
 from normalgan.benchmark.plan import read_plan
 from normalgan.benchmark.table import interval_table
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 POOLED = ("angular_mean", "below_11_25", "below_22_5", "below_30")
 """Figures that are means over pixels, so that those of meshes make one of all."""

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 DIGITS = 4
 ALIKE = ("plan", "scale", "images", "specification", "size")

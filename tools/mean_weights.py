@@ -10,7 +10,7 @@ import argparse
 from pathlib import Path
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.models import ResidualUNetGenerator
 from normalgan.models.growth import grow
 from normalgan.weights.file import Weights, find_weights, read_weights

@@ -13,7 +13,7 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from normalgan.animals import GROUPS, Animal
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.hints import CurvatureHints
 from normalgan.normals import encode, flip_green, paint_flat
 from normalgan.rendering import EmbreeRenderer, Maps

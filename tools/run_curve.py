@@ -13,7 +13,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator  # type: ignore[import-untyped]
 
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 SMOOTHED = 25
 """Logged batches that a mean is taken over."""

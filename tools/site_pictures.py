@@ -15,11 +15,11 @@ from pictures import Picture, colours, draw, panels, png, render, sphere
 from PIL import Image
 
 from normalgan.animals import Animal
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.hints import CurvatureHints
 from normalgan.normals import decode, encode, flip_green, paint_flat
-from normalgan.painting.height import integrate
-from normalgan.painting.preview import lit
+from normalgan.painting.heights.height import integrate
+from normalgan.painting.outputs.preview import lit
 from normalgan.rendering import EmbreeRenderer, Maps, MeshFile
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.views import framed, look_at_origin

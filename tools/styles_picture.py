@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.animals import Animal
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.rendering import EmbreeRenderer
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.strokes import rasterise

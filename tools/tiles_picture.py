@@ -14,8 +14,8 @@ from PIL import Image
 from scipy.spatial import Voronoi
 
 from normalgan import Painter, load
-from normalgan.painting.lighting import lamp_direction, shade, to_srgb
-from normalgan.painting.tile import Tile
+from normalgan.painting.network.tile import Tile
+from normalgan.painting.outputs.lighting import lamp_direction, shade, to_srgb
 
 SIDE, TIMES, GAP = 256, 3, 6
 SHOWN = 300

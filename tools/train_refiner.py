@@ -27,14 +27,14 @@ from torch.export import Dim
 
 from normalgan.errors import InputError
 from normalgan.exporting.onnx_file import finish
-from normalgan.painting.extension import extend
-from normalgan.painting.framing import Frame
-from normalgan.painting.hint_files import Hints
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.picture import Picture
+from normalgan.painting.network.extension import extend
+from normalgan.painting.network.framing import Frame
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.network.upsampling import CELL, RIM, planes
 from normalgan.painting.pipeline import coarse_of
 from normalgan.painting.preparation import prepare
-from normalgan.painting.upsampling import CELL, RIM, planes
+from normalgan.painting.reading.hint_files import Hints
+from normalgan.painting.reading.picture import Picture
 
 Floats = NDArray[np.float32]
 LICENCE = "MIT; trained on procedural shapes of normalgan and on CC0 meshes (docs/model_card.md)"

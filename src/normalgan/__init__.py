@@ -4,8 +4,11 @@
 is imported when it is asked for: ``import normalgan`` itself takes no time.
 """
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from normalgan.old_names import OldNames
 
 if TYPE_CHECKING:
     from normalgan import hints, metrics, models, objectives
@@ -46,6 +49,9 @@ _MODULES = {
 """Where what is imported late comes from."""
 _PACKAGES = ("hints", "metrics", "models", "objectives")
 """Packages that are imported late, each with what it offers."""
+
+
+sys.meta_path.append(OldNames())
 
 
 def __getattr__(name: str) -> Any:

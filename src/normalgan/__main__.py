@@ -10,46 +10,12 @@ import sys
 from importlib import import_module
 
 import normalgan
+from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
+from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.training_help import asked_for, overview
 from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
-from normalgan.late_imports import nothing_collected
-from normalgan.training_help import COMMANDS as TRAINING
-from normalgan.training_help import asked_for, overview
 
 __all__ = ["COMMANDS", "OTHERS", "USAGE", "main"]
-
-USAGE = """\
-normalgan: from a line sketch to a surface normal map
-
-Usage: normalgan COMMAND [--config FILE]... [options]
-
-Commands:
-  fit        train a generator on rendered meshes
-  validate   measure a checkpoint on the validation split
-  test       measure a checkpoint on the test split: table, baselines, gallery
-  predict    paint normal maps for sketches of your own
-  render     only render the training samples to disk
-  sketch     draw a mesh from a view, as SVG or PNG
-  generate   paint normal maps for drawings with an exported model, without torch
-  studio     draw, pin normals, light and export in the browser, with an exported model
-  export     write a checkpoint as a file for elsewhere: ONNX, safetensors, TorchScript
-  benchmark  train and measure the methods of a plan on one split, or a model of yours
-  plugins    list the samplers, networks, losses, renderers and line styles there are
-  completion print a script by which a shell completes commands and settings
-
-normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
-A configuration is a program; with --safe-config it can name known classes only.
-"""
-OTHERS = {
-    "sketch": "normalgan.commands.sketch",
-    "generate": "normalgan.commands.generate",
-    "studio": "normalgan.studio.command",
-    "export": "normalgan.exporting.command",
-    "benchmark": "normalgan.benchmark.command",
-    "plugins": "normalgan.commands.plugins",
-    "completion": "normalgan.completion",
-}
-"""The commands that are not the Trainer's, and the module of each, which has a ``run``."""
-COMMANDS = (*TRAINING, *OTHERS)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -76,7 +42,7 @@ def main(arguments: list[str] | None = None) -> int:
             print(overview(arguments[0]), end="")
             return 0
         with nothing_collected():
-            from normalgan.cli import run  # late: lightning takes seconds to import
+            from normalgan.cli.training import run  # late: lightning takes seconds to import
         return run(arguments)
     except SystemExit as stop:  # --help ends so
         return int(stop.code or 0)

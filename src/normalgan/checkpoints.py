@@ -11,8 +11,8 @@ from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import ModelCheckpoint
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
-from normalgan.torch_files import load_torch_file
+from normalgan.files.torch_files import load_torch_file
+from normalgan.files.writing import write_bytes
 
 __all__ = [
     "AtomicCheckpointIO",

@@ -13,7 +13,7 @@ from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.normals import Floats, angles, encode, normalize, paint_flat
 
 __all__ = ["COLUMNS", "MAX_ERROR", "Row", "colours", "draw_gallery", "write_gallery"]

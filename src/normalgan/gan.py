@@ -29,8 +29,7 @@ from normalgan.objectives.checks import check_losses, check_terms
 from normalgan.objectives.finite import loss_error, not_finite, read_behind
 from normalgan.objectives.steadiness import mark_some, unsteadiness
 from normalgan.plugin_outputs import check_kinds, shown
-from normalgan.seeds import derive_seed
-from normalgan.torch_seeds import seed_torch
+from normalgan.seeds import derive_seed, seed_torch
 from normalgan.weights.checkpoint import settings_to_save
 
 __all__ = ["SHARE", "NormalGAN"]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError, brief
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 __all__ = [
     "LEAST_Z",
@@ -37,7 +37,7 @@ __all__ = [
     "read_png",
     "strips",
     "vectors",
-    "write_bytes",  # in normalgan.files; here for one release
+    "write_bytes",  # in normalgan.files.writing; here for one release
     "write_png",
 ]
 

@@ -7,7 +7,7 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from normalgan.data.augmentation import AUGMENTATIONS
-from normalgan.data.cluster_address import CLUSTERS
+from normalgan.data.jobs.cluster_address import CLUSTERS
 from normalgan.data.sources import DATA_SOURCES
 from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS

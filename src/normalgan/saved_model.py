@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from normalgan.errors import InputError
-from normalgan.painting.backend import Backend
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.network.backend import Backend
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
 from normalgan.painting.painter import Painter
 
 __all__ = ["SHIPPED_NAME", "load"]
@@ -41,7 +41,7 @@ def _backend(name: str, size: int | None) -> Backend:
     if path.suffix.lower() == ".onnx":
         return OnnxBackend(path)
     # Late: torch takes seconds to import.
-    from normalgan.painting.torch_backend import TorchBackend
+    from normalgan.painting.network.torch_backend import TorchBackend
     from normalgan.weights.checkpoint import read_model
 
     weights = read_model(path, size)

@@ -53,7 +53,7 @@ def test_a_full_disk_leaves_the_last_checkpoint_whole(
     shutil.copytree(trained, run)
     last = run / "checkpoints" / "last.ckpt"
     before, names = last.read_bytes(), left_in(run / "checkpoints")
-    monkeypatch.setattr("normalgan.files.os.fsync", failing(errno.ENOSPC))
+    monkeypatch.setattr("normalgan.files.writing.os.fsync", failing(errno.ENOSPC))
     outcome = bench.run("fit", run, "--ckpt_path", last, "--trainer.max_epochs", 9)
     outcome.refused("the disk is full at", ".ckpt; free some space", code=1)
     assert left_in(run / "checkpoints") == names
@@ -66,7 +66,7 @@ def test_a_full_disk_leaves_no_part_of_a_map(
     y, x = np.mgrid[:40, :40] - 19.5
     ring = np.where(np.abs(np.hypot(x, y) - 14) < 1.5, 0, 255).astype(np.uint8)
     Image.fromarray(ring).save(tmp_path / "line.png")
-    monkeypatch.setattr("normalgan.files.os.fsync", failing(errno.ENOSPC))
+    monkeypatch.setattr("normalgan.files.writing.os.fsync", failing(errno.ENOSPC))
     outcome = bench.run(
         "predict",
         tmp_path / "run",

@@ -36,7 +36,7 @@ def save_text(path: Path) -> None:
     path.write_text("no image")
 
 
-# Each stops at another step; more in tests/test_drawings.py, by the function that reads them.
+# Each stops at another step; more in painting/reading/test_drawings.py, by the function that reads them.
 BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (save_text, "is not an image that can be read"),
     "white": (Image.new("L", (40, 40), 255).save, "no line is seen in it"),
@@ -93,7 +93,7 @@ def test_hints_that_cannot_be_used(predict: Callable[..., Outcome], tmp_path: Pa
     predict("--data.hints", hints).refused("there is no file or folder", "for the hints")
     hints.mkdir()
     predict("--data.hints", hints).refused("holds no hints for any sketch")
-    # What else they may not be is asked of the function that reads them, in tests/test_drawings.py.
+    # What else they may not be is asked of what reads them, in painting/reading/test_drawings.py.
     Image.new("RGBA", (40, 40), (128, 128, 128, 255)).save(hints / "ring_hints.png")
     predict("--data.hints", hints).refused("ring_hints.png", "is no normal")
     assert not (tmp_path / "maps").exists()

@@ -13,10 +13,10 @@ from command import CONF, Bench, left_in, run
 from lightning.pytorch import Trainer
 from PIL import Image
 
-from normalgan.cli import RenderingTrainer, SaveConfig
+from normalgan.cli.training import RenderingTrainer, SaveConfig
+from normalgan.cli.training_help import SECTIONS
 from normalgan.gan import NormalGAN
 from normalgan.normals import encode, read_png
-from normalgan.training_help import SECTIONS
 
 
 def last(folder: Path) -> Path:

@@ -7,7 +7,7 @@ import pytest
 import torch
 from command import CONF, Outcome, run
 
-from normalgan.shipped_configs import find_config
+from normalgan.files.shipped_configs import find_config
 from pairs_on_disk import hints_picture, write_pairs
 from plugin_packages import install
 

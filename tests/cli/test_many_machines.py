@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from command import Bench
 
-from normalgan.data import cluster_address
+from normalgan.data.jobs import cluster_address
 from s3_server import fresh_bucket, s3_server
 
 

@@ -57,7 +57,7 @@ class DaskCluster:
         return self._start("worker", "--scheduler-file", self.address, keeper, *options, *more)
 
     def _start(self, *arguments: str) -> subprocess.Popen[bytes]:
-        paths = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
+        paths = os.pathsep.join([str(HERE), str(HERE / "jobs"), os.environ.get("PYTHONPATH", "")])
         process = subprocess.Popen(
             [sys.executable, "-m", "dask", *arguments],
             env={**os.environ, "PYTHONPATH": paths, "OMP_NUM_THREADS": "1"},

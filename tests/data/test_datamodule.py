@@ -13,8 +13,8 @@ from normalgan.batch import Batch
 from normalgan.checkpoints import LastCheckpoint
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.items import Item
-from normalgan.data.shares import EqualShare
+from normalgan.data.loading.items import Item
+from normalgan.data.loading.loaders import EqualShare
 from normalgan.rendering import Mesh
 from small import QUIET, data, gan, trainer
 

@@ -10,10 +10,10 @@ from torch.utils.data import DataLoader
 from toys import Octahedron, recipe
 
 from normalgan.data.dataset import SampleDataset, bytes_per_sample
-from normalgan.data.items import collate, decode, decode_item, to_item
-from normalgan.data.loaders import Loaders
+from normalgan.data.loading.items import collate, decode, decode_item, to_item
+from normalgan.data.loading.loaders import Loaders
 from normalgan.data.render import render_samples
-from normalgan.data.shards import ShardedSamples
+from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 
 # Torch's loader asks for this; the machine that tests may have one core and warn of two workers.

@@ -7,7 +7,7 @@ import torch
 from test_datamodule import last, names, ready, sample_names, seen_in
 
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.stream import FreshViews
+from normalgan.data.loading.stream import FreshViews
 from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from toys import BallRenderer, Octahedron, assert_same, contents, recipe, surroundings
 
-from normalgan.data.manifest import dataset_key, fingerprints
+from normalgan.data.jobs.workers import Workers
 from normalgan.data.render import open_samples, render_samples
-from normalgan.data.shards import ShardedSamples
-from normalgan.data.workers import Workers
+from normalgan.data.store.manifest import dataset_key, fingerprints
+from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 from normalgan.rendering import EmbreeRenderer, Views
 from normalgan.rendering.lines.occluding import OccludingContours
@@ -301,7 +301,7 @@ def test_the_key_changes_with_anything_the_samples_depend_on() -> None:
 def test_versions_enter_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
     used = fingerprints({"train": [Octahedron("a")]})
     keys = {dataset_key(used, {"train": 1}, recipe())}
-    monkeypatch.setattr("normalgan.data.manifest.FORMAT_VERSION", -1)
+    monkeypatch.setattr("normalgan.data.store.manifest.FORMAT_VERSION", -1)
     keys.add(dataset_key(used, {"train": 1}, recipe()))
     monkeypatch.setattr("normalgan.rendering.samples.RENDERING_VERSION", -1)
     keys.add(dataset_key(used, {"train": 1}, recipe()))

@@ -4,7 +4,7 @@ import os
 import signal
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -104,3 +104,18 @@ def assert_same(a: Sample, b: Sample) -> None:
     for name in ("sketch", "normal", "mask"):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
         assert getattr(a, name).dtype == getattr(b, name).dtype
+
+
+@dataclass
+class Counted:
+    """An octahedron that notes how often it is loaded."""
+
+    name: str
+    loads: list[str] = field(default_factory=list)
+
+    def fingerprint(self) -> str:
+        return self.name
+
+    def load(self) -> Mesh:
+        self.loads.append(self.name)
+        return Octahedron(self.name).load()

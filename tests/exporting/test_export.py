@@ -21,7 +21,7 @@ from normalgan.exporting.comparison import examples
 from normalgan.exporting.formats import FORMATS
 from normalgan.models import Generator, UNetGenerator
 from normalgan.models.condition import make_condition
-from normalgan.painting.onnx_backend import OnnxBackend
+from normalgan.painting.network.onnx_backend import OnnxBackend
 
 KINDS = ("UNetGenerator", "ResidualUNetGenerator")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "onnx_python" / "paint.py"

@@ -6,15 +6,15 @@ import pytest
 
 from normalgan.errors import InputError
 from normalgan.normals import normalize
-from normalgan.painting.extension import extend
-from normalgan.painting.hint_files import Hints
-from normalgan.painting.jobs import MODEL
+from normalgan.painting.jobs.plan import MODEL
+from normalgan.painting.network.extension import extend
+from normalgan.painting.network.onnx_backend import OnnxBackend
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.onnx_backend import OnnxBackend
 from normalgan.painting.painter import Painter
-from normalgan.painting.picture import Picture
 from normalgan.painting.pipeline import paint
 from normalgan.painting.preparation import prepare
+from normalgan.painting.reading.hint_files import Hints
+from normalgan.painting.reading.picture import Picture
 from onnx_models import ramp, write_model
 from pens import Floats, blob, outline, overlap
 
@@ -94,7 +94,7 @@ def test_what_is_told_by_fewer_pixels_is_what_all_of_them_tell(
 ) -> None:
     picture, _ = drawn(2, width / 2)
     quick = prepare(picture, 128, line_widths=(0.5, 5.0)).seen
-    monkeypatch.setattr("normalgan.painting.line_width._is_known", lambda *_: False)
+    monkeypatch.setattr("normalgan.painting.network.line_width._is_known", lambda *_: False)
     assert (prepare(picture, 128, line_widths=(0.5, 5.0)).seen == quick).all()
 
 

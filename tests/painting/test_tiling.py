@@ -9,11 +9,11 @@ import pytest
 
 from normalgan.errors import InputError
 from normalgan.normals import angles
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.network.tile import Tile
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.outputs import shading_of
+from normalgan.painting.outputs.outputs import shading_of
 from normalgan.painting.painter import Painter
-from normalgan.painting.tile import Tile
 from normalgan.painting.tiling import MOST_TILED
 from pens import Floats, Pixels, overlap
 

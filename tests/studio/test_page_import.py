@@ -9,7 +9,7 @@ import pytest
 from studio_page import SIDE, Server, Studio, open_studio, serving
 
 from normalgan.decoding import DecodedLayer
-from normalgan.painting.layers import LayeredKind, encode_layers
+from normalgan.painting.sheets_and_layers.layers import LayeredKind, encode_layers
 from onnx_models import write_model
 from pens import blob, outline
 

@@ -8,7 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 from studio_client import PORT, asking, document, serving
 
-from normalgan.painting.lighting import Clay
+from normalgan.painting.outputs.lighting import Clay
 from normalgan.studio.app import PAGE
 from normalgan.studio.page_files import modules_of, version_of
 from normalgan.studio.rate_limit import TokenBucket

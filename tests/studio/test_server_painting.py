@@ -15,9 +15,9 @@ from studio_client import CENTRE, HEIGHT, RADIUS, WIDTH, Pixels, asking, away, b
 
 from normalgan.__main__ import main
 from normalgan.normals import decode
-from normalgan.painting.height import integrate
-from normalgan.painting.onnx_backend import OnnxBackend
-from normalgan.painting.upsampling import Coarse, enlarge
+from normalgan.painting.heights.height import integrate
+from normalgan.painting.network.onnx_backend import OnnxBackend
+from normalgan.painting.network.upsampling import Coarse, enlarge
 from onnx_models import write_model
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'
@@ -144,7 +144,7 @@ def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
         return enlarge(coarse, *given)
 
     network = OnnxBackend.paint
-    monkeypatch.setattr("normalgan.painting.onnx_backend.upsampler", lambda **_: counted)
+    monkeypatch.setattr("normalgan.painting.network.onnx_backend.upsampler", lambda **_: counted)
     with serving(model, tmp_path) as client, ThreadPoolExecutor(2) as pool:
         monkeypatch.setattr(OnnxBackend, "paint", held)
         draft = pool.submit(client.post, "/api/paint", json=asking(1, draft=True, longest=64))

@@ -130,7 +130,7 @@ def test_a_full_disk_is_told_and_leaves_the_old_project(
     def full(file: int) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("normalgan.files.os.fsync", full)
+    monkeypatch.setattr("normalgan.files.writing.os.fsync", full)
     answer = client.put("/api/projects/fox", json=document(hints=[2]), headers={"If-Match": tag})
     assert answer.status_code == 500
     assert answer.json() == {"error": "'fox' cannot be saved: No space left on device."}
@@ -184,7 +184,7 @@ def test_opening_a_folder_leaves_what_another_studio_is_writing(
             opened.join(0.5)
         sync(file)
 
-    monkeypatch.setattr("normalgan.files.os.fsync", open_meanwhile)
+    monkeypatch.setattr("normalgan.files.writing.os.fsync", open_meanwhile)
     store.write("fox", b"whole", None)
     opened.join()
     assert store.read("fox")[0] == b"whole"

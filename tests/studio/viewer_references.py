@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.normals import decode, encode, paint_flat
-from normalgan.painting.lighting import shade, to_srgb
+from normalgan.painting.outputs.lighting import shade, to_srgb
 
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]

@@ -32,14 +32,14 @@ def rig(path: Path) -> None:
 
 def configuration(path: Path) -> None:
     """Look at a configuration as every training command does first."""
-    from normalgan.config_files import ConfigCheck
+    from normalgan.cli.config_files import ConfigCheck
 
     ConfigCheck(("trainer", "data", "model")).check(path)
 
 
 def drawing(path: Path) -> None:
     """Read a drawing."""
-    from normalgan.drawings import read_drawing
+    from normalgan.painting.reading.drawings import read_drawing
 
     read_drawing(path)
 
@@ -48,7 +48,7 @@ def model(path: Path) -> None:
     """Paint nothing with a model as ONNX."""
     import numpy as np
 
-    from normalgan.painting.onnx_backend import OnnxBackend
+    from normalgan.painting.network.onnx_backend import OnnxBackend
 
     loaded = OnnxBackend(path, threads=1)
     loaded.paint(np.zeros((loaded.size, loaded.size), np.float32))
@@ -56,7 +56,7 @@ def model(path: Path) -> None:
 
 def hints(path: Path) -> None:
     """Read hints for a drawing of 32 × 32 pixels."""
-    from normalgan.painting.hint_files import load_hints
+    from normalgan.painting.reading.hint_files import load_hints
 
     load_hints(path, (32, 32))
 
@@ -86,7 +86,7 @@ def plan(path: Path) -> None:
 
 def cluster(path: Path) -> None:
     """Read the file that says what cluster to render on."""
-    from normalgan.data.cluster_address import read_cluster
+    from normalgan.data.jobs.cluster_address import read_cluster
 
     read_cluster(path)
 
@@ -155,7 +155,7 @@ def main(name: str, memory: int, seconds: float) -> None:
         import normalgan.rendering.rigs.posing
         import normalgan.rendering.rigs.reading
     if name == "model":
-        import normalgan.painting.onnx_backend  # threads map stacks
+        import normalgan.painting.network.onnx_backend  # threads map stacks
     if name == "plan":
         import normalgan.benchmark.plan  # noqa: F401 -- the same
     mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

@@ -11,7 +11,7 @@ from attacked_configs import NESTED, UNSAFE
 from hostile import laughs
 from jsonargparse import get_loader
 
-from normalgan.config_files import ConfigCheck, load_bounded
+from normalgan.cli.config_files import ConfigCheck, load_bounded
 from normalgan.errors import InputError
 from normalgan.plugins import is_safe, settings_of_classes
 

@@ -6,7 +6,7 @@ from hostile import CLUSTERS, CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, gltf,
 from limited import SECONDS, read_limited
 
 from normalgan.errors import InputError
-from normalgan.limits import MOST_BYTES, MOST_NODES, yaml_excess
+from normalgan.files.limits import MOST_BYTES, MOST_NODES, yaml_excess
 from normalgan.rendering.mesh_files import MeshFile
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")

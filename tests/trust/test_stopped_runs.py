@@ -13,8 +13,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "cli"))
 from command import CONF, Bench, left_in
 
 from normalgan.errors import InputError
+from normalgan.files.run_lock import one_run_in
 from normalgan.objectives.finite import loss_error, not_finite
-from normalgan.run_lock import one_run_in
 
 MORE = ("--config", CONF / "resume.yaml", "--trainer.max_epochs", 2)
 
@@ -68,7 +68,7 @@ def test_only_what_is_not_finite_is_named() -> None:
     assert "another process" in str(loss_error([], ["a/0"], 0, 0))
 
 
-HOLD = "import sys\nfrom pathlib import Path\nfrom normalgan.run_lock import one_run_in\n" + (
+HOLD = "import sys\nfrom pathlib import Path\nfrom normalgan.files.run_lock import one_run_in\n" + (
     "with one_run_in(Path(sys.argv[1])):\n    print('held', flush=True)\n    sys.stdin.read()\n"
 )
 

@@ -4,8 +4,8 @@ import harness
 
 with harness.instrumented():
     from normalgan.benchmark.plan import read_plan
-    from normalgan.config_files import ConfigCheck
-    from normalgan.data.cluster_address import read_cluster
+    from normalgan.cli.config_files import ConfigCheck
+    from normalgan.data.jobs.cluster_address import read_cluster
 
 
 def read(data: bytes) -> None:

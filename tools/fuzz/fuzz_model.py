@@ -4,7 +4,7 @@ import harness
 import numpy as np
 
 with harness.instrumented():
-    from normalgan.painting.onnx_backend import OnnxBackend
+    from normalgan.painting.network.onnx_backend import OnnxBackend
 
 
 def read(data: bytes) -> None:

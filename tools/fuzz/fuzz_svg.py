@@ -6,8 +6,8 @@ import harness
 
 with harness.instrumented():
     from normalgan.decoding.worker import MOST_DEPTH, RefusedError, harmless
-    from normalgan.drawings import read_drawing
     from normalgan.errors import InputError
+    from normalgan.painting.reading.drawings import read_drawing
 
 MOST = 1024
 

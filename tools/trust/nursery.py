@@ -15,7 +15,7 @@ import psutil
 from changes import tell_changes
 from moments import Moment
 
-import normalgan.cli  # noqa: F401 -- so that a forked child need not
+import normalgan.cli.training  # noqa: F401 -- so that a forked child need not
 from normalgan.__main__ import main
 
 PATIENCE = 900.0

@@ -12,7 +12,7 @@ from typing import Any
 import torch
 
 from normalgan.benchmark.machine import commit, describe_machine, describe_versions
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 READ_BY = ("zarr", "trimesh", "pillow", "resvg-py", "PyYAML")
 """Libraries that write or read what is damaged here."""

@@ -9,10 +9,10 @@ from jsonargparse import Namespace
 
 from normalgan.benchmark.plan import Plan, Row, is_plan, read_plan
 from normalgan.benchmark.scale import Scale, read_budget, read_scale
-from normalgan.commands.light_parser import LightParser
+from normalgan.cli.light_parser import LightParser
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
-from normalgan.shipped_configs import find_beside
+from normalgan.files.shipped_configs import find_beside
+from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
 if TYPE_CHECKING:  # they import torch

@@ -32,9 +32,9 @@ from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.items import collate, decode
-from normalgan.data.order import spread
-from normalgan.files import write_bytes
+from normalgan.data.loading.items import collate, decode
+from normalgan.data.loading.order import spread
+from normalgan.files.writing import write_bytes
 from normalgan.gan import SHARE
 from normalgan.hints import hints_at
 from normalgan.normals import Floats

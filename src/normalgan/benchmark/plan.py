@@ -9,11 +9,11 @@ from typing import Any, Literal, TypeVar
 
 import yaml
 
-from normalgan.commands.light_parser import LightParser
-from normalgan.config_files import ConfigCheck
+from normalgan.cli.config_files import ConfigCheck
+from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parser_errors import refusal
 from normalgan.errors import InputError, did_you_mean
-from normalgan.parser_errors import refusal
-from normalgan.shipped_configs import find_config
+from normalgan.files.shipped_configs import find_config
 
 __all__ = ["PLACEMENTS", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
 

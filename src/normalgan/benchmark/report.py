@@ -18,7 +18,7 @@ from normalgan.benchmark.table import markdown
 from normalgan.benchmark.training import Result, read_result, write_json
 from normalgan.callbacks.rows import batch_row
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.hints import hints_at
 
 __all__ = ["Report"]

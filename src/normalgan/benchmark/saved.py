@@ -11,7 +11,7 @@ from normalgan.checkpoints import check_size
 from normalgan.errors import InputError
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.normals import Floats
-from normalgan.painting.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SUFFIX, find_weights, read_weights
 from normalgan.weights.part import Part

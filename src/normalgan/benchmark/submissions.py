@@ -16,10 +16,10 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.benchmark.methods import Method
 from normalgan.benchmark.points import hint_order
-from normalgan.drawings import read_pixels, to_unit
 from normalgan.errors import InputError, brief
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.hints import NoHints, UniformHints
+from normalgan.painting.reading.drawings import read_pixels, to_unit
 
 __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 

@@ -13,7 +13,7 @@ from normalgan.benchmark.runs import Run
 from normalgan.benchmark.settings import differences
 from normalgan.checkpoints import best_checkpoint
 from normalgan.errors import InputError, RunError, brief
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 
 __all__ = [
     "Result",

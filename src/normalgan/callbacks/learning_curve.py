@@ -8,7 +8,7 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.gan import SHARE, NormalGAN
 
 __all__ = ["LearningCurve"]

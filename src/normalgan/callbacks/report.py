@@ -12,9 +12,9 @@ from normalgan.batch import Batch
 from normalgan.callbacks.rows import batch_row
 from normalgan.callbacks.table import results_table
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.order import spread
+from normalgan.data.loading.order import spread
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.gallery import Row, write_gallery
 from normalgan.gan import NormalGAN
 from normalgan.metrics import MapMetric, StageMetrics

@@ -16,13 +16,13 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, RunError, named, one_line, unwritable
 from normalgan.gan import NormalGAN
 from normalgan.normals import Bits, Green
-from normalgan.painting.jobs import Job, plan
+from normalgan.painting.jobs.plan import Job, plan
+from normalgan.painting.network.torch_backend import channels_last
+from normalgan.painting.network.upsampling import enlarge, upsampler
 from normalgan.painting.normal_map import Format
-from normalgan.painting.outputs import Heights, Outputs, level_heights
+from normalgan.painting.outputs.outputs import Heights, Outputs, level_heights
 from normalgan.painting.pipeline import finish
-from normalgan.painting.series import flat_map
-from normalgan.painting.torch_backend import channels_last
-from normalgan.painting.upsampling import enlarge, upsampler
+from normalgan.painting.sheets_and_layers.series import flat_map
 
 __all__ = ["NormalMapWriter"]
 

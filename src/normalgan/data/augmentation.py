@@ -15,7 +15,7 @@ from normalgan.metrics.functional import unit_vectors, unit_vectors_within
 from normalgan.objectives.steadiness import add_strays
 from normalgan.plugin_outputs import called, refused, shown
 from normalgan.registry import Registry
-from normalgan.torch_seeds import seed_torch
+from normalgan.seeds import seed_torch
 
 
 class BatchAugmentation(ABC):

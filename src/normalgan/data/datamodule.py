@@ -14,23 +14,23 @@ from normalgan.animals import herd
 from normalgan.batch import Batch
 from normalgan.data.augmentation import BatchAugmentation, augmented
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.items import Item, decode
-from normalgan.data.loaders import Loaders
-from normalgan.data.local_cache import LocalCache
-from normalgan.data.manifest import fingerprints, views_by_split
+from normalgan.data.jobs.usable import find_unusable, leave_out
+from normalgan.data.loading.items import Item, decode
+from normalgan.data.loading.loaders import Loaders
+from normalgan.data.loading.order import spread
+from normalgan.data.loading.stream import StreamDataset
+from normalgan.data.loading.training_data import changes, describe_training_data
 from normalgan.data.mean import ENOUGH, mean_of_maps
-from normalgan.data.order import spread
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketches
 from normalgan.data.sources import Animals, DataSource, MeshGroup, PairSource, SplitSettings
 from normalgan.data.splits import SPLITS
-from normalgan.data.stream import StreamDataset
-from normalgan.data.training_data import changes, describe_training_data
-from normalgan.data.usable import find_unusable, leave_out
+from normalgan.data.store.local_cache import LocalCache
+from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
 from normalgan.line_widths import USUAL_WIDTHS
-from normalgan.painting.jobs import find_files
+from normalgan.painting.jobs.plan import find_files
 from normalgan.plugin_outputs import called, check_kinds, refused
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand

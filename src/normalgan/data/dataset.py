@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from normalgan.data.items import Item, SampleError, decode_item, to_item
-from normalgan.data.layout import ARRAYS, array_names
-from normalgan.data.shards import ShardedSamples
+from normalgan.data.loading.items import Item, SampleError, decode_item, to_item
+from normalgan.data.store.layout import ARRAYS, array_names
+from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 
 __all__ = ["SampleDataset", "bytes_per_sample"]

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.data.items import decode
+from normalgan.data.loading.items import decode
 from normalgan.metrics import unit_vectors
 
 __all__ = ["ENOUGH", "mean_of_maps"]

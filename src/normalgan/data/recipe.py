@@ -2,9 +2,10 @@
 
 from typing import Any, Protocol
 
+from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 
-__all__ = ["Loadable", "SampleRecipe"]
+__all__ = ["Loadable", "SampleRecipe", "fingerprint"]
 
 
 class Loadable(Protocol):
@@ -59,3 +60,11 @@ class SampleRecipe(Protocol):
 
         ``rendering_version`` among them is the version of the code that makes them.
         """
+
+
+def fingerprint(source: Loadable) -> str:
+    """Return what a mesh is; one that cannot be read is left for `look_at` to refuse."""
+    try:
+        return source.fingerprint()
+    except InputError as error:
+        return f"none: {error}"

@@ -3,17 +3,17 @@
 import warnings
 from collections.abc import Mapping
 
-from normalgan.data.cluster import Cluster
-from normalgan.data.local_cache import LocalCache
-from normalgan.data.manifest import Manifest
-from normalgan.data.pool import Pool
+from normalgan.data.jobs.cluster import Cluster
+from normalgan.data.jobs.pool import Pool
+from normalgan.data.jobs.request import Sources, lay_out, locate
+from normalgan.data.jobs.retry import render_shards
+from normalgan.data.jobs.survey import outstanding
+from normalgan.data.jobs.tasks import ShardTask
+from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import SampleRecipe
-from normalgan.data.request import Sources, lay_out, locate
-from normalgan.data.retry import render_shards
-from normalgan.data.shards import ShardedSamples
-from normalgan.data.survey import outstanding
-from normalgan.data.tasks import ShardTask
-from normalgan.data.workers import Workers
+from normalgan.data.store.local_cache import LocalCache
+from normalgan.data.store.manifest import Manifest
+from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 from normalgan.progress import progress_bar
 

@@ -14,7 +14,7 @@ from normalgan.batch import Sketches
 from normalgan.errors import InputError, named
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.painting.inputs import check_size, prepare_any
-from normalgan.painting.jobs import DrawingFiles
+from normalgan.painting.jobs.plan import DrawingFiles
 from normalgan.painting.parallel import stream
 from normalgan.painting.preparation import Prepared
 
@@ -39,7 +39,7 @@ class SketchDataset(Dataset[SketchSample]):
     """Drawings prepared for the generator. All are read at once, so that a bad one stops nothing half-way.
 
     Args:
-        files: the drawings with their hints and masks, as `normalgan.painting.jobs.find_files` finds them.
+        files: the drawings with their hints and masks, as `painting.jobs.plan.find_files` finds them.
         size: side of the generator's pictures.
         longest: longer side of the maps in pixels; None is the drawing's.
         line_widths: of the lines that the generator is shown as they were drawn, in its pixels.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from normalgan.errors import InputError, brief
-from normalgan.shipped_configs import find_beside
+from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["SPLITS", "Split", "plural", "split_by_file", "split_by_fractions"]
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from jsonargparse import Namespace
 
-from normalgan.commands.light_parser import LightParser
+from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.light_parser import LightParser
 from normalgan.errors import InputError, RunError, unwritable
-from normalgan.files import write_bytes
-from normalgan.late_imports import nothing_collected
+from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
 __all__ = ["HALVED", "SUFFIXES", "TOLERANCE", "build_parser", "export", "run"]

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from PIL import Image, ImageOps
 
 from normalgan.decoding import Decoded, Pixels
-from normalgan.drawings import LARGEST, SMALLEST
 from normalgan.errors import InputError, brief
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.normals import LEAST_Z, Floats, normalize
-from normalgan.painting.hint_files import Hints, load_hints, parse_hints
-from normalgan.painting.jobs import MODEL, OUTLINE
-from normalgan.painting.masks import load_mask, mask_of
-from normalgan.painting.picture import Picture, read_picture, to_picture
+from normalgan.painting.jobs.plan import MODEL, OUTLINE
+from normalgan.painting.mask.masks import load_mask, mask_of
 from normalgan.painting.preparation import Mark, Prepared, prepare
+from normalgan.painting.reading.drawings import LARGEST, SMALLEST
+from normalgan.painting.reading.hint_files import Hints, load_hints, parse_hints
+from normalgan.painting.reading.picture import Picture, read_picture, to_picture
 
 __all__ = [
     "AnyHints",

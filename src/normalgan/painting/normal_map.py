@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.normals import (
     Bits,
     Floats,
@@ -23,9 +23,9 @@ from normalgan.normals import (
     pixels_of,
     strips,
 )
-from normalgan.painting.cells import Cell
-from normalgan.painting.framing import box_of
-from normalgan.painting.tile import Tile
+from normalgan.painting.network.framing import box_of
+from normalgan.painting.network.tile import Tile
+from normalgan.painting.sheets_and_layers.cells import Cell
 from normalgan.painting.vectors import unit
 
 __all__ = ["Format", "NormalMap", "as_it_lies", "part_of"]
@@ -85,9 +85,9 @@ class NormalMap:
         """Return the surface that the normals belong to, (H, W) in pixels towards the viewer.
 
         It has a mean of zero over each connected part and is zero off the object; see
-        `normalgan.painting.height.integrate`.
+        `normalgan.painting.heights.height.integrate`.
         """
-        from normalgan.painting.height import integrate  # here: its solver takes a while to import
+        from normalgan.painting.heights.height import integrate  # here: its solver takes a while to import
 
         if not self.cells:
             return integrate(self.extended, self.mask, tile=self.tile)

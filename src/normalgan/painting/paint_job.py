@@ -10,23 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.decoding import decode_frames
-from normalgan.drawings import LARGEST, SMALLEST, read_content, read_pixels
 from normalgan.errors import InputError
-from normalgan.files import write_bytes
-from normalgan.painting.animation import encode_animation, kind_of, moving_kind
+from normalgan.files.writing import write_bytes
 from normalgan.painting.inputs import as_hints
-from normalgan.painting.jobs import DrawingFiles, Job
-from normalgan.painting.layered_job import LayeredJob, layered_target
-from normalgan.painting.masks import load_mask
+from normalgan.painting.jobs.plan import DrawingFiles, Job
+from normalgan.painting.mask.masks import load_mask
+from normalgan.painting.network.tile import Tile
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outputs import Heights, Outputs, level_heights
-from normalgan.painting.packing import Packing
+from normalgan.painting.outputs.outputs import Heights, Outputs, level_heights
 from normalgan.painting.painter import Painter
-from normalgan.painting.picture import Picture, fitted, read_picture, resize, to_picture
 from normalgan.painting.preparation import Mark
-from normalgan.painting.series import Member, flat_map, left_flat, paint_series
-from normalgan.painting.sheets import paint_sheet
-from normalgan.painting.tile import Tile
+from normalgan.painting.reading.drawings import LARGEST, SMALLEST, read_content, read_pixels
+from normalgan.painting.reading.picture import Picture, fitted, read_picture, resize, to_picture
+from normalgan.painting.sheets_and_layers.animation import encode_animation, kind_of, moving_kind
+from normalgan.painting.sheets_and_layers.layered_job import LayeredJob, layered_target
+from normalgan.painting.sheets_and_layers.packing import Packing
+from normalgan.painting.sheets_and_layers.series import Member, flat_map, left_flat, paint_series
+from normalgan.painting.sheets_and_layers.sheets import paint_sheet
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPainter", "target_of", "written_for"]
 

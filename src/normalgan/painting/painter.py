@@ -1,12 +1,12 @@
 """Painter: a network that is called with a drawing and returns its normal map."""
 
-from normalgan.painting.backend import Backend
 from normalgan.painting.inputs import AnyHints, AnyMask, AnyPicture, check_any, prepare_any
+from normalgan.painting.network.backend import Backend
+from normalgan.painting.network.tile import Tile, check_tile
+from normalgan.painting.network.upsampling import Upsampler
 from normalgan.painting.normal_map import NormalMap
 from normalgan.painting.pipeline import paint
-from normalgan.painting.tile import Tile, check_tile
 from normalgan.painting.tiling import paint_tile
-from normalgan.painting.upsampling import Upsampler
 
 __all__ = ["Painter"]
 

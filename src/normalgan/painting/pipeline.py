@@ -9,13 +9,13 @@ import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.normals import Floats, strips
-from normalgan.painting.backend import Backend
 from normalgan.painting.edits import MOST_PINS, REACH, hold_pins
 from normalgan.painting.levels import ranked
+from normalgan.painting.network.backend import Backend
+from normalgan.painting.network.upsampling import Coarse, Upsampler
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.picture import resize
 from normalgan.painting.preparation import Mark, Prepared
-from normalgan.painting.upsampling import Coarse, Upsampler
+from normalgan.painting.reading.picture import resize
 from normalgan.painting.vectors import lengths, unit
 
 __all__ = ["CLOSED", "coarse_of", "finish", "hints_off", "paint"]

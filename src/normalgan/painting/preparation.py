@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.normals import Floats
-from normalgan.painting.cleaning import Cleaned, clean
-from normalgan.painting.framing import Bounds, Frame
-from normalgan.painting.hint_files import Hints
-from normalgan.painting.jobs import MODEL
-from normalgan.painting.line_width import show
-from normalgan.painting.outline_mask import fill_outline
-from normalgan.painting.picture import MOST_WORKED, Picture, fitted, resize
+from normalgan.painting.cleaning.cleaning import Cleaned, clean
+from normalgan.painting.jobs.plan import MODEL
+from normalgan.painting.mask.outline_mask import fill_outline
+from normalgan.painting.network.framing import Bounds, Frame
+from normalgan.painting.network.line_width import show
+from normalgan.painting.reading.hint_files import Hints
+from normalgan.painting.reading.picture import MOST_WORKED, Picture, fitted, resize
 
 __all__ = ["Mark", "Prepared", "hinted", "prepare", "reframed"]
 

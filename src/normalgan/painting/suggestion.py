@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.normals import Floats, normalize
-from normalgan.painting.picture import fitted, resize
+from normalgan.painting.reading.picture import fitted, resize
 
 __all__ = ["Point", "doubt", "suggest"]
 

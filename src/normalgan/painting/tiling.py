@@ -7,21 +7,21 @@ from math import ceil
 import numpy as np
 
 from normalgan.normals import Floats
-from normalgan.painting.backend import Backend
-from normalgan.painting.cleaning import clean
-from normalgan.painting.framing import Frame
-from normalgan.painting.hint_files import Hints
-from normalgan.painting.jobs import MODEL
-from normalgan.painting.line_width import show
+from normalgan.painting.cleaning.cleaning import clean
+from normalgan.painting.jobs.plan import MODEL
+from normalgan.painting.mask.outline_mask import fill_outline
+from normalgan.painting.network.backend import Backend
+from normalgan.painting.network.framing import Frame
+from normalgan.painting.network.line_width import show
+from normalgan.painting.network.tile import Tile, middle, repeats, resize_tile, wrapped
+from normalgan.painting.network.upsampling import Upsampler
+from normalgan.painting.network.windows import Window, paint_windows, repeated, windows
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outline_mask import fill_outline
-from normalgan.painting.picture import MOST_WORKED, Picture, fitted, resize
 from normalgan.painting.pipeline import CLOSED, finish, hints_off
 from normalgan.painting.preparation import Mark, Prepared
-from normalgan.painting.tile import Tile, middle, repeats, resize_tile, wrapped
-from normalgan.painting.upsampling import Upsampler
+from normalgan.painting.reading.hint_files import Hints
+from normalgan.painting.reading.picture import MOST_WORKED, Picture, fitted, resize
 from normalgan.painting.vectors import lengths, unit
-from normalgan.painting.windows import Window, paint_windows, repeated, windows
 
 __all__ = ["MOST_TILED", "paint_tile"]
 

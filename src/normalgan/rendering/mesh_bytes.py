@@ -6,7 +6,7 @@ from contextvars import ContextVar
 from pathlib import Path
 
 from normalgan.errors import InputError
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 
 __all__ = ["mesh_bytes", "read_once"]
 

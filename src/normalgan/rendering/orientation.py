@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from normalgan.errors import InputError, brief
-from normalgan.shipped_configs import find_beside
+from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["Orientation", "Rotation", "checked_rotation", "read_orientations"]
 

@@ -17,7 +17,7 @@ from starlette.staticfiles import StaticFiles
 
 from normalgan import __version__
 from normalgan.errors import InputError
-from normalgan.painting.lighting import CLAY_FILE
+from normalgan.painting.outputs.lighting import CLAY_FILE
 from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore

@@ -8,8 +8,8 @@ from jsonargparse import Namespace
 from platformdirs import user_data_path
 
 from normalgan import decoding
-from normalgan.commands.light_parser import LightParser
-from normalgan.painting.onnx_backend import find_model
+from normalgan.cli.light_parser import LightParser
+from normalgan.painting.network.onnx_backend import find_model
 from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.memory import keep_memory

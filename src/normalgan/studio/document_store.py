@@ -14,7 +14,7 @@ from typing import Any, Final
 from filelock import FileLock, Timeout
 
 from normalgan.errors import RunError, unwritable
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.studio.names import check_name, is_name
 from normalgan.studio.refusals import ChangedError, MissingError
 

@@ -23,10 +23,10 @@ from normalgan.painting.edits import (
     stroke,
     tilt,
 )
-from normalgan.painting.hint_files import Hints, parse_hints
-from normalgan.painting.jobs import MODEL, OUTLINE
-from normalgan.painting.masks import mask_of
-from normalgan.painting.picture import Picture, read_picture
+from normalgan.painting.jobs.plan import MODEL, OUTLINE
+from normalgan.painting.mask.masks import mask_of
+from normalgan.painting.reading.hint_files import Hints, parse_hints
+from normalgan.painting.reading.picture import Picture, read_picture
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_text
 
 __all__ = [

@@ -11,10 +11,10 @@ from typing import Final, Literal
 from PIL import Image
 
 from normalgan.normals import encode_grey
-from normalgan.painting.engines import CONVENTIONS, Engine, sidecar
-from normalgan.painting.jobs import DrawingFiles, Job
+from normalgan.painting.jobs.plan import DrawingFiles, Job
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outputs import SHADING, Outputs, Shading, encode_height, shading_of
+from normalgan.painting.outputs.engines import CONVENTIONS, Engine, sidecar
+from normalgan.painting.outputs.outputs import SHADING, Outputs, Shading, encode_height, shading_of
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
@@ -211,7 +211,7 @@ class Wish:
 
 def _preview(preds: NormalMap) -> bytes:
     """Return the map as clay under a lamp at the upper left, a PNG."""
-    from normalgan.painting.preview import lit
+    from normalgan.painting.outputs.preview import lit
 
     file = io.BytesIO()
     Image.fromarray(lit(preds.extended, preds.mask, 130, 40)).save(file, "PNG")

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from normalgan.errors import InputError, RunError
-from normalgan.painting.composition import compose
 from normalgan.painting.normal_map import NormalMap
+from normalgan.painting.sheets_and_layers.composition import compose
 from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.drawing import Drawing, take_drawing
 from normalgan.studio.fields import Fields, take_integer, take_text

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.document_store import SUFFIX, DocumentStore
 from normalgan.studio.documents import check_document

@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 
 from normalgan.normals import Floats
+from normalgan.painting.network.onnx_backend import OnnxBackend
+from normalgan.painting.network.upsampling import Coarse
 from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.onnx_backend import OnnxBackend
-from normalgan.painting.picture import resize
 from normalgan.painting.pipeline import CLOSED, paint
 from normalgan.painting.preparation import Mark, Prepared, hinted, prepare
-from normalgan.painting.upsampling import Coarse
+from normalgan.painting.reading.picture import resize
 from normalgan.studio.drawing import Drawing
 
 __all__ = ["Painter"]

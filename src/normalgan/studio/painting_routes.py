@@ -13,8 +13,8 @@ from starlette.routing import Route
 
 from normalgan.errors import InputError, RunError
 from normalgan.normals import pixels_of
-from normalgan.painting.hint_files import parse_hints
 from normalgan.painting.normal_map import NormalMap
+from normalgan.painting.reading.hint_files import parse_hints
 from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.bodies import check_type, gone, read_body
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE

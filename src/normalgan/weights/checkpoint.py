@@ -14,13 +14,13 @@ from torch.optim import Optimizer
 from torch.optim.lr_scheduler import LRScheduler
 
 from normalgan.errors import InputError
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.files.torch_files import load_torch_file
 from normalgan.hints import HINT_SAMPLERS
-from normalgan.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
 from normalgan.line_widths import USUAL_WIDTHS, check_line_widths
 from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.registry import Registry, find_imported
-from normalgan.torch_files import load_torch_file
 from normalgan.weights.file import SUFFIX, Weights, read_weights
 from normalgan.weights.network import check_fit
 from normalgan.weights.notes import Notes

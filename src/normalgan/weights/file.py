@@ -11,7 +11,7 @@ from safetensors.torch import load, save
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.models import GENERATORS, Generator
 from normalgan.weights.network import build_generator, check_fit
 from normalgan.weights.notes import Notes

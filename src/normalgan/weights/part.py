@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from jsonargparse import ArgumentParser
 
 from normalgan.errors import InputError, brief
-from normalgan.limits import MOST_DEPTH, MOST_NODES
+from normalgan.files.limits import MOST_DEPTH, MOST_NODES
 from normalgan.models.base import Network
 from normalgan.registry import Registry
 

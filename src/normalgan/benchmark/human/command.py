@@ -19,7 +19,7 @@ from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.table import figure_cell, interval_cell
 from normalgan.benchmark.training import write_json
 from normalgan.errors import InputError, did_you_mean
-from normalgan.files import write_bytes
+from normalgan.files.writing import write_bytes
 from normalgan.saved_model import load
 
 __all__ = ["find_drawings", "human", "tables"]

@@ -9,7 +9,7 @@ import numpy as np
 
 from normalgan.benchmark.human.registration import Doubles
 from normalgan.errors import InputError, brief
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["Found", "HumanDrawing", "read_json", "stroke_of"]

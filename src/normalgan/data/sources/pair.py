@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from normalgan.errors import InputError
 from normalgan.normals import Floats, normalize
-from normalgan.painting.hint_files import Hints
 from normalgan.painting.inputs import AnyHints, AnyMask, AnyPicture, as_hints, as_mask, as_picture
-from normalgan.painting.picture import resize
 from normalgan.painting.preparation import prepare
+from normalgan.painting.reading.hint_files import Hints
+from normalgan.painting.reading.picture import resize
 from normalgan.rendering.samples import Sample
 
 __all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "outwardness"]

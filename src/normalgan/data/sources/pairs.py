@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from normalgan.data.sources.base import DATA_SOURCES, PairSource, SplitSettings
 from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
-from normalgan.drawings import SUFFIXES, read_normals
 from normalgan.errors import InputError, did_you_mean, named
-from normalgan.limits import read_bounded
+from normalgan.files.limits import read_bounded
 from normalgan.normals import Green, flip_green
-from normalgan.painting.hint_files import load_hints
-from normalgan.painting.picture import read_picture
+from normalgan.painting.reading.drawings import SUFFIXES, read_normals
+from normalgan.painting.reading.hint_files import load_hints
+from normalgan.painting.reading.picture import read_picture
 
 __all__ = ["COLUMNS", "NORMAL_SUFFIXES", "PairFiles", "Pairs"]
 

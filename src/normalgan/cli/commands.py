@@ -1,0 +1,39 @@
+"""Commands: which there are, what each does in a line, and the module that runs it."""
+
+from normalgan.cli.training_help import COMMANDS as TRAINING
+
+__all__ = ["COMMANDS", "OTHERS", "USAGE"]
+
+USAGE = """\
+normalgan: from a line sketch to a surface normal map
+
+Usage: normalgan COMMAND [--config FILE]... [options]
+
+Commands:
+  fit        train a generator on rendered meshes
+  validate   measure a checkpoint on the validation split
+  test       measure a checkpoint on the test split: table, baselines, gallery
+  predict    paint normal maps for sketches of your own
+  render     only render the training samples to disk
+  sketch     draw a mesh from a view, as SVG or PNG
+  generate   paint normal maps for drawings with an exported model, without torch
+  studio     draw, pin normals, light and export in the browser, with an exported model
+  export     write a checkpoint as a file for elsewhere: ONNX, safetensors, TorchScript
+  benchmark  train and measure the methods of a plan on one split, or a model of yours
+  plugins    list the samplers, networks, losses, renderers and line styles there are
+  completion print a script by which a shell completes commands and settings
+
+normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
+A configuration is a program; with --safe-config it can name known classes only.
+"""
+OTHERS = {
+    "sketch": "normalgan.cli.sketch",
+    "generate": "normalgan.cli.generate",
+    "studio": "normalgan.studio.command",
+    "export": "normalgan.exporting.command",
+    "benchmark": "normalgan.benchmark.command",
+    "plugins": "normalgan.cli.plugins",
+    "completion": "normalgan.cli.completion",
+}
+"""The commands that are not the Trainer's, and the module of each, which has a ``run``."""
+COMMANDS = (*TRAINING, *OTHERS)

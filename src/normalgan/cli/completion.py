@@ -1,0 +1,63 @@
+"""normalgan completion: a script by which a shell completes commands, settings and the names of classes."""
+
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.util import find_spec
+
+from jsonargparse import ArgumentParser
+
+from normalgan.cli.commands import OTHERS
+from normalgan.cli.light_parser import LightParser
+from normalgan.cli.training_help import COMMANDS
+from normalgan.errors import InputError
+
+__all__ = ["SHELLS", "build_parser", "completion_script", "run"]
+
+SHELLS = ("bash", "zsh", "tcsh")
+"""The shells that scripts are made for."""
+
+
+def run(arguments: list[str]) -> int:
+    """Print the script that the arguments ask for and return the exit code.
+
+    Raises:
+        InputError: if there is no such shell, or shtab is not installed.
+    """
+    print(completion_script(build_parser().parse_args(arguments).shell))
+    return 0
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan completion",
+        usage="%(prog)s bash|zsh|tcsh",
+        description="Print a script by which a shell completes commands and settings.",
+    )
+    parser.add_argument("shell", choices=SHELLS, help="which shell")
+    return parser
+
+
+def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> str:
+    """Return the script for a shell; making it takes seconds, to complete by it none.
+
+    Args:
+        shell: one of `SHELLS`.
+        training: the training commands that are completed, beside all others.
+
+    Raises:
+        InputError: if shtab is not installed.
+    """
+    if find_spec("shtab") is None:
+        raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
+    from normalgan.cli.training import training_parser  # late: lightning takes seconds to import
+
+    whole = ArgumentParser(prog="normalgan")
+    commands = whole.add_subcommands()
+    for name in training:
+        commands.add_subcommand(name, training_parser(name))
+    for name, module in OTHERS.items():
+        if module != __name__:
+            commands.add_subcommand(name, import_module(module).build_parser())
+    script: str = whole.get_completion_script(f"shtab-{shell}")
+    return script

@@ -1,0 +1,357 @@
+"""normalgan generate: from drawings to normal maps by a model as ONNX, without torch."""
+
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass, fields
+from io import StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from jsonargparse import Namespace
+
+from normalgan import decoding
+from normalgan.cli.generate_parser import as_shell_means, build_parser, engine_of
+from normalgan.errors import InputError, RunError, named, one_line, unwritable
+from normalgan.painting.inputs import check_size
+from normalgan.painting.jobs.clashes import without_clashes, without_twins
+from normalgan.painting.jobs.plan import (
+    STDIN,
+    STDOUT,
+    Job,
+    check_writable,
+    companions_of,
+    find_many,
+    format_of,
+    is_file_name,
+    plan,
+    plan_file,
+)
+from normalgan.painting.jobs.watching import Watcher
+from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
+from normalgan.painting.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.painting.paint_job import JobPainter, target_of, written_for
+from normalgan.painting.painter import Painter
+from normalgan.painting.parallel import stream
+from normalgan.painting.reading.drawings import MOST_BYTES, without_companions
+from normalgan.painting.sheets_and_layers.packing import Packing
+from normalgan.painting.sheets_and_layers.series import flat_map
+from normalgan.progress import progress_bar
+
+__all__ = ["LOOK", "generate", "run"]
+
+LOOK = 0.5
+"""Seconds between two looks at what is watched."""
+
+
+def run(arguments: list[str]) -> int:
+    """Paint what the arguments ask for and return the exit code.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+    """
+    parser = build_parser(engine_of(arguments))
+    options = [option for action in parser._actions for option in action.option_strings]
+    return generate(parser.parse_args(as_shell_means(arguments, options)))
+
+
+def generate(settings: Namespace) -> int:
+    """Paint and write the maps; return the exit code, 1 if some of several drawings could not be used.
+
+    Raises:
+        InputError: if nothing can be done: a setting or the only drawing cannot be used.
+    """
+    decoding.start()  # while the model is loaded
+    check_size(settings.size)
+    if settings.tile and (settings.sheet or settings.split or settings.atlas or settings.layers):
+        raise InputError("--tile repeats a whole drawing; leave --sheet, --split, --atlas and --layers out.")
+    if settings.tile and settings.frame == "shared":
+        raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
+    packing = Packing(settings.sheet, settings.split, settings.atlas)
+    if packing.given and settings.size is not None:
+        raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
+    if settings.layers and packing.given:
+        raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
+    outputs = _outputs(settings)
+    if settings.watch and outputs.height_scale == "batch":
+        raise InputError("--height-scale batch needs all drawings, and --watch never has them; give pixels.")
+    flat_map((8, 8)).stronger(settings.strength)  # refuses what is none
+    if settings.output == STDOUT:
+        return _to_standard_output(settings, outputs)
+    content = (
+        sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
+    )
+
+    def find() -> _Found:
+        return _find(settings, outputs, packing, content)
+
+    found = find()
+    jobs, wrong = found.jobs, [*found.missing, *found.clashing]
+    if wrong and not jobs:
+        raise wrong[0]
+    path = find_model(settings.model)
+    check_writable(jobs)
+    batch = _Batch(settings, outputs, packing, wrong, found.left_out)
+    # Before anything is painted: what is saved meanwhile is painted anew.
+    watcher = Watcher(batch.read(jobs) if settings.watch else {})
+    if settings.skip_existing:
+        jobs = batch.without_existing(jobs)
+    if settings.dry_run:
+        return batch.tell(jobs)
+    _one_thread_each()
+    painter = Painter(OnnxBackend(path, threads=1))
+    batch.paint(painter, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
+    if settings.watch:
+        batch.watch(painter, watcher, find, found)
+    return batch.code(len(jobs) + len(wrong))
+
+
+def _outputs(settings: Namespace) -> Outputs:
+    """Return what is to be written.
+
+    Raises:
+        InputError: if the settings of it do not go together.
+    """
+    given = {field.name: getattr(settings, field.name) for field in fields(Outputs)}
+    output = Path(settings.output)
+    form = format_of(output, settings.format) if is_file_name(output) else settings.format
+    return Outputs(**given | {"format": form or "png"})
+
+
+class _Batch:
+    """What is done with the drawings that a command names."""
+
+    def __init__(
+        self,
+        settings: Namespace,
+        outputs: Outputs,
+        packing: Packing,
+        wrong: Sequence[InputError],
+        left_out: Sequence[str],
+    ) -> None:
+        self._settings, self._outputs, self._packing = settings, outputs, packing
+        self._failed = len(wrong)
+        self._heights: Heights = []
+        for each in (*left_out, *wrong):
+            print(f"normalgan: {one_line(str(each))}", file=sys.stderr)
+
+    def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
+        """Return the jobs that have no map yet; say how many have."""
+        left = [job for job in jobs if not self._is_there(job)]
+        if len(left) < len(jobs):
+            print(
+                f"normalgan: {len(jobs) - len(left)} of {len(jobs)} sketches have a map already.",
+                file=sys.stderr,
+            )
+        return left
+
+    def tell(self, jobs: Sequence[Job]) -> int:
+        """Say what would be read and written, and return the exit code."""
+        for job in jobs:
+            extras = [f" with {each}" for each in job.files.beside]
+            try:
+                print(f"{job.files.drawing}{''.join(extras)} -> {self._target(job)}")
+            except InputError as error:
+                self._failed += 1
+                print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
+        return 1 if self._failed else 0
+
+    def paint(self, painter: Painter, jobs: Sequence[Job], alone: bool = False) -> None:
+        """Paint drawings, and say what came of each.
+
+        Args:
+            painter: the network.
+            jobs: the drawings.
+            alone: whether to raise what is wrong with one, as there is no other.
+        """
+        settings = self._settings
+        work = JobPainter(
+            painter,
+            self._outputs,
+            settings.size,
+            self._packing,
+            settings.frame,
+            settings.strength,
+            settings.layers,
+            settings.tile,
+        )
+        written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
+        watched = len(jobs) > 1 and sys.stderr.isatty()
+        with progress_bar("painting", len(jobs), "drawings", shown=watched) as advance:
+            for job, outcome in written:
+                advance(1)
+                if isinstance(outcome, Exception):
+                    sentence = _sentence(job, outcome)
+                    if alone:
+                        raise sentence from outcome
+                    self._failed += 1
+                    print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
+                    continue
+                self._heights += outcome.heights
+                if outcome.warning:
+                    told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
+                    print(one_line(told), file=sys.stderr)
+                print(outcome.target, flush=self._settings.watch)
+
+    def watch(
+        self,
+        painter: Painter,
+        watcher: Watcher,
+        find: Callable[[], "_Found"],
+        found: "_Found",
+    ) -> None:
+        """Paint what is saved, as it is saved, until Ctrl-C; of drawings that share a frame, all of them.
+
+        Raises:
+            RunError: if a folder that was named is gone.
+        """
+        folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
+        print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)
+        told, known = set(found.told), set[Path]()
+        while True:
+            time.sleep(LOOK)
+            for place in folders:
+                if not place.exists():
+                    raise RunError(f"the folder {place} that is watched is gone.")
+            jobs, now = {}, set[str]()
+            try:
+                found = find()
+                jobs, now = {job.files.drawing: job for job in found.jobs}, set(found.told)
+            except InputError as error:  # such as a map that would be written over a new drawing
+                now = {str(error)}
+            for each in sorted(now - told):
+                print(f"normalgan: {one_line(each)}", file=sys.stderr, flush=True)
+            told = now
+            # The map of a drawing that was there, and is deleted or renamed by now, is still no drawing.
+            known |= set(jobs)
+            kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
+            jobs = {path: job for path, job in jobs.items() if path in kept}
+            saved = watcher.saved(self.read(jobs.values()))
+            if saved:
+                try:
+                    self.paint(painter, [*jobs.values()] if self._alike else [jobs[each] for each in saved])
+                except InputError as error:  # such as frames of several sizes, until all are saved
+                    print(f"normalgan: {one_line(str(error))}", file=sys.stderr, flush=True)
+
+    def read(self, jobs: Iterable[Job]) -> dict[Path, list[Path]]:
+        """Return the drawings, each with what else is read for it."""
+        files = [job.files for job in jobs]
+        return {
+            each.drawing: [*each.beside, *self._packing.beside(each.drawing, each.below)] for each in files
+        }
+
+    @property
+    def _alike(self) -> bool:
+        """Whether drawings in files of their own share what the model is shown."""
+        return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
+
+    def code(self, total: int) -> int:
+        """Say how many failed, and return the exit code."""
+        if self._outputs.height_scale == "batch":
+            level_heights(self._heights)
+        if self._failed:
+            print(f"normalgan: {self._failed} of {total} sketches could not be used.", file=sys.stderr)
+        return 1 if self._failed else 0
+
+    def _target(self, job: Job) -> Path:
+        return target_of(job, self._outputs, self._packing, self._settings.layers)
+
+    def _is_there(self, job: Job) -> bool:
+        try:
+            return self._target(job).exists()
+        except InputError:
+            return False  # it is told when it is painted
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What a command names.
+
+    Args:
+        jobs: what is to be painted.
+        missing: what is wrong with the words that name nothing.
+        clashing: of drawings that would be written to one file.
+        left_out: what is to be said of layered files and their exports.
+    """
+
+    jobs: list[Job]
+    missing: list[InputError]
+    clashing: list[InputError]
+    left_out: list[str]
+
+    @property
+    def told(self) -> list[str]:
+        """What is to be said while a folder is watched; what is named and is not there may come."""
+        return [*self.left_out, *map(str, self.clashing)]
+
+
+def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: bytes | None) -> _Found:
+    """Return what a command names."""
+    folder = Path(settings.output)
+    files, missing = find_many(
+        settings.sketches,
+        outputs.ending,
+        settings.hints,
+        settings.mask,
+        content,
+        settings.recursive,
+        folder,
+        may_be_empty=settings.watch,
+    )
+    files, left_out = without_twins(files, settings.layers)
+    others = list(outputs.others())
+    if is_file_name(folder):
+        jobs = [plan_file(files, folder, others)] if files else []
+        return _Found(jobs, missing, [], left_out)
+    jobs, clashing = without_clashes(
+        plan(files, folder, outputs.ending, others, may_clash=True),
+        lambda job: written_for(job, outputs, packing, settings.layers),
+    )
+    return _Found(jobs, missing, clashing, left_out)
+
+
+def _to_standard_output(settings: Namespace, outputs: Outputs) -> int:
+    """Paint one drawing and write its map to standard output; return the exit code.
+
+    Raises:
+        InputError: if there are several, or more is to be written than a map.
+    """
+    if list(outputs.others()):
+        raise InputError("standard output holds the map alone; give -o a folder for the rest.")
+    if settings.watch or settings.dry_run:
+        raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
+    packing = Packing(settings.sheet, settings.split, settings.atlas)
+    found = _find(settings, outputs, packing, b"")
+    if len(found.jobs) > 1:  # told before they are painted
+        raise _not_one(len(found.jobs))
+    with TemporaryDirectory() as folder:
+        settings.output, settings.skip_existing = folder, False
+        with redirect_stdout(StringIO()):  # where the map lies for now is of no use to anybody
+            code = generate(settings)
+        written = sorted(Path(folder).rglob("*.*"))
+        if len(written) != 1:
+            raise _not_one(len(written))
+        sys.stdout.buffer.write(written[0].read_bytes())
+        sys.stdout.flush()
+    return code
+
+
+def _not_one(maps: int) -> InputError:
+    return InputError(f"standard output holds one map, but there are {maps}; give -o a folder.")
+
+
+def _one_thread_each() -> None:
+    """Let OpenCV compute in the thread that calls it: drawings share the cores, not the parts of one."""
+    import cv2
+
+    cv2.setNumThreads(1)
+
+
+def _sentence(job: Job, error: Exception) -> InputError:
+    """Return an error in a sentence that names the drawing; raise it again if it is a mistake of ours."""
+    if isinstance(error, OSError):
+        return unwritable(f"the normal map cannot be written to {job.target}: {error.strerror}.", error)
+    if not isinstance(error, InputError):
+        raise error
+    return named(job.files.drawing, error)

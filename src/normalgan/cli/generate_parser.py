@@ -1,0 +1,160 @@
+"""The command line of normalgan generate, in sections."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+from normalgan.cli.light_parser import LightParser
+from normalgan.painting.network.tile import Tile
+from normalgan.painting.normal_map import Format
+from normalgan.painting.outputs.engines import CONVENTIONS, Engine
+from normalgan.painting.outputs.outputs import Outputs, engine_defaults
+
+__all__ = ["as_shell_means", "build_parser", "engine_of"]
+
+_FLAGS = {
+    "alpha": "write the object's mask as alpha channel",
+    "show_input": "write what the model saw, <sketch>_input.png",
+    "ao": "write the ambient occlusion, <sketch>_ao.png",
+    "curvature": "write the curvature, ridges light and hollows dark, <sketch>_curvature.png",
+    "specular": "write how much each place reflects, ridges polished and hollows dull, <sketch>_specular.png",
+}
+
+
+def engine_of(arguments: Sequence[str]) -> Engine | None:
+    """Return the engine that a command line names; None if it names none that is known.
+
+    >>> engine_of(["fox.png", "--engine", "unreal"])
+    'unreal'
+    """
+    for i, each in enumerate(arguments):
+        name, _, value = each.partition("=")
+        if name == "--engine":
+            value = value or "".join(arguments[i + 1 : i + 2])
+            return next((known for known in CONVENTIONS if known == value), None)
+    return None
+
+
+def build_parser(engine: Engine | None = None) -> LightParser:
+    """Return the parser of the command line.
+
+    Args:
+        engine: its conventions are the defaults, which the user can overrule.
+    """
+    parser = LightParser(
+        prog="normalgan generate",
+        usage="%(prog)s SKETCH... [-o FOLDER] [--SETTING VALUE]...",
+        description="Paint normal maps for drawings.",
+    )
+    parser.add_argument(
+        "sketches", nargs="+", help="files, folders or globs of drawings; - reads one from standard input"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="normals",
+        help="folder where the maps go; of one drawing also a file, or - for standard output",
+    )
+    parser.add_argument("--dry-run", action="store_true", help="only say what would be read and written")
+    drawing = parser.add_argument_group("How a drawing is painted")
+    drawing.add_argument(
+        "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
+    )
+    drawing.add_argument(
+        "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
+    )
+    drawing.add_argument(
+        "--mask",
+        type=str | None,
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill the drawing's own, "
+        "or model to leave it to the model; null is its opacity if that tells, else outline",
+    )
+    drawing.add_argument(
+        "--size",
+        type=int | None,
+        help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
+    )
+    drawing.add_argument(
+        "--strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+    )
+    drawing.add_argument(
+        "--tile",
+        type=Tile | None,
+        help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
+    )
+    _add_folders(parser.add_argument_group("Folders"))
+    _add_sheets(parser.add_argument_group("Several drawings in one file"))
+    parser.add_argument(
+        "--format",
+        type=Format | None,
+        help="of the map; exr and tiff hold floats; null is that of the file that -o names, png of a folder",
+    )
+    parser.add_class_arguments(Outputs, skip={*_FLAGS, "format", "height_scale"})
+    parser.add_argument(
+        "--height-scale",
+        type=float | Literal["batch"] | None,
+        help="pixels from black to white of a height png; batch takes those of the highest drawing",
+    )
+    for name, words in _FLAGS.items():
+        parser.add_argument(f"--{name.replace('_', '-')}", action="store_true", help=words)
+    if engine is not None:
+        parser.set_defaults(engine_defaults(engine))
+    return parser
+
+
+def _add_folders(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--recursive", action="store_true", help="search folders to the bottom, and mirror them in the output"
+    )
+    group.add_argument("--skip-existing", action="store_true", help="leave drawings out that have a map")
+    group.add_argument(
+        "--watch", action="store_true", help="go on, and paint what is saved as it is saved; Ctrl-C ends it"
+    )
+
+
+def _add_sheets(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")  # type: ignore[arg-type]
+    group.add_argument(
+        "--split",
+        type=Literal["auto"] | None,  # type: ignore[arg-type]
+        help="auto finds a sheet's drawings: islands of opacity or of connected lines",
+    )
+    group.add_argument(
+        "--atlas",
+        type=str | None,  # type: ignore[arg-type]
+        help="a sheet's JSON by TexturePacker or Aseprite, or a folder of them",
+    )
+    group.add_argument(
+        "--layers",
+        action="store_true",
+        help="paint each visible layer of a PSD, KRA, ORA or Aseprite file for itself, and write all as a "
+        "layered file; as files of their own with --bits 16, --engine, or another --format",
+    )
+    group.add_argument(
+        "--frame",
+        type=Literal["own", "shared"] | None,  # type: ignore[arg-type]
+        help="what the model is shown: each drawing as large as can be, or the same square of all, so that "
+        "what stands still stays so; null is shared for an animation, own else",
+    )
+
+
+def as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
+    """Return arguments in which a file whose name begins with a dash is no option.
+
+    After ``--`` nothing is an option. Before, what is called as a file that is there, and as no option, is
+    that file.
+
+    Args:
+        arguments: what the shell gave.
+        options: what the parser knows.
+    """
+    out: list[str] = []
+    for i, each in enumerate(arguments):
+        if each == "--":
+            return out + [
+                f"./{one}" if one.startswith("-") and one != "-" else one for one in arguments[i + 1 :]
+            ]
+        file = each.startswith("-") and each != "-" and each not in options and Path(each).is_file()
+        out.append(f"./{each}" if file else each)
+    return out

@@ -1,0 +1,98 @@
+"""Parser: Lightning's, with an answer to mistakes that people can use."""
+
+import re
+from argparse import HelpFormatter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, NoReturn
+
+from lightning.pytorch.cli import LightningArgumentParser
+
+from normalgan.cli.class_settings import OwnDefaultsParser
+from normalgan.cli.parser_errors import explain
+from normalgan.errors import InputError, did_you_mean
+from normalgan.files.shipped_configs import find_config
+from normalgan.plugins import SETTINGS, described, namable
+
+__all__ = ["Parser", "help_of", "with_shipped_configs"]
+
+_section: ContextVar[str | None] = ContextVar("_section", default=None)
+
+
+@contextmanager
+def help_of(section: str | None) -> Iterator[None]:
+    """Let ``--help`` list the settings of one section alone; None lets it list all."""
+    token = _section.set(section)
+    try:
+        yield
+    finally:
+        _section.reset(token)
+
+
+class Parser(OwnDefaultsParser, LightningArgumentParser):
+    """Says a mistake in one sentence, and names what a typo may have meant."""
+
+    def error(self, message: str, ex: Exception | None = None) -> NoReturn:
+        """Raise `InputError` in place of a usage page."""
+        if self.exit_on_error:
+            raise InputError(explain(message, namable(), self._settings())) from ex
+        # The parser of a class that a setting names; what it says comes back as part of a longer message.
+        unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
+        super().error(message + (did_you_mean(unknown[1], self._settings()) if unknown else ""), ex)
+
+    def dump(self, *given: Any, **how: Any) -> str:
+        """Return settings as text, as they were parsed: to check them again is a tenth of reading them."""
+        text: str = super().dump(*given, **{"skip_validation": True, **how})
+        return text
+
+    def format_help(self, formatter: HelpFormatter | None = None) -> str:
+        """Return the help, opened by a usage in which nothing stands between program and command.
+
+        That of a command ends with the plug-ins its settings can name. Within `help_of` it is of one section.
+        """
+        self.prog = self.prog.replace(" [options]", "")
+        dests = {action.dest for action in self._actions}
+        section, groups = _section.get(), self._action_groups
+        if section is not None and any(dest.startswith(f"{section}.") for dest in dests):
+            self._action_groups = [
+                group
+                for group in groups
+                if any(action.dest.partition(".")[0] == section for action in group._group_actions)
+            ]
+        try:
+            text = super().format_help(formatter)
+        finally:
+            self._action_groups = groups
+        if not dests >= set(SETTINGS.values()):
+            return text
+        plugins = described(section or "")
+        return f"{text}\n{plugins}" if plugins else text
+
+    def _settings(self) -> list[str]:
+        commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]
+        return [action.dest for parser in (self, *commands) for action in parser._actions]
+
+
+def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """Return the arguments with the paths of shipped configurations in place of their names, and all paths.
+
+    Args:
+        arguments: of a command; ``--config`` may be spelled in any way.
+
+    >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
+    >>> with_shipped_configs(given)[1]
+    ['a.yaml', 'b.yaml', 'c.yaml']
+    """
+    replaced, found = [], []
+    for before, argument in zip(["", *arguments], arguments, strict=False):
+        joined = re.fullmatch(r"(--config=|-c(?!$))(.+)", argument)
+        prefix, given = ("", argument) if joined is None else joined.groups()
+        if before in {"-c", "--config"}:
+            prefix, given = "", argument
+        elif joined is None:
+            replaced.append(argument)
+            continue
+        found.append(find_config(given))
+        replaced.append(f"{prefix}{found[-1]}")
+    return replaced, found

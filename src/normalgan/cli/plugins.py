@@ -1,0 +1,106 @@
+"""normalgan plugins: which classes settings can name, from which packages, and what was left out."""
+
+import json
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from jsonargparse import Namespace
+
+from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.light_parser import LightParser
+from normalgan.registry import LeftOut, Registry, summary
+
+__all__ = ["Kind", "build_parser", "run", "show"]
+
+Kind = Literal[
+    "renderer",
+    "lines",
+    "hint_sampler",
+    "generator",
+    "discriminator",
+    "objective",
+    "reconstruction",
+    "source",
+    "augmentation",
+    "metrics",
+]
+"""The kinds of plug-ins, by the last part of the setting that names one."""
+
+
+def run(arguments: list[str]) -> int:
+    """List the plug-ins that the arguments ask for and return the exit code.
+
+    Raises:
+        InputError: if there is no such kind or option.
+    """
+    return show(build_parser().parse_args(arguments))
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan plugins",
+        usage="%(prog)s [--kind KIND] [--json]",
+        description="List the classes that settings can name, and what was left out and why.",
+    )
+    parser.add_argument("--kind", type=Kind | None, help="list plug-ins of this kind only")
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+    return parser
+
+
+def show(settings: Namespace) -> int:
+    """Print the list; return the exit code, 0 whatever was left out."""
+    # Late: networks and samplers need torch, which takes seconds; a mistake in an option is told before.
+    with nothing_collected():
+        from normalgan.plugins import REGISTRIES, SETTINGS, misplaced
+
+    chosen = {kind: REGISTRIES[kind] for kind in REGISTRIES if settings.kind in {None, kind}}
+    for registry in chosen.values():
+        registry.discover()
+    left_out = [left for registry in chosen.values() for left in registry.left_out] + misplaced()
+    print((_as_json if settings.json else _as_text)(chosen, SETTINGS, left_out))
+    return 0
+
+
+def _as_text(
+    chosen: Mapping[str, Registry[Any]], settings: Mapping[str, str], left_out: list[LeftOut]
+) -> str:
+    lines = []
+    for kind, registry in chosen.items():
+        rows = [(cls.__name__, registry.package(cls.__name__), summary(cls)) for cls in registry]
+        name, package = (max(len(row[i]) for row in rows) for i in (0, 1))
+        lines += [f"{kind}  (--{settings[kind]} NAME)"]
+        lines += [f"  {row[0]:{name}}  {row[1]:{package}}  {row[2]}".rstrip() for row in rows]
+        lines += [""]
+    lines += ["left out:" if left_out else "Nothing was left out."]
+    for left in left_out:
+        lines += [f"  {left.entry}  ({left.value}, {left.package or 'package unknown'}): {left.reason}."]
+    return "\n".join(lines)
+
+
+def _as_json(
+    chosen: Mapping[str, Registry[Any]], settings: Mapping[str, str], left_out: list[LeftOut]
+) -> str:
+    plugins = [
+        {
+            "kind": kind,
+            "name": cls.__name__,
+            "setting": settings[kind],
+            "class_path": f"{cls.__module__}.{cls.__qualname__}",
+            "package": registry.package(cls.__name__),
+            "summary": summary(cls),
+        }
+        for kind, registry in chosen.items()
+        for cls in registry
+    ]
+    left = [
+        {
+            "name": each.entry,
+            "class_path": each.value,
+            "group": each.group,
+            "package": each.package,
+            "reason": each.reason,
+        }
+        for each in left_out
+    ]
+    return json.dumps({"plugins": plugins, "left_out": left}, indent=2)

@@ -1,0 +1,193 @@
+"""normalgan sketch: draws a mesh from a view in a style, as SVG or PNG."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from jsonargparse import Namespace
+from numpy.typing import NDArray
+
+from normalgan.animals import SPECIES, Animal
+from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parser_errors import refusal
+from normalgan.errors import InputError, did_you_mean, unwritable
+from normalgan.files.writing import write_bytes
+from normalgan.normals import paint_flat, write_png
+from normalgan.registry import Registry
+from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
+from normalgan.rendering.hand import Hand
+from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, SuggestiveContours
+from normalgan.rendering.loading import SUFFIXES
+from normalgan.rendering.maps import Floats
+from normalgan.rendering.media import Medium
+from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh_files import MeshFile
+from normalgan.rendering.renderers import RENDERERS
+from normalgan.rendering.samples import draw_ink, draw_strokes
+from normalgan.rendering.strokes.svg import to_svg
+from normalgan.rendering.view import View
+from normalgan.rendering.views import framed, look_at_origin
+
+__all__ = ["PLUGINS", "build_parser", "draw", "find_source", "run"]
+
+PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS, "styles": LINE_DRAWINGS}
+"""The registry behind each setting that names a plug-in."""
+
+
+def run(arguments: list[str]) -> int:
+    """Draw what the arguments ask for and return the exit code.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+    """
+    for registry in (RENDERERS, LINE_DRAWINGS):
+        registry.load_entry_points()
+    parser = build_parser()
+    try:
+        settings = parser.instantiate(parser.parse_args(arguments))
+    except InputError:
+        raise
+    except (ValueError, TypeError) as error:
+        raise InputError(f"a setting cannot be used: {refusal(error)}") from error
+    draw(settings)
+    return 0
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan sketch",
+        usage="%(prog)s MESH [-o FILE.svg|FILE.png] [--SETTING VALUE]...",
+        description="Draw a mesh from a view in a style.",
+    )
+    parser.plugins = PLUGINS
+    parser.add_argument(
+        "mesh",
+        help="a mesh file, or an embedded animal: a species such as horse, or one of its kind: horse-7",
+    )
+    parser.add_argument("-o", "--output", default="sketch.svg", help="where the drawing goes, .svg or .png")
+    parser.add_argument("--normal", type=str | None, help="where its normal map goes, .png; null for nowhere")
+    parser.add_argument("--size", type=int, default=512, help="side of the drawing in pixels")
+    parser.add_argument("--azimuth", type=float, default=45.0, help="degrees from the front, +Z, towards +X")
+    parser.add_argument("--elevation", type=float, default=15.0, help="degrees above the horizon")
+    parser.add_argument("--roll", type=float, default=0.0, help="degrees counter-clockwise")
+    parser.add_argument(
+        "--field_of_view", type=float | None, help="degrees the object takes up; null is orthographic"
+    )
+    parser.add_argument("--margin", type=float, default=0.06, help="share of the side left free around it")
+    parser.add_argument("--orientation", type=str | None, help="JSON file that says how the mesh is turned")
+    parser.add_argument(
+        "--clip", type=str | None, help="animation of a rigged glTF file; the view is one for all its moments"
+    )
+    parser.add_argument("--time", type=float | None, help="moment of the clip in seconds; null is its first")
+    parser.add_argument("--crease_angle", type=float | None, help="degrees from which an edge is sharp")
+    parser.add_argument("--lines", type=LineDrawing, help="the style")
+    parser.add_argument("--renderer", type=Renderer, help="of the maps")
+    parser.add_argument("--hand", type=Hand | None, help="who draws; null draws the exact lines")
+    parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; null is clean ink")
+    parser.add_argument("--seed", type=int, default=0, help="of the style's choices, the hand and the medium")
+    defaults = {"lines": SuggestiveContours, "renderer": EmbreeRenderer}
+    parser.set_defaults({name: {"class_path": cls.__name__} for name, cls in defaults.items()})
+    return parser
+
+
+def draw(settings: Namespace) -> None:
+    """Draw and write the files.
+
+    Args:
+        settings: as `build_parser` gives them, with the classes built.
+
+    Raises:
+        InputError: if they cannot be used or the files not be written.
+    """
+    kind = _check(settings)
+    mesh, seen = _load(settings)
+    rotation = look_at_origin(settings.azimuth, settings.elevation, settings.roll)
+    camera = framed(seen, rotation, settings.field_of_view, settings.margin)
+    settings.renderer.check()
+    view = View(mesh, camera, settings.renderer, settings.size)
+    steps = ("lines", "hand", "medium")
+    rngs = dict(zip(steps, np.random.default_rng(settings.seed).spawn(len(steps)), strict=True))
+    strokes, maps = draw_strokes(view, settings.lines, settings.hand, rngs.__getitem__)
+    try:
+        if kind == ".svg":
+            write_bytes(settings.output, to_svg(strokes, settings.size).encode())
+        else:
+            ink = draw_ink(strokes, settings.size, settings.medium, rngs.__getitem__)
+            write_bytes(settings.output, _png(ink))
+        if settings.normal is not None:
+            write_png(settings.normal, paint_flat(maps.normal, maps.mask))
+    except OSError as error:
+        raise unwritable(
+            f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
+        ) from error
+    print(settings.output, *([settings.normal] if settings.normal else []), sep="\n")
+
+
+def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
+    """Return the mesh and the vertices (V, 3) that the view holds: of a clip those of all its moments."""
+    source = find_source(settings.mesh, settings.orientation, settings.crease_angle)
+    if settings.clip is None:
+        if settings.time is not None:
+            raise InputError("a time is one of a clip; name it with --clip.")
+        mesh = source.load()
+        return mesh, mesh.vertices
+    if not isinstance(source, MeshFile):
+        raise InputError(f"{settings.mesh} has no clips; give a rigged glTF file.")
+    from normalgan.rendering.rigs import ClipMeshes  # scipy takes half a second
+
+    meshes = ClipMeshes(source, settings.clip)
+    first, last = meshes.span
+    time = first if settings.time is None else settings.time
+    if not first <= time <= last:
+        raise InputError(f"time is {time}; the clip {settings.clip} runs from {first:g} to {last:g} seconds.")
+    return meshes.mesh(time), meshes.hull
+
+
+def find_source(name: str, orientation: str | None = None, crease_angle: float | None = None) -> MeshSource:
+    """Return the mesh file of this name or, if there is none, the embedded animal.
+
+    Raises:
+        InputError: if it is neither.
+    """
+    animal = re.fullmatch(r"([a-z_]+)(?:-(\d{1,9}))?", name)
+    if animal and not Path(name).exists():
+        if animal[1] not in SPECIES:
+            raise InputError(
+                f"{name} is neither a mesh file ({', '.join(sorted(SUFFIXES))}) nor an embedded "
+                f"animal.{did_you_mean(animal[1], SPECIES)} The animals: {', '.join(SPECIES)}."
+            )
+        return Animal(animal[1], int(animal[2] or 0))
+    return find_meshes([name], orientation, crease_angle)[0]
+
+
+def _check(settings: Namespace) -> str:
+    """Return the suffix of the drawing's file, or raise `InputError` if the settings do not go together."""
+    kind = Path(settings.output).suffix.lower()
+    if kind not in {".svg", ".png"}:
+        raise InputError(f"the drawing {settings.output} is to be a .svg or a .png.")
+    if settings.normal is not None and Path(settings.normal).suffix.lower() != ".png":
+        raise InputError(f"the normal map {settings.normal} is to be a .png.")
+    if kind == ".svg" and settings.medium is not None:
+        raise InputError(
+            f"a medium is made of pixels; write {settings.output} as .png, or leave the medium out."
+        )
+    if not 8 <= settings.size <= 8192:
+        raise InputError(f"size is {settings.size}; a drawing has 8 to 8192 pixels a side.")
+    if not 0 <= settings.margin < 0.5:
+        raise InputError(f"margin is {settings.margin}; it must lie from 0 to below 0.5.")
+    if settings.field_of_view is not None and not 1 <= settings.field_of_view <= 120:
+        raise InputError(
+            f"field_of_view is {settings.field_of_view}; it must lie from 1 to 120 degrees, or be null."
+        )
+    if settings.seed < 0:
+        raise InputError(f"seed is {settings.seed}; it must be 0 or more.")
+    return kind
+
+
+def _png(ink: Floats) -> bytes:
+    """Return black ink on white paper."""
+    _, buffer = cv2.imencode(".png", np.rint(255 * (1 - ink)).astype(np.uint8))
+    return buffer.tobytes()

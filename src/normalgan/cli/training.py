@@ -1,0 +1,410 @@
+"""The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
+
+import signal
+import sys
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from inspect import getdoc
+from pathlib import Path
+from textwrap import shorten
+from typing import Any
+
+import yaml
+from jsonargparse import get_loader, set_loader
+from lightning.fabric.utilities.cloud_io import get_filesystem
+from lightning.fabric.utilities.exceptions import MisconfigurationException
+from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch.callbacks import ModelCheckpoint
+from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
+from lightning.pytorch.utilities import rank_zero_only
+from lightning.pytorch.utilities.exceptions import SIGTERMException
+
+from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
+from normalgan.checkpoints import (
+    LastCheckpoint,
+    check_size,
+    check_sizes,
+    check_unused,
+    checkpoint_folder,
+    named_checkpoint,
+    run_folder,
+)
+from normalgan.cli.config_files import ConfigCheck, load_bounded
+from normalgan.cli.overruled import given_names, overruled
+from normalgan.cli.parser import Parser, help_of, with_shipped_configs
+from normalgan.cli.parser_errors import refusal
+from normalgan.cli.training_help import SECTIONS, asked_for
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError, brief
+from normalgan.files.run_lock import check_writable, one_run_in
+from normalgan.gan import NormalGAN
+from normalgan.plugins import is_safe, load_plugins, settings_of_classes
+from normalgan.warning_filters import filter_warnings
+from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
+
+__all__ = [
+    "INSTEAD",
+    "SAFE_CONFIG",
+    "NormalGANCLI",
+    "RenderingTrainer",
+    "SaveConfig",
+    "check_trainer",
+    "resolved_settings",
+    "run",
+    "training_parser",
+]
+
+SAFE_CONFIG = "--safe-config"
+"""The option under which a configuration may name but what cannot run a program."""
+
+
+INSTEAD = {
+    "gradient_clip_val": "model.gradient_clip",
+    "gradient_clip_algorithm": "model.gradient_clip, which is a norm",
+    "accumulate_grad_batches": "a larger data.batch_size",
+}
+"""Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
+_LOADERS = {"train_dataloaders", "val_dataloaders", "dataloaders"}
+"""What the Trainer's methods take that is no setting: the data module has it."""
+
+
+def check_trainer(settings: Mapping[str, Any]) -> None:
+    """Refuse what cannot be had under manual optimisation.
+
+    Raises:
+        InputError: if such a setting was given; the sentence names the one to use.
+    """
+    for name, instead in INSTEAD.items():
+        if settings[name] not in {None, 1 if name == "accumulate_grad_batches" else None}:
+            raise InputError(f"trainer.{name} cannot be used with two optimisers; use {instead}.")
+
+
+class RenderingTrainer(Trainer):
+    """How and where to train: Lightning's Trainer."""
+
+    def render(self, model: NormalGAN, datamodule: MeshDataModule, cluster: str | None = None) -> None:
+        """Render the samples of every split to disk, and stop there.
+
+        Args:
+            model: not used.
+            datamodule: which samples.
+            cluster: a Dask cluster to render on instead of this machine: tcp://host:port, a scheduler file
+                (.json), local:N, or a YAML file with class_path and init_args of a cluster class.
+        """
+        datamodule.render(cluster)
+
+
+class SaveConfig(SaveConfigCallback):
+    """Keeps the settings of training beside the run; those of a later test do not take their place."""
+
+    def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
+        """Write them when training starts."""
+        if stage == "fit":
+            super().setup(trainer, pl_module, stage)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what another process needs of it (``ddp_spawn``): the text, for a parser is not pickled."""
+        if isinstance(self.parser, _Settings):
+            return vars(self)
+        text = self.parser.dump(self.config, skip_none=False)
+        return {**vars(self), "config": None, "parser": _Settings(text)}
+
+
+@dataclass(frozen=True)
+class _Settings:
+    """What a parser would save, as text."""
+
+    text: str
+
+    def save(self, config: object, path: str, **_: Any) -> None:
+        """Write it, as a parser does."""
+        with get_filesystem(path).open(path, "w") as file:
+            file.write(self.text)
+
+
+class NormalGANCLI(LightningCLI):
+    """fit, validate, test, predict, and render.
+
+    The file that ``ckpt_path`` names decides on the model: a checkpoint or safetensors. ``last`` and ``best``
+    name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict uses
+    these if nothing is named. The path is taken out of the settings before Lightning sees it, which would
+    build from a checkpoint whatever class it names. Only fit gets it back, once the checkpoint was looked at.
+
+    There is one parser, the command's, in place of Lightning's parser of subcommands: that checks each
+    setting twice, for the command and for all of them, which is half of the time that parsing takes.
+
+    Args:
+        command: the Trainer's method that is run.
+        arguments: its options.
+        held: what the command holds until it ends: the run's folder.
+    """
+
+    def __init__(self, command: str, arguments: list[str], held: ExitStack) -> None:
+        self.command = command
+        self.held = held
+        self.weights: Weights | None = None  # what the model gets, if it does not go on learning
+        self.resumed: str | None = None  # the checkpoint that fit goes on from
+        self.given = given_names(*with_shipped_configs(arguments), "model")
+        super().__init__(
+            NormalGAN,
+            MeshDataModule,
+            save_config_callback=SaveConfig,
+            save_config_kwargs={"overwrite": True},
+            trainer_class=RenderingTrainer,
+            trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
+            seed_everything_default=0,
+            parser_class=Parser,
+            parser_kwargs={
+                "prog": f"normalgan {command}",
+                "description": str(getdoc(getattr(RenderingTrainer, command))).partition("\n\n")[0],
+                "allow_abbrev": False,
+            },
+            auto_configure_optimizers=False,
+            args=arguments,
+            run=False,
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return nothing: jsonargparse lets an optimiser's settings hold it, which ``ddp_spawn`` pickles."""
+        return {}
+
+    def run_command(self) -> None:
+        """Do what the command is for."""
+        options = {name: self.config_init[name] for name in self._options}
+        getattr(self.trainer, self.command)(model=self.model, datamodule=self.datamodule, **options)
+
+    def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
+        """Set the defaults, and the links that keep settings in step."""
+        # Else 120 lines stand before any help.
+        parser.usage = f"%(prog)s [--config FILE]... [{SAFE_CONFIG}] [--SETTING VALUE]..."
+        parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
+        parser.add_lightning_class_args(PictureLogger, "pictures")
+        parser.add_lightning_class_args(TestReport, "report")
+        parser.add_lightning_class_args(NormalMapWriter, "output")
+        parser.set_defaults(
+            {
+                "model.generator": {"class_path": "normalgan.models.UNetGenerator"},
+                "model.discriminator": {"class_path": "normalgan.models.UNetDiscriminator"},
+                "model.hint_sampler": {"class_path": "normalgan.hints.CurvatureHints"},
+                "model.objective": {"class_path": "normalgan.objectives.Wasserstein"},
+                "model.reconstruction": {"class_path": "normalgan.objectives.L1AndHints"},
+                "trainer.logger": {
+                    "class_path": "lightning.pytorch.loggers.TensorBoardLogger",
+                    "init_args": {"save_dir": "runs", "name": "", "version": "", "default_hp_metric": False},
+                },
+                "trainer.plugins": {"class_path": "normalgan.checkpoints.AtomicCheckpointIO"},
+                "checkpoint.monitor": "val/hints/angular_mean",
+                "checkpoint.filename": "{epoch:03d}-{val/hints/angular_mean:.2f}",
+                "checkpoint.auto_insert_metric_name": False,
+                "checkpoint.enable_version_counter": False,
+            }
+        )
+        parser.link_arguments(
+            "trainer.default_root_dir", "trainer.logger.init_args.save_dir", compute_fn=run_folder
+        )
+        for name in ("generator", "discriminator", "hint_sampler", "objective"):
+            action = next(action for action in parser._actions if action.dest == f"model.{name}")
+            action.required = False  # it has a default here, if not in Python
+        parser.link_arguments("trainer.default_root_dir", "checkpoint.dirpath", compute_fn=checkpoint_folder)
+        for network in ("generator", "discriminator"):
+            parser.link_arguments("data.size", f"model.{network}.init_args.size")
+        not_options: set[str | int] = {"model", "datamodule", *_LOADERS}
+        self._options = parser.add_method_arguments(RenderingTrainer, self.command, skip=not_options)
+
+    def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
+        """Let what is saved in a file decide on the model, after a look at whether it can be used."""
+        super().parse_arguments(parser, args)
+        command, config = self.command, self.config
+        given = None if command == "render" else config["ckpt_path"]
+        if given is None and command in {"fit", "render"}:
+            return
+        if given is None and command != "predict":
+            raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
+        if given in {"last", "best"}:
+            folder = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
+            given = str(named_checkpoint(folder / "last.ckpt", given))
+        path = find_weights(given or SHIPPED_NAME)
+        config["ckpt_path"] = None
+        if path.suffix.lower() == SUFFIX:
+            self._use_weights(path, command)
+        elif command == "fit":
+            self._resume(path)
+        else:
+            self._use_checkpoint(path, command)
+
+    def before_instantiate_classes(self) -> None:
+        """Refuse to train over a finished run, or where nothing can be written."""
+        if self.resumed is not None:
+            # Tell Lightning the checkpoint that fit goes on from.
+            self.config["ckpt_path"] = self.resumed
+            self.config["weights_only"] = True
+        command, config = self.command, self.config
+        last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
+        check_trainer(config["trainer"])
+        if command in {"predict", "render"}:
+            config["trainer"]["logger"] = False  # it has nothing to log, but would leave its files
+        if command == "test":
+            config["verbose"] = False  # Lightning's own list of figures would bury our table
+        if command in {"fit", "test"}:
+            check_writable(last.parent.parent)
+        if command == "fit" and config["ckpt_path"] is None:
+            check_unused(last.parent)
+        # The other processes of a run share its folder.
+        if command == "fit" and rank_zero_only.rank == 0:  # type: ignore[attr-defined]
+            self.held.enter_context(one_run_in(last.parent.parent))
+
+    def instantiate_classes(self) -> None:
+        """Build model, data and trainer; what they refuse is a setting."""
+        try:
+            super().instantiate_classes()
+        except InputError:
+            raise
+        except (MisconfigurationException, ValueError, TypeError) as error:
+            raise InputError(f"a setting cannot be used: {refusal(error)}") from error
+        if self.weights is not None:
+            self.weights.load_into(self.model.generator)
+
+    def _resume(self, path: Path) -> None:
+        """Read a checkpoint's settings over the configuration's."""
+        checkpoint = read_checkpoint(path)
+        saved = checkpoint.training_settings()
+        check_sizes(path, saved, self.config["data"]["size"])
+        self._warn_of_overruled(path, "fit", saved)
+        try:
+            self.config = self.parser.parse_object({"model": saved}, self.config)
+        except InputError as error:
+            raise InputError(f"the model in {path} cannot be built here: {error}") from error
+        self.resumed = str(path)
+
+    def _use_checkpoint(self, path: Path, command: str) -> None:
+        """Take the generator of a checkpoint and the hints it learnt with; what else learnt is left alone."""
+        size = self.config["data"]["size"]
+        checkpoint = read_checkpoint(path)
+        check_size(path, checkpoint.generator_size(), size)
+        self._paint_with(path, command, checkpoint.weights(size))
+
+    def _use_weights(self, path: Path, command: str) -> None:
+        """Take the model's settings, and the size of its pictures, from safetensors."""
+        if command == "fit":
+            raise InputError(f"fit cannot go on from {path}, which has weights alone; give a checkpoint.")
+        weights = read_weights(path)
+        notes, size = weights.notes, self.config["data"]["size"]
+        if size != self.parser.get_default("data.size"):
+            check_size(path, notes.size, size)
+        self._paint_with(path, command, weights)
+        whose = "that come with the package" if path == SHIPPED else f"in {path}"
+        print(
+            f"normalgan: {command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.",
+            file=sys.stderr,
+        )
+
+    def _paint_with(self, path: Path, command: str, weights: Weights) -> None:
+        saved = weights.notes.settings()
+        self._warn_of_overruled(path, command, saved)
+        changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
+        self.config = self.parser.parse_object(changes, self.config)
+        self.weights = weights
+
+    def _warn_of_overruled(self, path: Path, command: str, saved: dict[str, Any]) -> None:
+        """Warn of settings of the model that were given, while those in the file are used."""
+        defaults = self.parser.get_defaults()["model"].as_dict()
+        settings = {k: v for k, v in self.config["model"].as_dict().items() if k in saved}
+        if lost := overruled(settings, defaults, saved, self.given):
+            names = ", ".join(f"model.{name}" for name in lost)
+            warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
+
+
+def run(arguments: list[str]) -> int:
+    """Run one of the training commands.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+        KeyboardInterrupt: if it was stopped.
+    """
+    arguments, section = asked_for(arguments)
+    arguments = _check_configs(arguments)
+    with _reading_settings() as held:
+        held.enter_context(help_of(section if section in SECTIONS else None))
+        try:
+            NormalGANCLI(arguments[0], arguments[1:], held).run_command()
+        except MisconfigurationException as error:
+            raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
+        except SIGTERMException as stop:
+            raise SystemExit(128 + signal.SIGTERM) from stop
+        except SystemExit as stop:
+            if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes exit(1) of it
+                raise stop.__context__ from None
+            # --help and --print_config end like this too.
+            return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+    sys.stdout.flush()
+    return 0
+
+
+def resolved_settings(arguments: list[str]) -> dict[str, Any]:
+    """Return all settings that ``fit`` would train with, as ``--print_config`` prints them.
+
+    Args:
+        arguments: the options of ``fit``.
+
+    Raises:
+        InputError: if ``fit`` would refuse them.
+    """
+    arguments = _check_configs(["fit", *arguments])
+    with _reading_settings():
+        parser = training_parser("fit")
+        settings: dict[str, Any] = yaml.safe_load(
+            parser.dump(parser.parse_args(arguments[1:]), skip_none=False)
+        )
+    return settings
+
+
+@contextmanager
+def _reading_settings() -> Iterator[ExitStack]:
+    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used."""
+    with warnings.catch_warnings(), ExitStack() as held:
+        filter_warnings()
+        load_plugins()
+        load = get_loader("yaml")
+        held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
+        set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
+        yield held
+
+
+class _ParserBuiltError(Exception):
+    """Ends the building of a command line of which the parser alone is wanted."""
+
+
+class _ParserAlone(NormalGANCLI):
+    """Stops before anything is parsed."""
+
+    def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
+        """Give the parser back."""
+        raise _ParserBuiltError(parser)
+
+
+def training_parser(command: str) -> Parser:
+    """Return the parser of a training command, for what lists its settings: the site, shell completion."""
+    try:
+        _ParserAlone(command, [], ExitStack())
+    except _ParserBuiltError as built:
+        parser: Parser = built.args[0]
+        return parser
+    raise AssertionError("Lightning's command line did not parse")
+
+
+def _check_configs(arguments: list[str]) -> list[str]:
+    """Look at the configurations before anything in them is used; return the parser's arguments.
+
+    Raises:
+        InputError: if one cannot be used, or is not as safe as it was asked to be.
+    """
+    safe = SAFE_CONFIG in arguments
+    check = ConfigCheck(tuple(SECTIONS), settings_of_classes(), is_safe if safe else None)
+    arguments, configs = with_shipped_configs(arguments)
+    for given in configs:
+        check.check(given)
+    check.check_arguments(arguments)
+    return [argument for argument in arguments if argument != SAFE_CONFIG]

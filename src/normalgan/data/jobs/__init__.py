@@ -1,0 +1,3 @@
+"""Jobs: samples rendered side by side, by processes of this machine or of many."""
+
+__all__ = []

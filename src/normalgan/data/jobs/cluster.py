@@ -1,0 +1,241 @@
+"""Cluster: processes of many machines that work side by side, by way of a Dask scheduler."""
+
+import time
+import warnings
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager, suppress
+from queue import Empty, SimpleQueue
+from threading import Timer
+from types import TracebackType
+from typing import Any, Self, TypeVar
+from uuid import uuid4
+
+from normalgan.data.jobs.cluster_address import TIMEOUT, connect
+from normalgan.data.jobs.cluster_worker import Unfit, flaws, order
+from normalgan.data.jobs.pool import Killed, unrelated
+from normalgan.errors import InputError, RunError
+
+__all__ = ["Cluster"]
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+_AHEAD = 3  # tasks a worker has before it or at hand: none waits for the next, and few fall with it
+_LOOK = 1.0  # seconds between two looks at who is there
+_LOSSES = 5  # results of a task that may be lost, after which its worker is taken to be killed by it
+_SILENCE = 60.0  # seconds without a result or an answer, after which it is said what is waited for
+
+
+class _Lost:
+    """What comes of a task whose result is gone, though nothing was wrong with it."""
+
+
+class Cluster:
+    """The workers of a Dask cluster; a `Pool`.
+
+    A worker that dies takes its tasks with it: the scheduler gives them to others, and one that joins gets
+    its share. Each must have this very version of normalgan and of what the bytes depend on, and one thread.
+
+    Args:
+        where: which cluster; see `connect`.
+    """
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self._stack = ExitStack()
+        self._client: Any = None
+        self._patience = 0.0
+        self._workers: set[str] = set()
+        self._sent_away: set[str] = set()
+        self._paused: list[str] = []
+        self._looked = self._seen = 0.0
+
+    def __enter__(self) -> Self:
+        """Connect, and look at the workers.
+
+        Raises:
+            InputError: if the cluster cannot be reached, or a worker is not fit.
+            RunError: if no worker comes.
+        """
+        with ExitStack() as stack:
+            self._client, self._patience = connect(self.where, stack)
+            self._seen = time.monotonic()
+            while not self._workers:
+                for address, flaw in self._look().items():
+                    raise InputError(
+                        f"the worker {address} of {self.where} is not fit for this: it has {flaw}."
+                    )
+                if not self._workers:
+                    time.sleep(0.1)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stack.close()
+
+    def run(
+        self,
+        function: Callable[[T], R],
+        tasks: Iterable[T],
+        related: Callable[[T], Collection[str]] = unrelated,
+    ) -> Iterator[tuple[T, R | Killed]]:
+        """Yield every task with its result as it is finished; see `Pool`.
+
+        Raises:
+            InputError: as a task does; what is finished by then is kept.
+            RunError: if all workers or the scheduler are gone.
+        """
+        todo = deque((task, 0) for task in tasks)  # with how often its result was lost
+        ended: SimpleQueue[Any] = SimpleQueue()
+        under_way: dict[str, tuple[Any, T, int]] = {}
+        suspicious: set[str] = set()
+        heard = time.monotonic()
+        try:
+            while todo or under_way:
+                while todo and len(under_way) < _AHEAD * len(self._workers):
+                    task, losses = todo.popleft()
+                    if not suspicious.isdisjoint(related(task)):
+                        yield task, Killed()
+                        continue
+                    # Never used before: of a known key the scheduler gives the old result, or the old death.
+                    key = f"normalgan-{function.__name__}-{uuid4().hex}"
+                    future = self._client.submit(eval, *order(function, task), key=key, pure=False)
+                    under_way[key] = future, task, losses
+                    future.add_done_callback(ended.put)
+                future = _next(ended)
+                self._watch()
+                if future is None:
+                    if time.monotonic() - heard > _SILENCE:
+                        heard = time.monotonic()
+                        self._tell_of_waiting(len(under_way))
+                    continue
+                heard = time.monotonic()
+                _, task, losses = under_way.pop(future.key)
+                outcome = self._outcome(future)
+                if isinstance(outcome, Unfit):
+                    todo.appendleft((task, losses))
+                    continue
+                if isinstance(outcome, _Lost):
+                    if losses < _LOSSES:
+                        todo.appendleft((task, losses + 1))
+                        continue
+                    outcome = Killed()
+                if isinstance(outcome, Killed):
+                    suspicious.update(related(task))
+                yield task, outcome
+        finally:
+            if self._client.status == "running":
+                with suppress(OSError):  # the scheduler may have gone a moment ago
+                    self._client.cancel([future for future, _, _ in under_way.values()], force=True)
+
+    def _outcome(self, future: Any) -> Any:
+        from distributed import KilledWorker
+
+        if future.status == "finished":
+            try:
+                outcome = future.result()
+            except KilledWorker:  # the result died with its worker, and so did those that made it anew
+                return Killed()
+            except CancelledError:
+                return self._lost_result()
+            except OSError as cause:  # on the way, not of the task: that one would have ended in an error
+                raise self._lost() from cause
+            if isinstance(outcome, Unfit):
+                self._watch(at_once=True)
+            return outcome
+        if future.status != "error":
+            return self._lost_result()
+        error = future.exception()
+        if isinstance(error, KilledWorker):
+            return Killed()
+        if not isinstance(error, InputError) and self._watch(at_once=True):
+            return Unfit("")  # it could not even unpack what it was to do
+        raise error
+
+    def _lost_result(self) -> _Lost:
+        """Say that a result is lost: with its worker just after it was finished, or with the connection.
+
+        Raises:
+            RunError: if there is no connection any more.
+        """
+        if not self._connected():
+            raise self._lost()
+        return _Lost()
+
+    def _connected(self) -> bool:
+        """Return whether there is a connection; one that broke is made again by Dask, or given up."""
+        deadline = time.monotonic() + TIMEOUT + _LOOK
+        while self._client.status == "connecting" and time.monotonic() < deadline:
+            time.sleep(0.05)
+        return bool(self._client.status == "running")
+
+    def _watch(self, at_once: bool = False) -> bool:
+        """See who has come and gone; return whether one was sent away."""
+        if not at_once and time.monotonic() - self._looked < _LOOK:
+            return False
+        unfit = self._look()
+        for address, flaw in unfit.items():
+            warnings.warn(f"the worker {address} has joined but is not fit: it has {flaw}.", stacklevel=2)
+        if unfit:
+            self._sent_away |= set(unfit)
+            self._client.retire_workers(list(unfit))
+        return bool(unfit)
+
+    def _tell_of_waiting(self, tasks: int) -> None:
+        full = f", of which {', '.join(self._paused)} paused, out of memory" if self._paused else ""
+        warnings.warn(
+            f"no result from {self.where} for {_SILENCE:.0f} seconds; waiting for {tasks} tasks on "
+            f"{len(self._workers)} workers{full}.",
+            stacklevel=3,
+        )
+
+    @contextmanager
+    def _tell_if_unanswered(self) -> Iterator[None]:
+        """Say so if the scheduler is long silent while it is asked something: a frozen one never answers."""
+        text = f"the scheduler at {self.where} has not answered for {_SILENCE:.0f} seconds; waiting for it."
+        timer = Timer(_SILENCE, warnings.warn, [text], {"stacklevel": 2})
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+
+    def _look(self) -> dict[str, str]:
+        """Note which workers there are; return what is wrong with new ones, by address."""
+        self._looked = time.monotonic()
+        if not self._connected():
+            raise self._lost()
+        with self._tell_if_unanswered():
+            there = self._client.scheduler_info(n_workers=-1)["workers"]
+            threads = {address: there[address]["nthreads"] for address in there}
+            unfit = flaws(
+                self._client, {a: threads[a] for a in threads if a not in self._workers | self._sent_away}
+            )
+        # What Dask does to a worker at its memory limit.
+        self._paused = [address for address in there if there[address].get("status") == "paused"]
+        self._workers = set(there) - set(unfit) - self._sent_away
+        if self._workers or unfit:
+            self._seen = self._looked
+        elif self._looked - self._seen > self._patience:
+            raise RunError(
+                f"there has been no worker at {self.where} for {self._patience:.0f} seconds; what is "
+                "finished is kept: start workers, and run again."
+            )
+        return unfit
+
+    def _lost(self) -> RunError:
+        return RunError(
+            f"the scheduler at {self.where} is gone; what is finished is kept: start it, and run again."
+        )
+
+
+def _next(ended: "SimpleQueue[Any]") -> Any:
+    try:
+        return ended.get(timeout=_LOOK)
+    except Empty:
+        return None

@@ -1,0 +1,85 @@
+"""What a worker of a cluster does: say whether it is fit for the work, then do it."""
+
+import contextlib
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from normalgan.data.versions import difference, versions
+from normalgan.errors import InputError, brief
+
+__all__ = ["Unfit", "flaws", "order", "perform"]
+
+_DO = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
+_ASK = "__import__('normalgan.data.versions', fromlist=['versions']).versions()"
+
+
+@dataclass(frozen=True)
+class Unfit:
+    """A worker that has done nothing, because it would not have done it as the others do.
+
+    Args:
+        worker: its address.
+    """
+
+    worker: str
+
+
+def order(function: Callable[[Any], Any], task: object) -> tuple[str, dict[str, Any]]:
+    """Return the arguments with which `eval` calls `perform` in a worker.
+
+    Nothing of normalgan is unpacked before the versions are seen to be right; and a worker that has none
+    of it must fail at the task: if it failed while unpacking what to call, Dask would take it for dead.
+    """
+    work = pickle.dumps((function, task), protocol=5)
+    return _DO, {"work": work, "ours": versions(), "folder": str(Path.cwd())}
+
+
+def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
+    """Do a task in a worker and return what comes of it.
+
+    Args:
+        work: function and task, pickled.
+        ours: the versions where the work is handed out.
+        folder: the working directory there; relative paths refer to it, if there is such a folder here.
+
+    Raises:
+        InputError: as the task does, with the worker's address.
+    """
+    from distributed import get_worker
+
+    address = get_worker().address
+    if difference(versions(), ours):
+        return Unfit(address)
+    function, task = pickle.loads(work)
+    with contextlib.chdir(folder) if Path(folder).is_dir() else contextlib.nullcontext():
+        try:
+            return function(task)
+        except InputError as error:
+            raise type(error)(f"{str(error).removesuffix('.')} (worker {address}).") from error
+
+
+def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
+    """Return what makes workers unfit, by address: what it has that it should not have.
+
+    Args:
+        client: of the cluster.
+        threads: how many threads each of the workers in question has, by address.
+    """
+    # `eval`, because a worker without normalgan cannot be handed a function of it.
+    answers = client.run(eval, _ASK, workers=list(threads), on_error="return") if threads else {}
+    found = {}
+    for address, answer in answers.items():
+        if isinstance(answer, OSError):
+            continue  # gone already
+        if isinstance(answer, ImportError):
+            found[address] = "no normalgan, or an older one"
+        elif isinstance(answer, Exception):
+            found[address] = f"a fault ({brief(answer)})"
+        elif threads[address] != 1:
+            found[address] = f"{threads[address]} threads, not 1: a renderer belongs to one (--nthreads 1)"
+        elif other := difference(answer, versions()):
+            found[address] = other
+    return found

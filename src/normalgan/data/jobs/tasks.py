@@ -1,0 +1,204 @@
+"""Tasks: what a worker process is asked to do; it loads neither torch nor anything that needs it."""
+
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
+from normalgan.data.store.layout import Shard, blank
+from normalgan.data.store.shard_files import ZARR, damaged, write_shard
+from normalgan.data.store.storage import Storage
+from normalgan.errors import InputError, brief
+from normalgan.rendering.mesh_bytes import read_once
+from normalgan.rendering.samples import Sample
+
+__all__ = [
+    "ChangedMeshError",
+    "CheckTask",
+    "MeshTask",
+    "ShardTask",
+    "check_recipe",
+    "error_text",
+    "find_damage",
+    "look_at",
+    "render_shard",
+    "try_mesh",
+]
+
+
+@dataclass(frozen=True)
+class MeshTask:
+    """A mesh to be looked at.
+
+    Args:
+        source: where it comes from.
+        fingerprint: what it is where the work is handed out.
+    """
+
+    source: Loadable
+    fingerprint: str
+
+    @property
+    def meshes(self) -> tuple[str, ...]:
+        """The name of the mesh."""
+        return (self.source.name,)
+
+
+@dataclass(frozen=True)
+class ShardTask:
+    """A shard to be rendered, and all that it takes.
+
+    Args:
+        url: the folder of the data set.
+        shard: which one.
+        recipe: how samples are made.
+        sources: the meshes it has views of, by name.
+        failed: why a mesh of it must not even be tried, by name.
+    """
+
+    url: str
+    shard: Shard
+    recipe: SampleRecipe
+    sources: dict[str, MeshTask]
+    failed: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def meshes(self) -> tuple[str, ...]:
+        """The names of the meshes that are tried."""
+        return tuple(mesh for mesh in self.shard.meshes if mesh not in self.failed)
+
+
+@dataclass(frozen=True)
+class CheckTask:
+    """Some finished shards whose bytes are to be checked.
+
+    Args:
+        url: the folder of the data set.
+        split: which part of it.
+        numbers: the shards.
+    """
+
+    url: str
+    split: str
+    numbers: tuple[int, ...]
+
+
+# The mesh used last, with its name and fingerprint: the views of one follow one another. It belongs to the
+# process.
+_last: tuple[tuple[str, str], Any] | None = None
+
+
+def render_shard(task: ShardTask) -> dict[str, str]:
+    """Render all samples of a shard, write them, and return why a mesh of it could not be rendered, by name.
+
+    A mesh fails alone: the others of the shard are rendered.
+
+    Raises:
+        InputError: if this machine cannot do the work: it does not run the renderer, does not see the store
+            or a mesh as it is where the work is handed out, or cannot write.
+    """
+    samples, failed = _render(task)
+    write_shard(Storage(task.url), task.shard, samples, failed)
+    return failed
+
+
+def try_mesh(task: ShardTask) -> None:
+    """Render a shard and write nothing, to see whether the process lives through it."""
+    _render(task)
+
+
+def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
+    _see(task.url, task.shard.split)
+    check_recipe(task.recipe)
+    failed = dict(task.failed)
+    samples = []
+    for name, view in task.shard.samples:
+        sample = blank(task.shard.size, task.shard.hints)
+        if name not in failed:
+            try:
+                sample = task.recipe.render(_load(task.sources[name]), view)
+            except ChangedMeshError:
+                raise
+            except Exception as error:  # whatever a mesh brings about in a renderer or style
+                failed[name] = error_text(error)
+        samples.append(sample)
+    return samples, failed
+
+
+def look_at(task: MeshTask) -> str | None:
+    """Return why a mesh cannot be used, or None if it can.
+
+    Raises:
+        ChangedMeshError: if it is not the one that the work was handed out for.
+    """
+    try:
+        _load(task)
+    except ChangedMeshError:
+        raise
+    except Exception as error:  # somebody else's source may raise anything; the others can still be used
+        return error_text(error)
+    return None
+
+
+def find_damage(task: CheckTask) -> list[int]:
+    """Return which of some finished shards are not, byte for byte, what was once written."""
+    _see(task.url, task.split)
+    return damaged(Storage(task.url), task.split, task.numbers)
+
+
+def check_recipe(recipe: SampleRecipe) -> None:
+    """Raise `InputError` if this machine lacks what the recipe needs, such as a renderer that runs."""
+    _once(f"recipe {recipe!r}", recipe.check)
+
+
+def error_text(error: BaseException) -> str:
+    """Return an error in one sentence, with its kind unless it is meant for the user.
+
+    >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
+    ('horse has no legs.', "KeyError: 'legs'.")
+    """
+    return str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
+
+
+class ChangedMeshError(InputError):
+    """A mesh is not, or no longer, the one that the work was handed out for."""
+
+
+def _load(task: MeshTask) -> Any:
+    """Return the mesh or pair that the fingerprint of a task is of, by the very bytes that are loaded.
+
+    Else samples of a file that was replaced since would be stored under the key of the former one.
+    """
+    global _last  # noqa: PLW0603 -- see above
+    key = task.source.name, task.fingerprint
+    if _last is None or _last[0] != key:
+        with read_once():
+            if fingerprint(task.source) != task.fingerprint:
+                raise ChangedMeshError(
+                    f"{task.source.name} on {socket.gethostname()} is not what rendering "
+                    "began with, or is not there; leave the files as they are until it ends, and the same on "
+                    "every machine."
+                )
+            _last = key, task.source.load()
+    return _last[1]
+
+
+_passed: set[str] = set()  # checks that this process has passed: they cost time, and nothing changes
+
+
+def _once(what: str, check: Callable[[], None]) -> None:
+    if what not in _passed:
+        check()
+        _passed.add(what)
+
+
+def _see(url: str, split: str) -> None:
+    def check() -> None:
+        if Storage(url).size(f"{ZARR}/{split}/zarr.json") is None:
+            raise InputError(
+                f"{socket.gethostname()} does not see {url}; the cache must be a folder that all machines "
+                "share, or a URL."
+            )
+
+    _once(f"store {split} {url}", check)

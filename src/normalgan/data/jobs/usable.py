@@ -1,0 +1,85 @@
+"""Which meshes can be used; found out before training, so that a bad one fails alone and at once."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+
+from normalgan.data.jobs.pool import Pool
+from normalgan.data.jobs.retry import look_at_meshes
+from normalgan.data.jobs.tasks import MeshTask
+from normalgan.data.jobs.workers import Workers
+from normalgan.data.recipe import Loadable
+from normalgan.data.store.manifest import fingerprints
+from normalgan.data.store.storage import Storage
+from normalgan.errors import InputError
+from normalgan.progress import progress_bar
+from normalgan.rendering.samples import RENDERING_VERSION
+
+__all__ = ["find_troubles", "find_unusable", "leave_out"]
+
+
+def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
+    """Return why meshes cannot be used, by name; those that can be are not in it.
+
+    Only loading can tell, which takes up to a second a mesh. So the answer is kept in the cache, as
+    ``meshes/<key>.json`` under a hash of the meshes' fingerprints, where a resumed run finds it, and every
+    process that trains.
+
+    Args:
+        cache: folder or URL of all data sets.
+        sources: the meshes.
+        workers: processes to load in, 0 for this one alone.
+
+    Raises:
+        InputError: if the cache cannot be written to, or a worker is killed.
+    """
+    prints = fingerprints({"": sources})[""]
+    key = hashlib.sha256(json.dumps([RENDERING_VERSION, prints]).encode())
+    path = f"{key.hexdigest()[:24]}.json"
+    folder = Storage(cache) / "meshes"
+    try:
+        return dict(json.loads(folder.read(path) or b"")["left_out"])
+    except (ValueError, TypeError, KeyError):  # not asked yet, or damaged
+        pass
+    with Workers(workers) as pool:
+        tasks = [MeshTask(source, seen) for source, (_, seen) in zip(sources, prints, strict=True)]
+        reasons = find_troubles(pool, tasks, "meshes")
+    left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
+    folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
+    return left_out
+
+
+def find_troubles(pool: Pool, tasks: Sequence[MeshTask], unit: str, progress: bool = True) -> dict[str, str]:
+    """Return why meshes cannot be used, by name.
+
+    Args:
+        pool: who loads them.
+        tasks: the meshes.
+        unit: what they are called in the bar.
+        progress: whether to show one on the error stream.
+    """
+    reasons = {}
+    with progress_bar("looking at", len(tasks), unit, progress, stays=False) as advance:
+        for task, reason in look_at_meshes(pool, tasks):
+            advance(1)
+            if reason is not None:
+                reasons[task.source.name] = reason
+    return reasons
+
+
+def leave_out(sources: Sequence[Loadable], reasons: Mapping[str, str], split: str) -> list[Loadable]:
+    """Return the meshes that can be used.
+
+    Args:
+        sources: the meshes.
+        reasons: why some of them cannot be used, by name.
+        split: what they are for.
+
+    Raises:
+        InputError: if none is left.
+    """
+    usable = [source for source in sources if source.name not in reasons]
+    if not usable:
+        first = reasons[sources[0].name] if sources else "there is none."
+        raise InputError(f"none of the {len(sources)} meshes for {split} can be used; the first: {first}")
+    return usable

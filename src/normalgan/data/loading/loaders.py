@@ -1,0 +1,142 @@
+"""Loaders: from samples to batches, in this process or in workers beside it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
+
+from normalgan.data.dataset import SampleDataset
+from normalgan.data.jobs.workers import one_thread_each
+from normalgan.data.loading.items import AsStored, Item, StoredSamples, collate
+from normalgan.data.loading.shard_order import ShardOrder
+from normalgan.data.loading.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
+
+__all__ = ["DeferredLoader", "EqualShare", "Loaders", "Samples"]
+
+Samples = SampleDataset | StreamDataset
+
+
+class DeferredLoader(DataLoader[Item]):
+    """A DataLoader that begins, and starts its workers, when the first batch is asked for.
+
+    Lightning makes the iterator of a resumed run before it sets the sampler's epoch, and workers would begin
+    at once with samples of the former one. Workers that render are spawned, with one thread each: a process
+    forked after an OpenGL context was made hangs when it renders, and one forked from a process with threads,
+    as torch has them, may wait for ever for a lock.
+    """
+
+    def __iter__(self) -> Any:
+        """Yield the batches of the epoch that the sampler is set to by then."""
+        with one_thread_each():
+            batches = super().__iter__()
+        yield from batches
+
+
+@dataclass(frozen=True)
+class Loaders:
+    """Makes the loaders of one of several processes that train side by side.
+
+    Args:
+        batch_size: samples a batch.
+        workers: processes that load or render; 0 for none besides this one.
+        replicas: how many processes train.
+        rank: which one this is, from 0.
+        as_stored: whether batches are to be decoded by whoever asks, on the device they are brought to: as
+            they are stored they are a quarter as large.
+    """
+
+    batch_size: int
+    workers: int
+    replicas: int = 1
+    rank: int = 0
+    as_stored: bool = False
+
+    def shuffled(self, dataset: Samples, seed: int) -> DataLoader[Item]:
+        """Return a loader of this process's share, its order made of the seed and the epoch alone.
+
+        Args:
+            dataset: the samples of all processes.
+            seed: of the order.
+        """
+        sampler: FreshViews | ShardOrder | DistributedSampler[Item]
+        if isinstance(dataset, StreamDataset):
+            sampler = FreshViews(dataset, seed, self.batch_size, self.replicas, self.rank)
+        elif dataset.distant:
+            sampler = ShardOrder(dataset.store, self.replicas, self.rank, seed)
+        else:
+            # Serves a single process too: its order does not come from global state, which a resumed run
+            # does not have.
+            sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
+        whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
+        return self._loader(dataset, sampler, drop_last=whole)
+
+    def in_order(self, dataset: SampleDataset) -> DataLoader[Item]:
+        """Return a loader of this process's share, to be measured."""
+        if self.replicas == 1:
+            return self._loader(dataset)
+        share = EqualShare(self._given(dataset), self.replicas, self.rank)
+        return self._loader(share, share.in_order())
+
+    def chosen(self, dataset: Samples, indices: Sequence[int]) -> DataLoader[Item]:
+        """Return a loader of some samples, the same ones for every process."""
+        return self._loader(dataset, indices)
+
+    def _given(self, dataset: Dataset[Item]) -> Dataset[Item]:
+        return AsStored(dataset) if self.as_stored and isinstance(dataset, StoredSamples) else dataset
+
+    def _loader(
+        self,
+        dataset: Dataset[Item],
+        sampler: Sampler[Any] | Sequence[int] | None = None,
+        drop_last: bool = False,
+    ) -> DataLoader[Item]:
+        renders = isinstance(dataset, StreamDataset)
+        return DeferredLoader(
+            self._given(dataset),
+            batch_size=self.batch_size,
+            sampler=sampler,
+            num_workers=self.workers,
+            collate_fn=collate,
+            drop_last=drop_last,
+            persistent_workers=self.workers > 0,
+            pin_memory=torch.cuda.is_available(),
+            multiprocessing_context="spawn" if renders and self.workers else None,
+            worker_init_fn=leave_ctrl_c_to_the_parent if renders else None,
+        )
+
+
+class EqualShare(Dataset[Item]):
+    """One process's share of a split: every n-th sample, and as many as every other process has.
+
+    Where the samples do not divide, the last ones are filled up with a sample whose mask is empty, which
+    changes no metric; so several processes measure exactly what one does. Filling up with samples that are
+    measured twice, as Lightning does, would not; and shares of unlike length let a process wait forever
+    for another, as the buffers of the networks are exchanged with every batch.
+
+    Args:
+        dataset: the split.
+        replicas: how many processes there are.
+        rank: which one this is, from 0.
+    """
+
+    def __init__(self, dataset: Dataset[Item], replicas: int, rank: int) -> None:
+        self.dataset: Any = dataset  # it has a length
+        self.replicas = replicas
+        self.rank = rank
+
+    def __len__(self) -> int:
+        return (len(self.dataset) + self.replicas - 1) // self.replicas
+
+    def __getitem__(self, index: int) -> Item:
+        position = range(self.rank, len(self) * self.replicas, self.replicas)[index]
+        if position < len(self.dataset):
+            found: Item = self.dataset[position]
+            return found
+        item: Item = self.dataset[len(self.dataset) - 1]
+        return {**item, "mask": torch.zeros_like(item["mask"])}
+
+    def in_order(self) -> DistributedSampler[Item]:
+        """Return the sampler of the whole share; of this class, or Lightning would share it out once more."""
+        return DistributedSampler(self, num_replicas=1, rank=0, shuffle=False)

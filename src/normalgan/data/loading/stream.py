@@ -1,0 +1,105 @@
+"""Samples rendered while training: nothing on disk, and views without end."""
+
+import signal
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+import torch
+from torch.utils.data import Dataset, DistributedSampler
+
+from normalgan.data.loading.items import Item, SampleError, decode_item, to_item
+from normalgan.data.loading.mesh_cache import MeshCache
+from normalgan.data.loading.order import Ticket, order_of_epoch
+from normalgan.data.recipe import Loadable, SampleRecipe
+from normalgan.errors import InputError, brief
+
+__all__ = ["FreshViews", "StreamDataset", "leave_ctrl_c_to_the_parent"]
+
+
+class StreamDataset(Dataset[Item]):
+    """Renders the sample that is asked for; the same one as the shards hold under its mesh and view.
+
+    It holds no state but the meshes used last, so that it does not matter which process is asked, or when.
+
+    Args:
+        sources: the meshes, every one of which can be used.
+        views: of each mesh an epoch.
+        recipe: how samples are made.
+        memory: bytes that the meshes kept in one process may take.
+    """
+
+    def __init__(self, sources: Sequence[Loadable], views: int, recipe: SampleRecipe, memory: int) -> None:
+        self.views = views
+        self.recipe = recipe
+        self.mesh_cache = MeshCache(sources, memory)
+
+    def __len__(self) -> int:
+        """Return the number of samples of an epoch."""
+        return len(self.mesh_cache.sources) * self.views
+
+    def __getitem__(self, index: int | Ticket) -> Item:
+        """Return the sample of a ticket, or by a number one of the first epoch, in the order of the shards.
+
+        Raises:
+            SampleError: if it cannot be made; the message names the mesh.
+        """
+        return decode_item(self.stored(index))
+
+    def stored(self, index: int | Ticket) -> Item:
+        """Return a sample as it would be stored.
+
+        Raises:
+            SampleError: if it cannot be made; the message names the mesh.
+        """
+        if not isinstance(index, Ticket):
+            index = Ticket(*divmod(range(len(self))[index], self.views))
+        name = self.mesh_cache.sources[index.mesh].name
+        try:
+            sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
+        except Exception as error:  # whatever a mesh brings about in a renderer or style
+            why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
+            raise SampleError(f"view {index.view} of {name} cannot be rendered: {why}") from error
+        sketch, normal, mask = map(torch.from_numpy, (sample.sketch, sample.normal, sample.mask))
+        return to_item(sketch, normal, mask, f"{name}/{index.view}")
+
+
+class FreshViews(DistributedSampler[Ticket]):
+    """One process's tickets of the epoch that Lightning sets; no epoch has a view of another.
+
+    All processes get equally many, in whole batches: up to a batch for each is left out of an epoch. Where
+    there is no whole batch for each, all samples are dealt out, some of them twice.
+
+    Args:
+        dataset: what the tickets are for.
+        seed: of the order.
+        batch_size: samples a batch.
+        replicas: how many processes train side by side.
+        rank: which one this is, from 0.
+    """
+
+    def __init__(
+        self, dataset: StreamDataset, seed: int, batch_size: int, replicas: int = 1, rank: int = 0
+    ) -> None:
+        super().__init__(dataset, num_replicas=replicas, rank=rank, seed=seed)
+        self.samples = dataset
+        self.batch_size = batch_size
+
+    def __len__(self) -> int:
+        total = len(self.samples)
+        rounds = total // (self.batch_size * self.num_replicas)
+        return rounds * self.batch_size or -(-total // self.num_replicas)
+
+    def __iter__(self) -> Iterator[Ticket]:
+        size, replicas, views = self.batch_size, self.num_replicas, self.samples.views
+        meshes = len(self.samples.mesh_cache.sources)
+        order = order_of_epoch(meshes, views, self.epoch, self.seed, size, replicas)
+        if len(self.samples) < size * replicas:
+            few = list(order)
+            return (few[i % len(few)] for i in range(self.rank, len(self) * replicas, replicas))
+        ours = (ticket for i, ticket in enumerate(order) if i // size % replicas == self.rank)
+        return islice(ours, len(self))
+
+
+def leave_ctrl_c_to_the_parent(_: int) -> None:
+    """Let a worker, whose number is of no use here, die by its parent's word and not by Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

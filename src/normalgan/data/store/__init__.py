@@ -1,0 +1,3 @@
+"""Store: samples on disk or behind a URL, in shards, and what a folder of them is."""
+
+__all__ = []

@@ -1,0 +1,146 @@
+"""Manifest: what a stored data set is, and the key it is found under."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
+from normalgan.data.splits import plural
+from normalgan.data.store.layout import Layout
+from normalgan.data.store.local_cache import LocalCache
+from normalgan.data.store.shards import ShardedSamples
+from normalgan.data.store.storage import Storage
+from normalgan.errors import InputError
+
+__all__ = ["FORMAT_VERSION", "Manifest", "dataset_key", "fingerprints", "views_by_split"]
+
+FORMAT_VERSION = 1
+"""Raise it when samples are stored in another way: those stored before are then made anew."""
+
+_NAME = "dataset.json"
+_SUM = "sha256"
+_KEYS = {"format", "samples", "recipe", "splits", "left_out", _SUM}
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What is in a data set; for people to read, it lies beside the samples as ``dataset.json``.
+
+    The file has a SHA-256 of its own content, so that a flipped bit in it is found; one of an older version
+    has none, and is believed.
+
+    Args:
+        recipe: how the samples were made, as `Recipe.describe` tells it.
+        splits: what lies where, by split.
+        left_out: why a mesh was left out, by name.
+    """
+
+    recipe: dict[str, Any]
+    splits: dict[str, Layout]
+    left_out: dict[str, str]
+
+    def stores(self, folder: Storage) -> dict[str, ShardedSamples]:
+        """Return the samples by split, to be written."""
+        return {split: ShardedSamples(folder.url, split, layout) for split, layout in self.splits.items()}
+
+    def finished(
+        self, folder: Storage, cache: LocalCache | None = None
+    ) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
+        """Return the samples by split, to be read, and why a mesh could not be rendered, by name.
+
+        Raises:
+            InputError: if of a split no mesh could be rendered.
+        """
+        stores, reasons = {}, {}
+        for split, store in self.stores(folder).items():
+            failed = {mesh: why for part in store.failures().values() for mesh, why in part.items()}
+            if set(failed) >= set(store.layout.meshes):
+                first = store.layout.meshes[0]
+                raise InputError(
+                    f"none of the {len(failed)} meshes for {split} could be rendered; the first: {first}: "
+                    f"{failed[first]}"
+                )
+            stores[split] = ShardedSamples(folder.url, split, store.layout, failed, cache)
+            reasons.update(failed)
+        return stores, reasons
+
+    def write(self, folder: Storage) -> None:
+        """Write the descriptions of the arrays, then the manifest, which vouches for them."""
+        self.describe(folder)
+        counts = {split: len(layout) for split, layout in self.splits.items()}
+        content = {"format": FORMAT_VERSION, "samples": counts, **asdict(self)}
+        folder.write(_NAME, (json.dumps(content | {_SUM: _digest(content)}, indent=1) + "\n").encode())
+
+    def describe(self, folder: Storage) -> None:
+        """Write the descriptions of the arrays, where they are not there or not whole."""
+        for store in self.stores(folder).values():
+            store.create()
+
+    @staticmethod
+    def damaged(folder: Storage) -> bool:
+        """Whether a manifest is there that `read` does not believe."""
+        return folder.size(_NAME) is not None and Manifest.read(folder) is None
+
+    @staticmethod
+    def read(folder: Storage) -> "Manifest | None":
+        """Return the manifest in a folder, or None if there is none that is whole."""
+        try:
+            content = json.loads(folder.read(_NAME) or b"")
+            if set(content) - _KEYS or content.pop(_SUM, None) not in {None, _digest(content)}:
+                return None
+            splits = {
+                split: Layout(**{**layout, "meshes": tuple(layout["meshes"])})
+                for split, layout in content["splits"].items()
+            }
+            return Manifest(dict(content["recipe"]), splits, dict(content["left_out"]))
+        except (ValueError, TypeError, KeyError, AttributeError):
+            return None
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def fingerprints(sources: Mapping[str, Sequence[Loadable]]) -> dict[str, list[tuple[str, str]]]:
+    """Return name and fingerprint of every mesh by split; one that cannot be read has a fingerprint too."""
+    return {split: [(source.name, fingerprint(source)) for source in part] for split, part in sources.items()}
+
+
+def dataset_key(
+    meshes: Mapping[str, Sequence[tuple[str, str]]], views: Mapping[str, int], recipe: SampleRecipe
+) -> str:
+    """Return the name of the folder for such a data set: 24 hexadecimal digits.
+
+    It changes with anything that the stored bytes depend on: names, fingerprints and order of the meshes,
+    views a mesh, recipe, and the versions of the rendering and of the format.
+    """
+    everything = [FORMAT_VERSION, recipe.describe(), [[s, views[s], meshes[s]] for s in meshes]]
+    return hashlib.sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def views_by_split(
+    views_per_mesh: int | Mapping[str, int], sources: Mapping[str, Sequence[Loadable]], noun: str = "mesh"
+) -> dict[str, int]:
+    """Return the number of views a mesh for every split that has meshes.
+
+    Raises:
+        InputError: if it is not a positive number for every split, or a mesh's name occurs twice.
+    """
+    names = [source.name for part in sources.values() for source in part]
+    twins = sorted({name for name in names if names.count(name) > 1})
+    if twins:
+        raise InputError(
+            f"two {plural(noun)} are named {twins[0]}; every {noun} needs a name of its own, in one split."
+        )
+    if not names:
+        raise InputError(f"there are no {plural(noun)} to make samples of; give at least one.")
+    views = {}
+    for split, part in sources.items():
+        if part:
+            number = views_per_mesh if isinstance(views_per_mesh, int) else views_per_mesh.get(split, 0)
+            if number < 1:
+                raise InputError(f"{number} views a {noun} are asked for {split}; it must be at least 1.")
+            views[split] = number
+    return views

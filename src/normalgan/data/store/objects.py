@@ -1,0 +1,120 @@
+"""ObjectStore: a folder of `Storage` as Zarr reads it, if need be by way of a local cache."""
+
+from collections.abc import AsyncIterator, Iterable
+from hashlib import sha256
+
+from zarr.abc.store import (
+    ByteRequest,
+    OffsetByteRequest,
+    RangeByteRequest,
+    Store,
+    SuffixByteRequest,
+)
+from zarr.core.buffer import Buffer, BufferPrototype
+from zarr.core.buffer.core import default_buffer_prototype
+
+from normalgan.data.store.local_cache import LocalCache
+from normalgan.data.store.storage import Storage
+
+__all__ = ["ObjectStore"]
+
+_METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr asks which of them there are
+
+
+class ObjectStore(Store):
+    """A read-only Zarr store; what cannot be read raises `InputError`, a missing chunk `ValueError`.
+
+    Zarr fills in zeros for a chunk that its store does not have, without a word. Here every chunk was
+    written, so one that is missing was lost, perhaps while it is trained on.
+
+    Args:
+        storage: the folder.
+        cache: where objects are kept whole after their first use; None asks for the bytes wanted every time.
+    """
+
+    supports_writes = False
+    supports_deletes = False
+    supports_listing = False
+
+    def __init__(self, storage: Storage, cache: LocalCache | None = None) -> None:
+        super().__init__(read_only=True)
+        self.storage = storage
+        self.cache = cache
+        self.digests: dict[str, str] = {}
+        """SHA-256 of objects by path. Only these are cached, and by this name: bytes, not a place."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ObjectStore) and self.storage.url == other.storage.url
+
+    def __hash__(self) -> int:
+        return hash(self.storage.url)
+
+    def forget(self, paths: Iterable[str]) -> None:
+        """Remove objects from the cache, so that they are fetched anew."""
+        for path in paths:
+            if self.cache is not None and path in self.digests:
+                self.cache.forget(self.digests[path])
+
+    def _read(self, path: str, start: int | None, stop: int | None) -> bytes | None:
+        digest = self.digests.get(path)
+        if self.cache is None or digest is None:
+            return self.storage.read(path, start, stop)
+        return self.cache.read(digest, lambda: self._checked(path, digest), start, stop)
+
+    def _checked(self, path: str, digest: str) -> bytes:
+        content = self.storage.read(path)
+        if content is None or sha256(content).hexdigest() != digest:
+            raise ValueError(f"{path} is not what was written")
+        return content
+
+    async def get(
+        self, key: str, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
+    ) -> Buffer | None:
+        """Return an object or the part of it that is asked for."""
+        content = self._read(key, *_limits(byte_range))
+        if content is None and key.rpartition("/")[2] not in _METADATA:
+            raise ValueError(f"{key} is missing")
+        buffer = (prototype or default_buffer_prototype()).buffer
+        return None if content is None else buffer.from_bytes(content)
+
+    async def get_partial_values(
+        self, prototype: BufferPrototype, key_ranges: Iterable[tuple[str, ByteRequest | None]]
+    ) -> list[Buffer | None]:
+        """Return parts of objects."""
+        return [await self.get(key, prototype, byte_range) for key, byte_range in key_ranges]
+
+    async def exists(self, key: str) -> bool:
+        """Whether there is such an object."""
+        return self.storage.size(key) is not None
+
+    async def set(self, key: str, value: Buffer) -> None:
+        """Refuse: shards are written whole, by `Storage.write`."""
+        raise NotImplementedError("an ObjectStore is only read.")
+
+    async def delete(self, key: str) -> None:
+        """Refuse, as `set` does."""
+        raise NotImplementedError("an ObjectStore is only read.")
+
+    def list(self) -> AsyncIterator[str]:
+        """Refuse: no reader of samples lists."""
+        raise NotImplementedError("an ObjectStore is not listed.")
+
+    def list_prefix(self, prefix: str) -> AsyncIterator[str]:
+        """Refuse, as `list` does."""
+        raise NotImplementedError("an ObjectStore is not listed.")
+
+    def list_dir(self, prefix: str) -> AsyncIterator[str]:
+        """Refuse, as `list` does."""
+        raise NotImplementedError("an ObjectStore is not listed.")
+
+
+def _limits(byte_range: ByteRequest | None) -> tuple[int | None, int | None]:
+    match byte_range:
+        case RangeByteRequest(start, end):
+            return start, end
+        case OffsetByteRequest(offset):
+            return offset, None
+        case SuffixByteRequest(suffix):
+            return -suffix, None
+        case _:
+            return None, None

@@ -1,0 +1,213 @@
+"""Shards: rendered samples in Zarr arrays, a few dozen to an object, every byte of them checked."""
+
+import json
+import os
+from collections.abc import Collection, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+
+from normalgan.data.store import shard_files
+from normalgan.data.store.layout import Layout, array_names, metadata
+from normalgan.data.store.local_cache import LocalCache
+from normalgan.data.store.objects import ObjectStore
+from normalgan.data.store.shard_files import ZARR, paths, read_failures, read_sums, same_sizes, write_shard
+from normalgan.data.store.storage import Storage
+from normalgan.errors import InputError
+from normalgan.rendering.samples import Sample
+
+__all__ = ["ShardedSamples"]
+
+
+class ShardedSamples:
+    """The stored samples of one split, to be written a shard at a time and read one by one.
+
+    In the folder, ``samples.zarr/<split>/`` holds the Zarr 3 arrays ``sketch`` (N, H, W), ``normal``
+    (N, H, W, 3), ``mask`` (N, H, W) and, if samples bring any, ``hints`` (N, H, W, 4) in the sharding codec,
+    one sample to an inner chunk, each with its CRC-32C; any Zarr reader opens them.
+    ``done/<split>/<shard>.json`` holds the length and SHA-256 of a shard's objects and is written last: what
+    has none is not there yet. ``failed/<split>/<shard>.json`` says which meshes could not be rendered; their
+    places are blank, and they are passed over when reading.
+
+    Args:
+        url: the folder of the data set.
+        split: which part of it, such as ``train``.
+        layout: what lies where.
+        left_out: names of meshes whose samples are passed over.
+        cache: where objects of a distant store are kept; not asked for a folder on this machine.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        split: str,
+        layout: Layout,
+        left_out: Collection[str] = (),
+        cache: LocalCache | None = None,
+    ) -> None:
+        self.url, self.split, self.layout = url, split, layout
+        self.left_out = frozenset(left_out)
+        self._cache = cache
+        self._storage = Storage(url)
+        self._opened: tuple[int, ObjectStore, dict[str, Any]] | None = None
+        self._trusted: set[int] = set()
+
+    def __len__(self) -> int:
+        return len(self._served) * self.layout.views
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_opened": None}  # open arrays belong to the process
+
+    @property
+    def local(self) -> bool:
+        """Whether the folder is on a disk of this machine."""
+        return self._storage.local
+
+    @cached_property
+    def _served(self) -> NDArray[np.int64]:
+        return np.array(
+            [i for i, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out], np.int64
+        )
+
+    def _place(self, index: int) -> int:
+        mesh, view = divmod(index, self.layout.views)
+        return int(self._served[mesh]) * self.layout.views + view
+
+    def name(self, index: int) -> str:
+        """Return what a sample is called: mesh and number of the view, such as ``horse-0001/17``."""
+        mesh, view = self.layout.mesh_and_view(self._place(index))
+        return f"{mesh}/{view}"
+
+    def indices(self, shard: int) -> range:
+        """Return the samples that lie in a shard; there may be none."""
+        views, places = self.layout.views, self.layout.indices(shard)
+
+        def before(place: int) -> int:
+            mesh, view = divmod(place, views)
+            count = int(np.searchsorted(self._served, mesh))
+            served = count < len(self._served) and self._served[count] == mesh
+            return count * views + (view if served else 0)
+
+        return range(before(places.start), before(places.stop))
+
+    def create(self) -> None:
+        """Write the description of the arrays, unless it is there already."""
+        for path, content in metadata(self.split, self.layout).items():
+            known = self._storage.read(f"{ZARR}/{path}")
+            if known is None or not _same_json(known, content):
+                self._storage.write(f"{ZARR}/{path}", content)
+
+    def missing(self) -> list[int]:
+        """Return the shards that have not been finished."""
+        done = self._storage.names(f"done/{self.split}")
+        return [s for s in range(self.layout.shards) if f"{s}.json" not in done]
+
+    def lost(self) -> list[int]:
+        """Return the finished shards of which an object is gone; a look at the names alone."""
+        names = self._storage.names(f"{ZARR}/{self.split}")
+        there = {f"{self.split}/{name}" for name in names}
+        return [
+            shard for shard in self._finished() if not paths(self.split, shard, self.layout.hints) <= there
+        ]
+
+    def verify(self) -> list[int]:
+        """Return the finished shards whose objects are not, byte for byte, what was once written."""
+        return shard_files.damaged(self._storage, self.split, self._finished())
+
+    def failures(self) -> dict[int, dict[str, str]]:
+        """Return why meshes could not be rendered: by shard, by name.
+
+        Raises:
+            InputError: if a note that says so is damaged.
+        """
+        notes = read_failures(self._storage, self.split)
+        found = {number: reasons for number, reasons in notes.items() if reasons is not None}
+        if lost := notes.keys() - found.keys():
+            raise self._trouble(min(lost))
+        return found
+
+    def unexplained(self) -> list[int]:
+        """Return the shards of which the note that says what could not be rendered is damaged."""
+        notes = read_failures(self._storage, self.split)
+        return [number for number, why in notes.items() if why is None and number < self.layout.shards]
+
+    def _finished(self) -> list[int]:
+        return sorted(set(range(self.layout.shards)) - set(self.missing()))
+
+    def write(self, shard: int, samples: Sequence[Sample]) -> None:
+        """Write all samples of a shard, then mark it as finished. Raises as `write_shard` does."""
+        write_shard(self._storage, self.layout.shard(self.split, shard), samples)
+
+    def read(self, index: int) -> Sample:
+        """Return one sample.
+
+        Raises:
+            IndexError: if there are fewer.
+            InputError: if its shard is not finished or damaged.
+        """
+        if not 0 <= index < len(self):
+            raise IndexError(f"sample {index} of {len(self)}")
+        place = self._place(index)
+        return Sample(**self._select(place // self.layout.per_shard, place))
+
+    def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
+        """Return a shard's samples, `indices`, stacked, by name of the array; raises as `read` does."""
+        places = self.layout.indices(shard)
+        stacked = self._select(shard, slice(places.start, places.stop))
+        if not self.left_out:
+            return stacked
+        keep = [self.layout.mesh_and_view(place)[0] not in self.left_out for place in places]
+        return {name: array[keep] for name, array in stacked.items()}
+
+    def _select(self, shard: int, selection: int | slice) -> dict[str, NDArray[Any]]:
+        try:
+            store, arrays = self._open()
+            self._trust(shard, store)
+            try:
+                return {name: np.asarray(array[selection]) for name, array in arrays.items()}
+            except (ValueError, RuntimeError) as error:  # checksum; decompression
+                if isinstance(error, InputError):
+                    raise
+                store.forget(
+                    paths(self.split, shard, self.layout.hints)
+                )  # the fault may lie with the copy nearby
+                return {name: np.asarray(array[selection]) for name, array in arrays.items()}
+        except InputError:
+            raise
+        except (ValueError, RuntimeError, OSError) as error:
+            raise self._trouble(shard) from error
+
+    def _trust(self, shard: int, store: ObjectStore) -> None:
+        """See once that a shard is finished, its objects as long as they were; a cache compares all bytes."""
+        if shard in self._trusted:
+            return
+        sums = read_sums(self._storage, self.split, shard)
+        if sums is None or not (store.cache is not None or same_sizes(self._storage, sums)):
+            raise self._trouble(shard)
+        store.digests.update({path: digest for path, (_, digest) in sums.items()})
+        self._trusted.add(shard)
+
+    def _trouble(self, shard: int) -> InputError:
+        return InputError(
+            f"shard {shard} of {self.split} in {self.url} is unfinished or damaged; "
+            "render the data set again, which mends it."
+        )
+
+    def _open(self) -> tuple[ObjectStore, dict[str, Any]]:
+        if self._opened is None or self._opened[0] != os.getpid():  # a forked DataLoader worker opens its own
+            folder = self._storage / ZARR
+            store = ObjectStore(folder, None if folder.local else self._cache)
+            group = zarr.open_group(store, path=self.split, mode="r")
+            self._trusted = set()  # digests are the store's
+            self._opened = os.getpid(), store, {name: group[name] for name in array_names(self.layout.hints)}
+        return self._opened[1:]
+
+
+def _same_json(a: bytes, b: bytes) -> bool:
+    try:
+        return bool(json.loads(a) == json.loads(b))
+    except ValueError:
+        return False

@@ -1,0 +1,40 @@
+"""Shipped configurations: the files of settings that come with the package, by name."""
+
+from pathlib import Path
+
+__all__ = ["find_beside", "find_config", "shipped_folder", "shipped_names"]
+
+
+def shipped_folder() -> Path:
+    """Return where the configurations of this package lie: in the package, or in the clone it runs from."""
+    packed = Path(__file__).parents[1] / "configs"
+    return packed if packed.is_dir() else Path(__file__).parents[3] / "configs"
+
+
+def shipped_names() -> list[str]:
+    """Return what configurations there are, such as ``paper`` and ``fourleg/meshes``."""
+    folder = shipped_folder()
+    return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
+
+
+def find_beside(given: str) -> Path:
+    """Return the path of a file that a configuration names: one that is there, else the package's own.
+
+    Args:
+        given: a path, such as ``configs/fourleg/split.json``, from the working directory.
+    """
+    shipped = shipped_folder() / given.removeprefix("configs/")
+    ours = given.startswith("configs/") and not Path(given).exists() and shipped.is_file()
+    return shipped if ours else Path(given)
+
+
+def find_config(given: str) -> str:
+    """Return the path of a configuration: a file if there is one of this name, else the package's own.
+
+    Args:
+        given: a path, or a name such as ``paper``; as in a clone, ``configs/paper.yaml`` names the same one.
+    """
+    name = given.removeprefix("configs/").removesuffix(".yaml")
+    if Path(given).exists() or name not in shipped_names():
+        return given
+    return str(shipped_folder() / f"{name}.yaml")

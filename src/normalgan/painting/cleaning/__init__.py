@@ -1,0 +1,3 @@
+"""Cleaning: from colours and opacity to ink."""
+
+__all__ = []

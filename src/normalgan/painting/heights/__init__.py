@@ -1,0 +1,3 @@
+"""Heights: the surface of a normal map, and meshes of it."""
+
+__all__ = []

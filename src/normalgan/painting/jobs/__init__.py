@@ -1,0 +1,3 @@
+"""Jobs: which files are painted, and where their maps go."""
+
+__all__ = []

@@ -1,0 +1,3 @@
+"""Reading: drawings as they lie on disk, and the hints given for them."""
+
+__all__ = []

@@ -1,0 +1,3 @@
+"""Several drawings in one file: sheets of sprites, animations, layers."""
+
+__all__ = []

@@ -1,0 +1,138 @@
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import cv2
+import numpy as np
+import pytest
+
+from normalgan.__main__ import main
+from normalgan.normals import read_png
+
+HORSE = ("sketch", "horse-3", "--size", "96")
+
+
+@pytest.fixture
+def sphere(tmp_path: Path) -> str:
+    import trimesh
+
+    path = tmp_path / "ball.ply"
+    trimesh.creation.icosphere(subdivisions=4).export(path)
+    return str(path)
+
+
+def ink(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    assert picture is not None
+    assert picture.ndim == 2
+    return 1 - picture / 255
+
+
+def test_a_sphere_is_drawn_as_a_circle_in_the_middle(sphere: str, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "ball.png"
+    assert main(["sketch", sphere, "-o", str(out), "--size", "128", "--margin", "0.125"]) == 0
+    rows, columns = np.nonzero(ink(out) > 0.3)
+    radius = np.hypot(rows + 0.5 - 64, columns + 0.5 - 64)
+    assert len(radius) > 200
+    assert radius.min() > 48 - 1.5
+    assert radius.max() < 48 + 1.5
+
+
+def test_svg_and_png_show_the_same_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    svg, png = tmp_path / "h.svg", tmp_path / "h.png"
+    assert main([*HORSE, "-o", str(svg)]) == 0
+    assert main([*HORSE, "-o", str(png)]) == 0
+    assert capsys.readouterr().out.split() == [str(svg), str(png)]
+    drawn = np.zeros((96 * 8, 96 * 8), np.uint8)
+    for path in ET.parse(svg).getroot().iter("{http://www.w3.org/2000/svg}path"):
+        data = path.get("d", "")
+        points = np.array([[float(v) for v in pair.split()] for pair in data.strip("MZ").split("L")])
+        width = max(round(8 * float(path.get("stroke-width", 0))), 1)
+        cv2.polylines(drawn, [np.rint(8 * points).astype(np.int32)], data.endswith("Z"), 255, width)
+    same = cv2.resize(drawn, (96, 96), interpolation=cv2.INTER_AREA) / 255
+    assert ink(png).sum() > 100
+    assert np.abs(same - ink(png)).mean() < 0.02
+
+
+def test_the_normal_map_lies_under_the_lines(tmp_path: Path) -> None:
+    png, normal = tmp_path / "h.png", tmp_path / "h_normal.png"
+    assert main([*HORSE, "-o", str(png), "--normal", str(normal), "--hand.strength", "[1,1]"]) == 0
+    vectors, _ = read_png(normal)
+    on = np.abs(vectors[..., :2]).max(-1) > 0.02
+    near = cv2.dilate(on.astype(np.uint8), np.ones((7, 7))) > 0
+    assert on.mean() > 0.1
+    assert ink(png)[~near].sum() < 0.1 * ink(png).sum()
+
+
+def test_the_seed_decides_what_the_hand_does(sphere: str, tmp_path: Path) -> None:
+    def drawn(*more: str) -> bytes:
+        out = tmp_path / "h.png"
+        assert main(["sketch", sphere, "--size", "96", "-o", str(out), *more]) == 0
+        return out.read_bytes()
+
+    hand = ("--hand.strength", "[1,1]", "--medium.strength", "[1,1]")
+    assert drawn(*hand) == drawn(*hand) != drawn(*hand, "--seed", "1")
+    assert drawn() == drawn("--hand.strength", "[0,0]", "--medium.strength", "[0,0]")
+
+
+def test_it_turns_the_object(tmp_path: Path) -> None:
+    widths = []
+    for azimuth in ("0", "90"):
+        out = tmp_path / f"{azimuth}.png"
+        assert main([*HORSE, "-o", str(out), "--azimuth", azimuth]) == 0
+        widths.append(np.ptp(np.nonzero(ink(out) > 0.3)[1]))
+    assert min(widths) < 0.7 * max(widths)  # a horse is longer than wide
+
+
+def test_it_loads_neither_torch_nor_lightning() -> None:
+    # Nor, before there is a stroke to write as SVG, what takes half as long to load as all the rest.
+    import subprocess
+
+    code = (
+        "import sys, normalgan.cli.sketch; "
+        "print({'torch', 'lightning', 'kornia', 'scipy.signal'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["hors"], "hors is neither a mesh file (.glb, .gltf, .obj, .off, .ply, .stl) nor an embedded"),
+        (["hors"], "Did you mean horse?"),
+        (["none.obj"], "none.obj is no file, no folder and no pattern"),
+        (["horse", "-o", "a.jpg"], "the drawing a.jpg is to be a .svg or a .png."),
+        (["horse", "--normal", "n.tif"], "the normal map n.tif is to be a .png."),
+        (["horse", "--medium.noise", "0.1"], "a medium is made of pixels; write sketch.svg as .png"),
+        (["horse", "--size", "3"], "size is 3; a drawing has 8 to 8192 pixels a side."),
+        (["horse", "--margin", "0.5"], "margin is 0.5; it must lie from 0 to below 0.5."),
+        (["horse", "--field_of_view", "180"], "field_of_view is 180.0; it must lie from 1 to 120"),
+        (["horse", "--seed", "-1"], "seed is -1; it must be 0 or more."),
+        (["horse", "--lines", "Sugestive"], "no LineDrawing named 'Sugestive'. Did you mean Sug"),
+        (
+            ["horse", "--hand.strength", "[2,3]"],
+            "a setting cannot be used: the hand's strength is (2.0, 3.0)",
+        ),
+        (["horse", "--widht", "3"], "there is no setting widht."),
+        ([], "missing: mesh."),
+    ],
+)
+def test_what_cannot_be_used_is_told_in_a_sentence(
+    arguments: list[str],
+    sentence: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["sketch", *arguments]) == 2
+    said = capsys.readouterr().err
+    assert sentence in said
+    assert len(said.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_help_ends_well(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sketch", "--help"]) == 0
+    assert "draw a mesh" in capsys.readouterr().out.lower()

@@ -1,0 +1,241 @@
+import os
+import signal
+import threading
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import toys
+from dask_processes import SOURCES, VIEWS, DaskCluster, finished, render, start_cluster, wait_for
+from distributed import Client
+from toys import Octahedron, contents, recipe
+
+from normalgan.data.jobs.cluster import Cluster
+from normalgan.data.jobs.tasks import MeshTask, ShardTask, render_shard
+from normalgan.data.jobs.workers import Workers
+from normalgan.data.render import render_samples
+from normalgan.data.store.layout import Layout
+from normalgan.data.store.shards import ShardedSamples
+from normalgan.errors import InputError, RunError
+
+
+@pytest.fixture(scope="module", name="pair")
+def make_pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCluster]:
+    """A scheduler and two workers that live as long as the tests of this file."""
+    with start_cluster(tmp_path_factory.mktemp("pair")) as made:
+        made.start_worker()
+        made.start_worker()
+        yield made
+
+
+@pytest.fixture(name="alone")
+def rendered_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, bytes]]:
+    """What this process writes by the settings of a slow renderer, which is not waited for."""
+
+    def render_alone(**renderer: Any) -> dict[str, bytes]:
+        monkeypatch.setattr(toys, "time", SimpleNamespace(sleep=lambda seconds: None))
+        return contents(render(tmp_path / "alone", **renderer))
+
+    return render_alone
+
+
+def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: DaskCluster) -> None:
+    alone = render(tmp_path / "0")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        together = render(tmp_path / "1", pair.address)
+    assert alone.name == together.name
+    assert contents(alone) == contents(together)
+    assert finished(tmp_path / "1") == 4
+
+
+@pytest.mark.slow  # starts processes of its own
+def test_damage_is_found_side_by_side_and_mended(tmp_path: Path, pair: DaskCluster) -> None:
+    folder = render(tmp_path)
+    whole = contents(folder)
+    path = folder / "samples.zarr" / "train" / "sketch" / "c" / "1" / "0" / "0"
+    content = bytearray(path.read_bytes())
+    content[7] ^= 1
+    path.write_bytes(content)
+    with pytest.warns(UserWarning, match=r"damaged, and rendered again: shard 1 of train in "):
+        render(tmp_path, pair.address)
+    assert contents(folder) == whole
+
+
+def test_relative_paths_refer_to_where_the_command_was_given(
+    tmp_path: Path, pair: DaskCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert finished(render(Path("cache"), pair.address).parent) == 4
+    assert (tmp_path / "cache").is_dir()
+
+
+@pytest.mark.slow  # starts processes of its own
+def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(
+    tmp_path: Path, alone: Callable[..., dict[str, bytes]]
+) -> None:
+    slow: dict[str, Any] = {"seconds": 0.04}
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        doomed = dask_cluster.start_worker()
+        died_at = []
+
+        def meddle() -> None:
+            wait_for(lambda: finished(tmp_path / "cache") > 0)
+            dask_cluster.start_worker()
+            os.kill(doomed.pid, signal.SIGKILL)
+            died_at.append(finished(tmp_path / "cache"))
+
+        thread = threading.Thread(target=meddle)
+        thread.start()
+        folder = render(tmp_path / "cache", dask_cluster.address, **slow)
+        thread.join()
+    assert doomed.wait() == -signal.SIGKILL
+    assert 0 < died_at[0] < 4
+    assert contents(folder) == alone(**slow)
+
+
+@pytest.mark.slow  # starts processes of its own
+def test_workers_of_another_version_do_nothing(
+    tmp_path: Path, alone: Callable[..., dict[str, bytes]]
+) -> None:
+    preload = tmp_path / "other.py"
+    preload.write_text("import normalgan.rendering.samples as s\ns.RENDERING_VERSION = -7\n")
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        other = dask_cluster.start_worker("--preload", str(preload))
+        with pytest.raises(
+            InputError,
+            match=r"^the worker tcp://\S+ of .* is not fit for this: it has the rendering -7, not \d+\.$",
+        ):
+            render(tmp_path / "cache", dask_cluster.address)
+        assert not (tmp_path / "cache").exists()
+        other.kill()
+        dask_cluster.start_worker()
+
+        def meddle() -> None:
+            wait_for(lambda: finished(tmp_path / "cache") > 0)
+            dask_cluster.start_worker("--preload", str(preload))
+
+        thread = threading.Thread(target=meddle)
+        thread.start()
+        with pytest.warns(
+            UserWarning, match=r"tcp://\S+ has joined but is not fit: it has the rendering -7, not "
+        ):
+            folder = render(tmp_path / "cache", dask_cluster.address, seconds=0.12)
+        thread.join()
+    assert contents(folder) == alone(seconds=0.12)
+
+
+@pytest.mark.slow  # starts processes of its own
+def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path) -> None:
+    blocker = tmp_path / "block.py"
+    blocker.write_text("import sys\nsys.modules['normalgan.data.versions'] = None\n")
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        bare = dask_cluster.start_worker("--preload", str(blocker))
+        with pytest.raises(InputError, match="is not fit for this: it has no normalgan, or an older one"):
+            render(tmp_path / "cache", dask_cluster.address)
+        bare.kill()
+        dask_cluster.start_worker(threads=2)
+        with pytest.raises(InputError, match="it has 2 threads, not 1: a renderer belongs to one"):
+            render(tmp_path / "cache", dask_cluster.address)
+
+
+@pytest.mark.slow  # starts processes of its own
+def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: Path) -> None:
+    with start_cluster(tmp_path / "dask") as dask_cluster:
+        dask_cluster.start_worker()
+
+        def meddle() -> None:
+            wait_for(lambda: finished(tmp_path / "cache") > 0)
+            dask_cluster.processes[0].kill()
+
+        thread = threading.Thread(target=meddle)
+        thread.start()
+        with pytest.raises(RunError, match=r"^the scheduler at .* is gone; what is finished is kept"):
+            render(tmp_path / "cache", dask_cluster.address, seconds=0.2)
+        thread.join()
+    assert 0 < finished(tmp_path / "cache") < 4
+
+
+@pytest.mark.slow  # starts processes of its own
+def test_a_result_that_dies_with_its_worker_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    futures = []
+    submit = Client.submit
+
+    def note(client: Client, *call: Any, **how: Any) -> Any:
+        futures.append(submit(client, *call, **how))
+        return futures[-1]
+
+    monkeypatch.setattr(Client, "submit", note)
+    with start_cluster(tmp_path) as dask_cluster:
+        doomed = dask_cluster.start_worker()
+        with Cluster(dask_cluster.address) as pool:
+            outcomes = pool.run(abs, [-1, 2, -3])
+            first = next(outcomes)
+            wait_for(lambda: all(future.status == "finished" for future in futures))
+            doomed.kill()
+            wait_for(lambda: any(future.status == "lost" for future in futures))
+            dask_cluster.start_worker()
+            assert sorted([first, *outcomes]) == [(-3, 3), (-1, 1), (2, 2)]
+
+
+def test_memory_is_not_shared_with_a_cluster() -> None:
+    with pytest.raises(InputError, match="memory://x cannot be seen by other processes"):
+        render_samples("memory://x", SOURCES, VIEWS, recipe(), progress=False, cluster="local:1")
+
+
+@dataclass(frozen=True)
+class Local(Octahedron):
+    """A mesh that is another one in every process, as a file may be on another machine."""
+
+    def fingerprint(self) -> str:
+        return f"{super().fingerprint()} {os.getpid()}"
+
+
+def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(
+    tmp_path: Path, pair: DaskCluster
+) -> None:
+    sources = {"train": [Local("a")]}
+    with pytest.raises(InputError, match=r"^a on \S+ is not what .* machine \(worker tcp://\S+\)\.$"):
+        render_samples(str(tmp_path), sources, 2, recipe(), progress=False, cluster=pair.address)
+    assert finished(tmp_path) == 0
+
+
+@pytest.mark.slow  # starts processes of its own
+def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
+    shard = Layout(("a",), 2, 16).shard("train", 0)
+    source = Octahedron("a")
+    task = ShardTask(str(tmp_path), shard, recipe(), {"a": MeshTask(source, source.fingerprint())})
+    with pytest.raises(
+        InputError, match=rf"does not see {tmp_path}; the cache must be a folder that all machines"
+    ):
+        render_shard(task)
+    ShardedSamples(str(tmp_path), "train", Layout(("a",), 2, 16)).create()
+    assert render_shard(task) == {}
+
+
+def test_workers_and_clusters_are_asked_alike(pair: DaskCluster) -> None:
+    with Workers(0) as alone, Cluster(pair.address) as many:
+        for pool in (alone, many):
+            assert sorted(pool.run(abs, [-1, 2, -3])) == [(-3, 3), (-1, 1), (2, 2)]
+
+
+def test_no_two_tasks_share_a_key(pair: DaskCluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The scheduler answers for a key it knows with what came of it before, were it the death of a worker.
+    keys = []
+    submit = Client.submit
+
+    def note(client: Client, *call: Any, key: str, **how: Any) -> Any:
+        keys.append(key)
+        return submit(client, *call, key=key, **how)
+
+    monkeypatch.setattr(Client, "submit", note)
+    with Cluster(pair.address) as pool:
+        for _ in range(20):
+            assert list(pool.run(abs, [-1])) == [(-1, 1)]
+    assert len(set(keys)) == len(keys) == 20

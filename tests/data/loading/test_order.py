@@ -1,0 +1,92 @@
+from collections import Counter, OrderedDict
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from normalgan.data.loading.order import LANES, VIEWS_AT_ONCE, Ticket, order_of_epoch, spread
+
+
+def batches(order: Iterable[Ticket], size: int) -> Iterator[list[Ticket]]:
+    tickets = list(order)
+    yield from (tickets[i : i + size] for i in range(0, len(tickets), size))
+
+
+def loads(order: Iterable[Ticket], size: int, workers: int, room: int) -> int:
+    """Return how often meshes are loaded by workers that take turns and keep the meshes used last."""
+    caches: list[OrderedDict[int, None]] = [OrderedDict() for _ in range(workers)]
+    count = 0
+    for number, batch in enumerate(batches(order, size)):
+        cached = caches[number % workers]
+        for ticket in batch:
+            count += ticket.mesh not in cached
+            cached[ticket.mesh] = None
+            cached.move_to_end(ticket.mesh)
+            if len(cached) > room:
+                cached.popitem(last=False)
+    return count
+
+
+@pytest.mark.parametrize(("meshes", "views"), [(1, 1), (3, 7), (5, 16), (4, 17), (300, 40)])
+@pytest.mark.parametrize("epoch", [0, 2])
+def test_every_view_of_the_epoch_comes_once(meshes: int, views: int, epoch: int) -> None:
+    order = list(order_of_epoch(meshes, views, epoch, seed=0, batch_size=8))
+    assert len(order) == meshes * views
+    assert set(order) == {Ticket(m, epoch * views + v) for m in range(meshes) for v in range(views)}
+
+
+def test_order_depends_on_seed_and_epoch_alone() -> None:
+    def meshes(seed: int, epoch: int) -> list[int]:
+        np.random.seed(seed + 5)  # noqa: NPY002 -- global state must not matter
+        return [ticket.mesh for ticket in order_of_epoch(50, 10, epoch, seed, batch_size=4)]
+
+    assert meshes(0, 0) == meshes(0, 0)
+    assert meshes(0, 0) != meshes(1, 0)
+    assert meshes(0, 0) != meshes(0, 1)
+
+
+def test_a_batch_shows_as_many_meshes_as_samples_and_the_next_one_others() -> None:
+    shown = [
+        {t.mesh for t in batch}
+        for batch in batches(order_of_epoch(1000, VIEWS_AT_ONCE, 0, 0, batch_size=8), 8)
+    ]
+    assert all(len(batch) == 8 for batch in shown)
+    assert not any(a & b for a, b in pairwise(shown))
+
+
+@pytest.mark.parametrize("workers", [1, 3, 8])
+@pytest.mark.parametrize("batch", [8, 5])
+def test_a_mesh_is_loaded_once_for_a_group_of_views(workers: int, batch: int) -> None:
+    meshes, views, row = 1000, 40, LANES * batch  # three groups of a mesh; caches hold a row
+    count = loads(order_of_epoch(meshes, views, 0, 0, batch), batch, workers, room=row)
+    # The last groups of an epoch need not fill a row; their batches then come to all workers.
+    assert count <= meshes * 3 + row * (workers - 1)
+    shuffled = [Ticket(int(i) // views, int(i) % views) for i in np.random.default_rng(0).permutation(40_000)]
+    assert loads(shuffled, batch, workers, room=row) > 5 * count
+
+
+def test_other_numbers_of_workers_cost_loads_but_no_more_than_that() -> None:
+    order = list(order_of_epoch(1000, 32, 0, 0, batch_size=8))
+    assert loads(order, 8, 5, room=LANES * 8) <= 1000 * 2 * 5
+
+
+def test_meshes_are_spread_over_an_epoch_of_many_windows() -> None:
+    size = 2000
+    order = [ticket.mesh for ticket in order_of_epoch(40, 1000, 0, 0, batch_size=4)]
+    for start in range(0, len(order), size):
+        counts = Counter(order[start : start + size])
+        assert len(counts) >= 25  # of 40 meshes; a window holds 96 groups
+        assert max(counts.values()) < size / 5
+
+
+@pytest.mark.parametrize("total", [1, 2, 5, 7, 100])
+@pytest.mark.parametrize("count", [1, 2, 4, 6])
+def test_spread_is_even_and_within(total: int, count: int) -> None:
+    chosen = spread(total, count)
+    assert len(chosen) == len(set(chosen)) == min(total, count)
+    assert chosen[0] == 0
+    if count > 1:
+        assert chosen[-1] == total - 1
+    steps = np.diff(chosen)
+    assert not len(steps) or steps.max() - steps.min() <= 1
