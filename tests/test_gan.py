@@ -427,6 +427,18 @@ def test_what_no_file_can_say_is_left_to_python(tmp_path: Path) -> None:
         checkpoint.training_settings()
 
 
+def test_what_lightning_drops_from_the_settings_is_in_the_checkpoint(tmp_path: Path) -> None:
+    """A run drops what cannot be pickled; going on with RMSprop's default ended in Adam's KeyError."""
+    run = trainer(tmp_path, limit_train_batches=1, limit_val_batches=0)
+    run.fit(make(generator_optimizer=lambda parameters: Adam(parameters, lr=1e-3)), loader())
+    run.save_checkpoint(tmp_path / "trained.ckpt")
+    checkpoint = read_checkpoint(tmp_path / "trained.ckpt")
+    with pytest.raises(
+        InputError, match=r"its generator_optimizer, 'test_gan\..*, was made in Python of more"
+    ):
+        checkpoint.training_settings()
+
+
 def test_losses_are_read_while_backward_is_at_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A GPU that is asked for a value before it is given more work stands still."""
     gan = make()

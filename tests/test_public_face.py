@@ -19,7 +19,7 @@ def test_the_public_names() -> None:
         *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Painter", "Pairs", "__version__"),
         *("hints", "load", "metrics", "models", "objectives"),
     ]
-    assert set(normalgan.__all__) <= set(dir(normalgan))
+    assert dir(normalgan) == sorted(normalgan.__all__)
     with pytest.raises(AttributeError, match="has no attribute 'lode'"):
         _ = normalgan.lode
 
@@ -71,3 +71,8 @@ def test_what_is_no_model_is_refused(
     (tmp_path / "text.onnx").write_text("no model")
     with pytest.raises(InputError, match=sentence):
         normalgan.load(name)
+
+
+def test_a_map_says_what_it_is_in_a_line() -> None:
+    found = normalgan.load()(GREY)
+    assert repr(found) == f"<NormalMap of 300 × 200 pixels, {found.mask.mean():.0%} of them the object>"

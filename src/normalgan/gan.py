@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable
+from inspect import signature
 from typing import Any, cast
 
 import torch
@@ -166,7 +167,7 @@ class NormalGAN(LightningModule):
 
         Of the objects that Python hands in they would write every weight as text: 8 MB for a million.
         """
-        settings = settings_to_save(self.hparams)
+        settings = settings_to_save(self._given())
         return AttributeDict({k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()})
 
     def setup(self, stage: str) -> None:
@@ -341,7 +342,15 @@ class NormalGAN(LightningModule):
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Name classes and settings in the checkpoint, so that it is read without running what lies in it."""
-        checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self.hparams)
+        checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self._given())
+
+    def _given(self) -> dict[str, Any]:
+        """Return all arguments of the model; Lightning drops from ``hparams`` what cannot be pickled.
+
+        Without an optimiser made by a lambda, say, a checkpoint would go on with the default one.
+        """
+        dropped = signature(NormalGAN).parameters.keys() - self.hparams.keys()
+        return {**{name: getattr(self, name) for name in dropped}, **self.hparams}
 
     def on_validation_start(self) -> None:
         """Average the statistics of batch norm over the processes, so that all measure the same network."""

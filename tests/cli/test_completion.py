@@ -31,8 +31,8 @@ def test_bash_completes_commands_settings_and_classes(tmp_path: Path) -> None:
     assert {"render", "generate", "studio", "benchmark"} <= offered <= set(COMMANDS)
     assert "--data.batch_size" in completed(script, "normalgan", "render", "--data.b")
     assert "--preview" in completed(script, "normalgan", "generate", "--prev")
-    known = " ".join(completed(script, "normalgan", "render", "--data.lines", ""))
-    assert "SuggestiveContours" in known
+    assert completed(script, "normalgan", "render", "--data.lines", "Sug") == ["SuggestiveContours"]
+    assert completed(script, "normalgan", "render", "--model.generator.help", "UN") == ["UNetGenerator"]
 
 
 def test_what_it_needs_and_what_it_knows_is_said(

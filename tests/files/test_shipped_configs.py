@@ -88,3 +88,11 @@ def test_a_command_takes_names_in_any_spelling_and_order(
     printed = capsys.readouterr().out
     assert "default_root_dir: runs/quickstart" in printed
     assert "batch_size: 3" in printed
+
+
+@pytest.mark.parametrize("plan", ["benchmark/embedded", "benchmark/users"])
+def test_a_plan_is_no_configuration_of_a_command(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """One has rows, the other the rows of another plan."""
+    assert main(["fit", "--config", plan]) == 2
+    said = capsys.readouterr().err
+    assert said.endswith(f"{plan}.yaml is a plan of a comparison; give it to normalgan benchmark --config.\n")

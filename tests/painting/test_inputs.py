@@ -64,6 +64,32 @@ def test_a_mask_in_any_form_is_the_file(sketch: Path, tmp_path: Path, mask: Any)
     assert_same(found, prepare_any(sketch, 64, mask=tmp_path / "mask.png"))
 
 
+@pytest.mark.parametrize("mode", ["L", "RGB", "RGBA", "I;16", "P", "1"])
+def test_what_is_reduced_to_be_worked_on_is_reduced_alike(tmp_path: Path, mode: str) -> None:
+    large = Image.fromarray(GREY).resize((2400, 1600), Image.Resampling.BICUBIC)
+    if mode == "RGBA":
+        large.putalpha(Image.fromarray(FILLED).resize(large.size))
+    image = Image.fromarray(np.asarray(large, np.uint16) * 257) if mode == "I;16" else large.convert(mode)
+    mask = Image.fromarray(FILLED).resize(large.size)
+    image.save(tmp_path / "large.png")
+    mask.save(tmp_path / "mask.png")
+    wanted = prepare_any(tmp_path / "large.png", 64, mask=tmp_path / "mask.png")
+    assert wanted.ink.shape == (1365, 2048)
+    assert_same(prepare_any(image, 64, mask=mask), wanted)
+    if mode not in {"P", "1"}:  # the first holds numbers of colours, and a drawing is no array of bool
+        assert_same(prepare_any(np.asarray(image), 64, mask=np.asarray(mask)), wanted)
+
+
+def test_premultiplied_greys_are_read(sketch: Path) -> None:
+    assert_same(prepare_any(Image.fromarray(GREY).convert("LA").convert("La"), 64), prepare_any(sketch, 64))
+
+
+def test_hints_may_have_the_numbers_of_numpy(sketch: Path) -> None:
+    listed = [{"x": 170, "y": 90, "normal": [0.6, 0.0, 0.8]}]
+    computed = [{"x": np.int64(170), "y": np.float32(90), "normal": np.array([0.6, 0.0, 0.8])}]
+    assert_same(prepare_any(sketch, 64, computed), prepare_any(sketch, 64, listed))
+
+
 def test_hints_in_any_form_are_the_file(sketch: Path, tmp_path: Path) -> None:
     listed = [{"x": 170, "y": 90, "normal": [0.6, 0.0, 0.8]}]
     (tmp_path / "hints.json").write_text(json.dumps(listed))
@@ -118,6 +144,21 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
         r'^hint 1 of the list is {"x": 1}; a hint has x, y',
     ),
     "no hints": ({"hints": 3}, r"^the hints are of the type int; give a path, a list or an array\.$"),
+    "half hints": (
+        {"hints": np.full((*GREY.shape, 4), [0, 0.6, 0.8, 0.3])},
+        r"^the hints have 0\.3 at x 0, y 0 as their fourth value; it is 1 where there is a hint, and 0 els",
+    ),
+    "hints of objects": (
+        {"hints": [{"x": 1, "y": 2, "normal": {1, 2}}]},
+        r"^hint 1 of the list is .*; a hint has x, y",
+    ),
+    "a mask of ones": (
+        {"mask": FILLED.astype(np.uint8)},
+        r"^the mask is an array of uint8 whose largest value is 1; white is 255, or 1 in an array of floats",
+    ),
+    "a mask of layers": ({"mask": FILLED[..., None]}, r"^the mask has the shape \(200, 300, 1\); an array"),
+    "a size in words": ({"size": "100"}, r"^size is '100'; it is a whole number of pixels, or None\.$"),
+    "half a pixel": ({"size": 100.5}, r"^size is 100\.5; it is a whole number of pixels, or None\.$"),
     "too large": ({"size": 9000}, r"^size is 9000; a map has 8 to 8192 pixels a side\.$"),
 }
 

@@ -1,3 +1,5 @@
+from typing import Any
+
 import pytest
 import torch
 from broken_samplers import FAULTS, Right
@@ -15,6 +17,12 @@ def test_a_fault_is_told_in_one_sentence(cls: type[HintSampler], sentence: str) 
     assert "\n" not in said
     assert said.endswith(".")
     assert len(said) < 300
+
+
+def test_a_class_in_place_of_its_object_is_told() -> None:
+    given: Any = Right
+    with pytest.raises(ConformanceError, match=r"^Right is a class; give an object of it, Right\(…\)\.$"):
+        check_hint_sampler(given)
 
 
 def test_what_does_as_asked_passes() -> None:

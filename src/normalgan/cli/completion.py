@@ -1,5 +1,6 @@
 """normalgan completion: a script by which a shell completes commands, settings and the names of classes."""
 
+import re
 from collections.abc import Sequence
 from importlib import import_module
 from importlib.util import find_spec
@@ -50,7 +51,9 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     """
     if find_spec("shtab") is None:
         raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
-    from normalgan.cli.training import training_parser  # late: lightning takes seconds to import
+    # Late: lightning takes seconds to import.
+    from normalgan.cli.training import training_parser
+    from normalgan.plugins import REGISTRIES
 
     whole = ArgumentParser(prog="normalgan")
     commands = whole.add_subcommands()
@@ -60,4 +63,6 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
         if module != __name__:
             commands.add_subcommand(name, import_module(module).build_parser())
     script: str = whole.get_completion_script(f"shtab-{shell}")
-    return script
+    # jsonargparse offers classes by where they lie; whoever types begins with their names.
+    names = "|".join(name for registry in REGISTRIES.values() for name in registry.names())
+    return re.sub(rf"\b(?:\w+\.)+({names})\b", r"\1", script)

@@ -48,6 +48,8 @@ class ConfigCheck:
             raise InputError(
                 f"the configuration {path} holds no settings; it must be like {{data: {{size: 64}}}}."
             )
+        if self.sections and not {"rows", "base"}.isdisjoint(content):
+            raise InputError(f"{path} is a plan of a comparison; give it to normalgan benchmark --config.")
         for section in self.sections:
             if section in content and not isinstance(content[section], (dict, str)):
                 is_now = "is empty" if content[section] is None else f"is {content[section]!r}"

@@ -74,7 +74,8 @@ def _as_text(
         lines += [""]
     lines += ["left out:" if left_out else "Nothing was left out."]
     for left in left_out:
-        lines += [f"  {left.entry}  ({left.value}, {left.package or 'package unknown'}): {left.reason}."]
+        end = "" if left.reason.endswith("?") else "."
+        lines += [f"  {left.entry}  ({left.value}, {left.package or 'package unknown'}): {left.reason}{end}"]
     return "\n".join(lines)
 
 

@@ -49,6 +49,8 @@ __all__ = [
     "limit_time",
     "loses_levels",
     "main",
+    "plain",
+    "reduced",
     "send",
     "send_frames",
     "send_layers",
@@ -284,7 +286,7 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
                         f"has a frame {number + 1} that reaches beyond its {size[0]} × {size[1]} pixels"
                     )
                 image.load()
-                shown = _plain(image.copy())
+                shown = plain(image.copy())
                 milliseconds = min(max(int(image.info.get("duration", 0)), 0), 2**31)
                 send(shown, shown.size, replies)
                 _write(replies, DURATION.pack(milliseconds))
@@ -412,9 +414,9 @@ def decode(
                 upright = ImageOps.exif_transpose(image)
             del image
         del content
-        upright, full = _plain(upright), upright.size
+        upright, full = plain(upright), upright.size
         if longest and max(full) > longest:
-            upright = _reduced(upright, longest)
+            upright = reduced(upright, longest)
         return _grey(upright) if grey else upright, full
     except (RefusedError, MemoryError):
         raise
@@ -494,7 +496,7 @@ def _check_sides(width: int, height: int, least: int, most: int) -> None:
         raise RefusedError(f"is {width} × {height} pixels; a drawing has {least} to {most} a side")
 
 
-def _plain(image: "Image") -> "Image":
+def plain(image: "Image") -> "Image":
     """Return an image of any mode in one of `MODES`."""
     if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
         if image.mode == "La":
@@ -507,7 +509,7 @@ def _plain(image: "Image") -> "Image":
     return image.convert("RGB")
 
 
-def _reduced(image: "Image", longest: int) -> "Image":
+def reduced(image: "Image", longest: int) -> "Image":
     """Return an image with each pixel the mean of those it takes the place of."""
     from PIL import Image
 

@@ -1,6 +1,6 @@
 """Inputs: a drawing, its mask and its hints as files, arrays or images of Pillow, each checked first."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps
 
-from normalgan.decoding import Decoded, Pixels
+from normalgan.decoding import Decoded
+from normalgan.decoding.worker import plain, reduced
 from normalgan.errors import InputError, brief
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.normals import LEAST_Z, Floats, normalize
@@ -18,7 +19,7 @@ from normalgan.painting.mask.masks import load_mask, mask_of
 from normalgan.painting.preparation import Mark, Prepared, prepare
 from normalgan.painting.reading.drawings import LARGEST, SMALLEST
 from normalgan.painting.reading.hint_files import Hints, load_hints, parse_hints
-from normalgan.painting.reading.picture import Picture, read_picture, to_picture
+from normalgan.painting.reading.picture import MOST_WORKED, Picture, read_picture, to_picture
 
 __all__ = [
     "AnyHints",
@@ -37,6 +38,7 @@ AnyPicture = str | Path | Image.Image | NDArray[Any] | Picture
 AnyMask = str | Path | Image.Image | NDArray[Any] | None
 AnyHints = str | Path | Sequence[dict[str, Any]] | NDArray[Any] | Hints | None
 
+_MASK = "the mask"
 _WANTED = "give a path, an array or an image of Pillow"
 
 
@@ -103,12 +105,21 @@ def check_any(image: AnyPicture, hints: AnyHints, mask: AnyMask, size: int | Non
 
 def check_size(size: int | None) -> None:
     """Raise `InputError` if a map cannot have this longer side."""
-    if size is not None and not SMALLEST <= size <= LARGEST:
+    if size is None:
+        return
+    if not isinstance(size, int | np.integer) or isinstance(size, bool):
+        raise InputError(f"size is {size!r}; it is a whole number of pixels, or None.")
+    if not SMALLEST <= size <= LARGEST:
         raise InputError(f"size is {size}; a map has {SMALLEST} to {LARGEST} pixels a side.")
 
 
-def as_picture(image: AnyPicture, svg_side: int | None = None) -> Picture:
+def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the image") -> Picture:
     """Return a drawing in any form as a picture.
+
+    Args:
+        image: a path, an image of Pillow, an array, or a picture.
+        svg_side: longer side in pixels that an SVG is drawn with.
+        name: what to call an image or an array in an error.
 
     Raises:
         InputError: if it cannot be used.
@@ -119,21 +130,15 @@ def as_picture(image: AnyPicture, svg_side: int | None = None) -> Picture:
         case str() | Path():
             return read_picture(Path(image), None, svg_side)
         case Image.Image():
-            _check_sides("the image", image.height, image.width)
+            _check_sides(name, image.height, image.width)
             try:
-                pixels = _decoded(ImageOps.exif_transpose(image))
+                return _decoded(ImageOps.exif_transpose(image))
             except (OSError, SyntaxError) as error:  # Pillow reads the pixels when they are asked for
-                raise InputError(f"the image cannot be read: {brief(error)}.") from None
-            return to_picture(Decoded(pixels, (pixels.shape[0], pixels.shape[1])))
+                raise InputError(f"{name} cannot be read: {brief(error)}.") from None
         case np.ndarray():
-            levels = _levels("the image", image)
-            if levels.ndim == 2:
-                levels = np.repeat(levels[..., None], 3, axis=-1)
-            alpha = levels[..., 3] if levels.shape[2] == 4 else None
-            opaque = alpha is None or bool(alpha.min() == 1)
-            return Picture(np.ascontiguousarray(levels[..., :3]), None if opaque else alpha)
+            return _of_array(image, name)
         case _:
-            raise InputError(f"the image is of the type {type(image).__name__}; {_WANTED}.")
+            raise InputError(f"{name} is of the type {type(image).__name__}; {_WANTED}.")
 
 
 def as_mask(mask: AnyMask, shape: tuple[int, int]) -> Mark | None:
@@ -148,11 +153,11 @@ def as_mask(mask: AnyMask, shape: tuple[int, int]) -> Mark | None:
         case str() | Path():
             return load_mask(Path(mask), shape)
         case np.ndarray() if mask.dtype == np.bool_:
-            return mask_of(as_picture(mask.astype(np.uint8) * np.uint8(255)), shape)
+            return mask_of(as_picture(mask.astype(np.uint8) * np.uint8(255), name=_MASK), shape)
         case Image.Image() | np.ndarray():
-            return mask_of(as_picture(mask), shape)
+            return mask_of(as_picture(mask, name=_MASK), shape)
         case _:
-            raise InputError(f"the mask is of the type {type(mask).__name__}; {_WANTED}.")
+            raise InputError(f"{_MASK} is of the type {type(mask).__name__}; {_WANTED}.")
 
 
 def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
@@ -169,12 +174,21 @@ def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
         case np.ndarray():
             found = _hints_in(hints, shape)
         case list() | tuple():
-            found = parse_hints(list(hints), "the list", shape)
+            found = parse_hints([_plain_hint(each) for each in hints], "the list", shape)
         case _:
             raise InputError(
                 f"the hints are of the type {type(hints).__name__}; give a path, a list or an array."
             )
     return found if found is not None and len(found.points) else None
+
+
+def _plain_hint(given: Any) -> Any:
+    """Return a hint with the numbers of Python in place of NumPy's, in which people compute."""
+    if isinstance(given, Mapping):
+        return {key: _plain_hint(value) for key, value in given.items()}
+    if isinstance(given, np.ndarray | np.generic):
+        return given.tolist()
+    return [_plain_hint(value) for value in given] if isinstance(given, list | tuple) else given
 
 
 def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
@@ -184,7 +198,14 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
             f"the hints are an array of {array.dtype} with the shape {array.shape}; for this drawing they "
             f"are floats with the shape {(*shape, 4)}: x, y, z of the normal, and 1 where there is a hint."
         )
-    rows, columns = np.nonzero(array[..., 3] > 0.5)
+    odd = np.argwhere((array[..., 3] != 0) & (array[..., 3] != 1))
+    if len(odd):
+        row, column = odd[0]
+        raise InputError(
+            f"the hints have {array[row, column, 3]:.3g} at x {column}, y {row} as their fourth value; it is "
+            "1 where there is a hint, and 0 elsewhere."
+        )
+    rows, columns = np.nonzero(array[..., 3])
     normals = array[rows, columns, :3].astype(np.float32)
     length = np.linalg.norm(normals, axis=1)
     wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is no number is wrong
@@ -205,21 +226,38 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
     return Hints(points, normalize(normals))
 
 
-def _decoded(image: Image.Image) -> Pixels:
-    """Return the pixels of an image of Pillow as those of a file are decoded."""
-    if image.mode.startswith("I") or image.mode == "F":
-        return np.asarray(image)
-    clear = image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info
-    return np.asarray(image.convert("RGBA" if clear else "RGB"))
+def _decoded(image: Image.Image) -> Picture:
+    """Return an image as one that is read from a file: of its mode and, where it is large, reduced alike."""
+    full = (image.height, image.width)
+    image = plain(image)
+    if max(full) > MOST_WORKED:
+        image = reduced(image, MOST_WORKED)
+    return to_picture(Decoded(np.asarray(image), full))
 
 
-def _levels(name: str, array: NDArray[Any]) -> Floats:
-    """Return the values of an array of pixels, in [0, 1]."""
+def _of_array(array: NDArray[Any], name: str) -> Picture:
+    """Return an array of pixels as a picture."""
     if array.ndim not in {2, 3} or (array.ndim == 3 and array.shape[2] not in {3, 4}):
         raise InputError(
             f"{name} has the shape {array.shape}; an array has (H, W), (H, W, 3) or (H, W, 4), rows first."
         )
     _check_sides(name, *array.shape[:2])
+    if array.dtype == np.uint8 and array.max() == 1:
+        raise InputError(
+            f"{name} is an array of uint8 whose largest value is 1; white is 255, or 1 in an array of floats."
+        )
+    if array.dtype == np.uint8 or (array.dtype == np.uint16 and array.ndim == 2):  # as Pillow has them
+        return _decoded(Image.fromarray(np.ascontiguousarray(array)))
+    levels = _levels(name, array)
+    if levels.ndim == 2:
+        levels = np.repeat(levels[..., None], 3, axis=-1)
+    alpha = levels[..., 3] if levels.shape[2] == 4 else None
+    opaque = alpha is None or bool(alpha.min() == 1)
+    return Picture(np.ascontiguousarray(levels[..., :3]), None if opaque else alpha)
+
+
+def _levels(name: str, array: NDArray[Any]) -> Floats:
+    """Return the values of an array of pixels, in [0, 1]."""
     if array.dtype in {np.dtype(np.uint8), np.dtype(np.uint16)}:
         return np.asarray(array / np.float32(np.iinfo(array.dtype).max), np.float32)
     if not np.issubdtype(array.dtype, np.floating):

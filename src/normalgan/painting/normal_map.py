@@ -35,7 +35,7 @@ _FLAT = np.array([[[0, 0, 1]]], np.float32)
 _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class NormalMap:
     """A normal map and what came with it; axes are x right, y up, z to the viewer.
 
@@ -60,6 +60,11 @@ class NormalMap:
     warning: str
     tile: Tile | None = None
     cells: tuple[Cell, ...] = ()
+
+    def __repr__(self) -> str:
+        height, width = self.mask.shape
+        said = f", warning={self.warning!r}" if self.warning else ""
+        return f"<NormalMap of {width} × {height} pixels, {self.mask.mean():.0%} of them the object{said}>"
 
     @cached_property
     def normal(self) -> Floats:

@@ -52,6 +52,10 @@ class Check(Generic[T]):
         Raises:
             ConformanceError: if the plug-in does something else, or raises anything.
         """
+        if isinstance(plugin, type):
+            raise ConformanceError(
+                f"{plugin.__name__} is a class; give an object of it, {plugin.__name__}(…)."
+            )
         try:
             self.ask(plugin)
         except ConformanceError:

@@ -266,8 +266,8 @@ def _configuration(name: str, value: Any) -> Any:
     cls = find_imported(part.name, base)
     if cls is None:
         raise InputError(
-            f"its {name} is {part.name[:60]}; a checkpoint may name a class of torch.optim, or a "
-            f"{base.__name__} that the configuration names too."
+            f"its {name} is {part.name[:60]}; a checkpoint may name a class of torch.optim, or "
+            f"another {base.__name__} that the configuration names too."
         )
     return _as_named(
         value, {"class_path": f"{cls.__module__}.{cls.__qualname__}", "init_args": dict(part.settings)}

@@ -184,6 +184,12 @@ def remove_all(folder: Path) -> None:
         path.unlink()
 
 
+def put_in_folders(folder: Path) -> None:
+    for path in list(folder.glob("*.png")):
+        (folder / path.name[:2]).mkdir(exist_ok=True)
+        path.rename(folder / path.name[:2] / path.name)
+
+
 def add_twin(folder: Path) -> None:
     Image.open(folder / "a1.png").save(folder / "a1.bmp")
 
@@ -194,6 +200,10 @@ def add_twin(folder: Path) -> None:
         (remove_normal, r"a1\.png has no normal map; a pair is a\.png with a_normal\.png beside it"),
         (remove_sketch, r"a1_normal\.png has no sketch; a pair is"),
         (remove_all, r"an empty folder is at .*; a pair is"),
+        (
+            put_in_folders,
+            r"no sketch is at (.*); a pair .*; those in folders below it are .* '\1/\*\*/\*\.png'\.$",
+        ),
         (add_twin, r"two pairs are named a1: .*a1\.bmp and .*a1\.png; rename one"),
     ],
 )
@@ -207,7 +217,10 @@ def test_a_folder_that_cannot_be_used(tmp_path: Path, spoil: Callable[[Path], No
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("sketch,normals\na0.png,a0_normal.png", "has a column 'normals'.* Did you mean normal?"),
+        (
+            "sketch,normals\na0.png,a0_normal.png",
+            r"has a column 'normals', which means nothing here\. Did you mean normal\? Its first line names",
+        ),
         (
             "sketch,mask\na0.png,a0.png",
             "has no column 'normal'; its first line names columns, sketch, normal",
@@ -239,11 +252,21 @@ def test_a_csv_that_cannot_be_used(tmp_path: Path, text: str, sentence: str) -> 
     [
         ({"green": "left"}, "green='left'; it is up"),
         ({"group_by": "name"}, "group_by='name'; give file or folder"),
+        ({"files": 3}, r"files=3; name a folder, a glob of sketches, a CSV, or a list of these\.$"),
+        ({"files": ["pairs", None]}, r"files=\['pairs', None\]; name a folder, a glob of sketches"),
     ],
 )
-def test_settings_are_checked(given: dict[str, str], sentence: str) -> None:
+def test_settings_are_checked(given: dict[str, Any], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        Pairs("pairs", **given)  # type: ignore[arg-type]
+        Pairs(**{"files": "pairs", **given})
+
+
+def test_paths_of_pathlib_are_paths(tmp_path: Path) -> None:
+    write_pairs(tmp_path, 2)
+    named = Pairs(str(tmp_path))
+    path: Any = tmp_path
+    assert Pairs(path) == named == Pairs(files=path)
+    assert Pairs([path]).found() == named.found()
 
 
 def test_data_tell_whether_they_are_pairs() -> None:

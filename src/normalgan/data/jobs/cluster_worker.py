@@ -69,17 +69,17 @@ def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
         threads: how many threads each of the workers in question has, by address.
     """
     # `eval`, because a worker without normalgan cannot be handed a function of it.
-    answers = client.run(eval, _ASK, workers=list(threads), on_error="return") if threads else {}
+    responses = client.run(eval, _ASK, workers=list(threads), on_error="return") if threads else {}
     found = {}
-    for address, answer in answers.items():
-        if isinstance(answer, OSError):
+    for address, response in responses.items():
+        if isinstance(response, OSError):
             continue  # gone already
-        if isinstance(answer, ImportError):
+        if isinstance(response, ImportError):
             found[address] = "no normalgan, or an older one"
-        elif isinstance(answer, Exception):
-            found[address] = f"a fault ({brief(answer)})"
+        elif isinstance(response, Exception):
+            found[address] = f"a fault ({brief(response)})"
         elif threads[address] != 1:
             found[address] = f"{threads[address]} threads, not 1: a renderer belongs to one (--nthreads 1)"
-        elif other := difference(answer, versions()):
+        elif other := difference(response, versions()):
             found[address] = other
     return found

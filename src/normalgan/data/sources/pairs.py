@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from glob import glob
 from os.path import commonpath
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Literal, get_args
 
 import numpy as np
@@ -115,7 +115,7 @@ class Pairs(PairSource):
         InputError: if a setting is none of these.
     """
 
-    files: str | list[str]
+    files: str | list[str]  # or paths of pathlib, from Python
     green: Green = "up"
     hints: bool = False
     group_by: Literal["file", "folder"] = "file"
@@ -125,6 +125,7 @@ class Pairs(PairSource):
             raise InputError(f"Pairs was given green={self.green!r}; it is up (OpenGL) or down (DirectX).")
         if self.group_by not in {"file", "folder"}:
             raise InputError(f"Pairs was given group_by={self.group_by!r}; give file or folder.")
+        object.__setattr__(self, "files", _as_texts(self.files))
 
     def split(self, settings: SplitSettings) -> Mapping[str, Sequence[PairFiles]]:
         """Return the pairs of each split: as a CSV says, or dealt out by file or by group.
@@ -179,6 +180,17 @@ class Pairs(PairSource):
         return replace(pair, green=self.green, group=group, hints=pair.hints if self.hints else None)
 
 
+def _as_texts(files: object) -> str | list[str]:
+    """Return paths, of which Python may give those of pathlib, as a configuration names them."""
+    if isinstance(files, str | PurePath):
+        return str(files)
+    if isinstance(files, list | tuple) and all(isinstance(each, str | PurePath) for each in files):
+        return [str(each) for each in files]
+    raise InputError(
+        f"Pairs was given files={files!r}; name a folder, a glob of sketches, a CSV, or a list of these."
+    )
+
+
 def _found_at(entry: str) -> Iterator[PairFiles]:
     """Yield the pairs at a folder, a file or a glob."""
     path = Path(entry)
@@ -204,7 +216,9 @@ def _found_at(entry: str) -> Iterator[PairFiles]:
         root = Path(commonpath([each.parent for each in sketches])) if sketches else Path()
     if not sketches:
         kind = "an empty folder" if path.is_dir() and not any(path.iterdir()) else "no sketch"
-        raise InputError(f"{kind} is at {entry}; {_RIGHT}.")
+        below = path.is_dir() and any(each.suffix.lower() in SUFFIXES for each in path.glob("*/*"))
+        more = f"; those in folders below it are named by a glob, '{entry}/**/*.png'" if below else ""
+        raise InputError(f"{kind} is at {entry}; {_RIGHT}{more}.")
     for sketch in sketches:
         normal = _partner(sketch, "normal")
         if normal is None:
@@ -269,8 +283,8 @@ def _listed(path: Path) -> Iterator[PairFiles]:
         raise InputError(f"{path} is no CSV ({error}); {right}.") from None
     if unknown := [column for column in columns if column not in COLUMNS]:
         raise InputError(
-            f"{path} has a column {unknown[0]!r}, which means nothing here;"
-            f"{did_you_mean(unknown[0], COLUMNS)} {right}."
+            f"{path} has a column {unknown[0]!r}, which means nothing here."
+            f"{did_you_mean(unknown[0], COLUMNS)} {right[0].upper()}{right[1:]}."
         )
     if missing := [column for column in COLUMNS[:2] if column not in columns]:
         raise InputError(f"{path} has no column {missing[0]!r}; {right}.")

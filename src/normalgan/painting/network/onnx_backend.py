@@ -85,7 +85,7 @@ class OnnxBackend:
             raise InputError(f"the model {path} cannot be read: {error.strerror}.") from None
         except Exception as error:  # ONNX Runtime's own classes of errors have no common base
             raise InputError(
-                f"{path} is no model that ONNX Runtime can run: {brief(error)[:200]}."
+                f"{path} is no model that ONNX Runtime can run: {brief(error)[:200].rstrip('.')}."
             ) from error
         self._path = path
         side = (inputs.get("sketch") or [None])[-1]

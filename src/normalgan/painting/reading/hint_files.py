@@ -71,7 +71,7 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
                 pass
             case _:
                 raise InputError(
-                    f"hint {number} of {path} is {json.dumps(entry)[:80]}; a hint has x, y "
+                    f"hint {number} of {path} is {json.dumps(entry, default=repr)[:80]}; a hint has x, y "
                     "and a normal of three numbers."
                 )
         if not (0 <= x < shape[1] and 0 <= y < shape[0]):

@@ -30,13 +30,13 @@ def read_atlas(path: Path, shape: tuple[int, int], sheet: Path) -> list[Cell]:
         InputError: if it cannot be read, or disagrees with the sheet.
     """
     try:
-        told = json.loads(read_bounded(path, MOST_BYTES))
+        content = json.loads(read_bounded(path, MOST_BYTES))
     except OSError as error:
         raise InputError(f"the atlas {path} cannot be read: {error.strerror}.") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"the atlas {path} is no JSON: {brief(error)}.") from None
-    told, size = _texture(told, sheet, path)
-    frames = list(_frames(told))
+    content, size = _texture(content, sheet, path)
+    frames = list(_frames(content))
     if not 0 < len(frames) <= MOST_CELLS:
         raise InputError(
             f"the atlas {path} lists {len(frames)} sprites; the JSON of TexturePacker or Aseprite lists 1 to "
@@ -60,32 +60,34 @@ def read_atlas(path: Path, shape: tuple[int, int], sheet: Path) -> list[Cell]:
     return list(cells.values())
 
 
-def _texture(told: Any, sheet: Path, path: Path) -> tuple[Any, tuple[int, int] | None]:
+def _texture(content: Any, sheet: Path, path: Path) -> tuple[Any, tuple[int, int] | None]:
     """Return what lists the sprites of a sheet, and (width, height) of the sheet as it says."""
-    if isinstance(told, dict) and isinstance(told.get("textures"), list):
+    if isinstance(content, dict) and isinstance(content.get("textures"), list):
         textures = {
-            Path(str(each.get("image", ""))).name: each for each in told["textures"] if isinstance(each, dict)
+            Path(str(each.get("image", ""))).name: each
+            for each in content["textures"]
+            if isinstance(each, dict)
         }
         if len(textures) > 1 and sheet.name not in textures:
             raise InputError(
                 f"the atlas {path} has the sprites of {', '.join(textures)}; none of these is {sheet.name}."
             )
-        told = textures.get(sheet.name) or next(iter(textures.values()), {})
-        return told, _size(told.get("size"))
-    meta = told.get("meta") if isinstance(told, dict) else None
-    return told, _size(meta.get("size") if isinstance(meta, dict) else None)
+        content = textures.get(sheet.name) or next(iter(textures.values()), {})
+        return content, _size(content.get("size"))
+    meta = content.get("meta") if isinstance(content, dict) else None
+    return content, _size(meta.get("size") if isinstance(meta, dict) else None)
 
 
-def _size(told: Any) -> tuple[int, int] | None:
-    match told:
+def _size(content: Any) -> tuple[int, int] | None:
+    match content:
         case {"w": int(width), "h": int(height)}:
             return width, height
         case _:
             return None
 
 
-def _frames(told: Any) -> Iterator[tuple[str, Any]]:
-    frames = told.get("frames") if isinstance(told, dict) else None
+def _frames(content: Any) -> Iterator[tuple[str, Any]]:
+    frames = content.get("frames") if isinstance(content, dict) else None
     if isinstance(frames, dict):
         yield from frames.items()
     elif isinstance(frames, list):
