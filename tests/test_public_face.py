@@ -73,6 +73,13 @@ def test_what_is_no_model_is_refused(
         normalgan.load(name)
 
 
+def test_a_size_that_a_model_has_not_is_refused() -> None:
+    assert normalgan.load("shipped", size=256).size == 256
+    said = "^shipped paints pictures of 256 pixels, not 64; leave size out: drawings of any size are shown"
+    with pytest.raises(InputError, match=said):
+        normalgan.load("shipped", size=64)
+
+
 def test_a_map_says_what_it_is_in_a_line() -> None:
     found = normalgan.load()(GREY)
     assert repr(found) == f"<NormalMap of 300 × 200 pixels, {found.mask.mean():.0%} of them the object>"
