@@ -176,6 +176,36 @@ def test_a_picture_is_imported_to_draw_on_or_to_trace(
         assert studio.page.locator("#empty-result").is_visible()
 
 
+def test_two_pictures_that_come_together_are_asked_about_one_after_the_other(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    for name in ("first", "second"):
+        (tmp_path / f"{name}.svg").write_text(SVG, encoding="utf-8")
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        page.evaluate(
+            """() => {
+              const [ask, held] = [window.fetch, []];
+              window.fetch = async (path, options) => {
+                const answer = await ask(path, options);
+                if (path === "/api/import") {
+                  await new Promise((go) => {
+                    if (held.push(go) === 2) for (const each of held) each();
+                  });
+                }
+                return answer;
+              };
+            }"""
+        )
+        page.set_input_files("#import-file", files=tmp_path / "first.svg")
+        page.set_input_files("#import-file", files=tmp_path / "second.svg")
+        with studio.saying("Imported"):
+            page.locator("#choose button[value=traced]").click()
+        with studio.saying("Imported"), studio.repainting():
+            page.locator("#choose button[value=drawing]").click()
+        assert page.locator("#picture-list li").count() == 1
+
+
 def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", server: Server) -> None:
     context = opened.new_context(viewport={"width": 1200, "height": 700})
     try:
