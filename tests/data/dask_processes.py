@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from distributed import Client
 from toys import BallRenderer, Octahedron, recipe
 
 from normalgan.data.render import render_samples
@@ -55,6 +56,13 @@ class DaskCluster:
         keeper = "--nanny" if nanny else "--no-nanny"
         options = ("--nthreads", str(threads), "--no-dashboard", "--local-directory", str(self.folder))
         return self._start("worker", "--scheduler-file", self.address, keeper, *options, *more)
+
+    def kill_last_worker(self, process: subprocess.Popen[bytes]) -> None:
+        """Kill the only worker, and wait until the scheduler knows: until then it names it to others."""
+        process.kill()
+        client: Any = Client(scheduler_file=self.address, set_as_default=False)  # type: ignore[no-untyped-call]
+        with client:
+            wait_for(lambda: not client.scheduler_info(n_workers=-1)["workers"])
 
     def _start(self, *arguments: str) -> subprocess.Popen[bytes]:
         paths = os.pathsep.join([str(HERE), str(HERE / "jobs"), os.environ.get("PYTHONPATH", "")])

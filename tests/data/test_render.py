@@ -150,17 +150,19 @@ def test_a_manifest_of_an_older_version_is_believed(folder: Path, tmp_path: Path
 def test_a_killed_run_is_taken_up_and_leaves_no_workers_behind(tmp_path: Path) -> None:
     code = (
         "import sys; from pathlib import Path; from test_render import render\n"
-        "if __name__ == '__main__': render(Path(sys.argv[1]), workers=1, seconds=0.01)"
+        "if __name__ == '__main__':\n"
+        "    render(Path(sys.argv[1]), workers=1, waits_at='c', until=sys.argv[2])"
     )
+    go = tmp_path / "go"
     (tmp_path / "main.py").write_text(code)
     cache = tmp_path / "cache"
     paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
     process = subprocess.Popen(
-        [sys.executable, str(tmp_path / "main.py"), str(cache)],
+        [sys.executable, str(tmp_path / "main.py"), str(cache), str(go)],
         env={**os.environ, "PYTHONPATH": paths},
         start_new_session=True,
     )
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not list(cache.glob("*/done/*/*.json")) and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.01)
     process.kill()
@@ -170,8 +172,9 @@ def test_a_killed_run_is_taken_up_and_leaves_no_workers_behind(tmp_path: Path) -
     assert not _alive(process.pid)
     finished = len(list(cache.glob("*/done/*/*.json")))
     assert 0 < finished < 3
-    whole = render(tmp_path / "whole", seconds=0.01)
-    assert contents(render(cache, seconds=0.01)) == contents(whole)
+    go.touch()
+    whole = render(tmp_path / "whole", waits_at="c", until=str(go))
+    assert contents(render(cache, waits_at="c", until=str(go))) == contents(whole)
 
 
 def _alive(session: int) -> bool:

@@ -42,16 +42,25 @@ class Octahedron:
 
 @dataclass(frozen=True)
 class BallRenderer(Renderer):
-    """Draws a ball whose place in the frame depends on mesh and camera; ``dies_at`` names a deadly mesh."""
+    """Draws a ball whose place in the frame depends on mesh and camera.
+
+    Args:
+        radius: of the ball.
+        dies_at: a deadly mesh.
+        waits_at: a mesh that is not rendered until the file ``until`` is there.
+        until: that file.
+    """
 
     radius: float = 0.5
     dies_at: str = ""
-    seconds: float = 0.0
+    waits_at: str = ""
+    until: str = ""
 
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
         if mesh.name == self.dies_at:
             os.kill(os.getpid(), signal.SIGKILL)
-        time.sleep(self.seconds)
+        while mesh.name == self.waits_at and not Path(self.until).exists():
+            time.sleep(0.01)
         steps = (np.arange(size) + 0.5) / size * 2 - 1
         x0, y0 = 0.3 * camera.rotation[:2, 0] * mesh.vertices[1, 1]
         x, y = np.meshgrid(steps - x0, -steps - y0)

@@ -8,10 +8,10 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -28,6 +28,16 @@ SIDE = 256
 RADIUS = 80
 AWAY = r"ERR_(CONNECTION_REFUSED|CONNECTION_RESET|SOCKET_NOT_CONNECTED|EMPTY_RESPONSE|INCOMPLETE_CHUNKED)"
 """What Chromium says of a server that is away, whatever the page does about it."""
+
+STORED = """() => new Promise((resolve) => {
+  indexedDB.open("normalgan-studio").onsuccess = ({ target: { result: database } }) => {
+    database.transaction("unsaved").objectStore("unsaved").getAll().onsuccess = ({ target: { result } }) => {
+      database.close();
+      resolve(result);
+    };
+  };
+})"""
+"""What the browser's own store holds of unsaved work: a document and its history for each tab."""
 
 Point = tuple[float, float]
 
@@ -81,7 +91,7 @@ class Server:
 
     def wait(self) -> None:
         """Wait for its end."""
-        self._process.wait(20)
+        self._process.wait(60)
         assert self._process.stdout is not None
         self._process.stdout.close()
 
@@ -124,8 +134,26 @@ class Studio:
         self.page.locator("#new").click()
         self.page.locator("#new-width").fill(str(width))
         self.page.locator("#new-height").fill(str(height))
-        self.page.locator("#new-dialog button.strong").click()
+        with self.answering("new-dialog"):
+            self.page.locator("#new-dialog button.strong").click()
         self.size = width, height
+
+    @contextmanager
+    def answering(self, dialog: str) -> Iterator[None]:
+        """Wait, after what is done inside, until a dialog has closed and the page has gone on from there.
+
+        It is told so by an event, which comes after the click; what the mouse does next may overtake that.
+        """
+        self.page.evaluate(
+            """dialog => {
+              window.answered = new Promise((done) => {
+                document.getElementById(dialog).addEventListener("close", () => done(), { once: true });
+              });
+            }""",
+            dialog,
+        )
+        yield
+        self.page.evaluate("answered")
 
     def on_board(self, x: float, y: float) -> tuple[float, float]:
         """Return where a point of the drawing is on the screen."""
@@ -158,8 +186,15 @@ class Studio:
         self.line(*((x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles))
 
     @contextmanager
-    def repainting(self) -> Iterator[None]:
-        """Wait, after what is done inside, until a new map is on show and nothing is being painted."""
+    def repainting(self, *, begun: bool = False) -> Iterator[None]:
+        """Wait, after what is done inside, until a new map is on show and nothing is being painted.
+
+        Args:
+            begun: whether a gesture goes on, of which something may be painted; else what was asked for
+                before is on show first, lest its map be taken for the new one.
+        """
+        if not begun:
+            self.page.wait_for_function("() => document.getElementById('result').ariaBusy !== 'true'")
         before = self.painted()
         yield
         self.page.wait_for_function(
@@ -188,8 +223,32 @@ class Studio:
         self.page.mouse.move(middle[0] + x * radius, middle[1] - y * radius, steps=4)
         self.page.mouse.up()
 
+    def wait_for_frame(self) -> None:
+        """Wait until what was done is drawn: the page draws, and learns of new sizes, with its next frame."""
+        self.page.evaluate(
+            "new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(() => done())); })"
+        )
+
+    def save_as(self, name: str) -> None:
+        """Save a drawing that has no name yet as a project."""
+        with self.saying(f"Saved “{name}”."):
+            self.page.keyboard.press("Control+s")
+            self.page.locator("#name-field").fill(name)
+            self.page.keyboard.press("Enter")
+
+    def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> None:
+        """Wait until the browser's own store holds some unsaved work."""
+        end = time.monotonic() + 30
+        while True:  # `wait_for_function` takes a promise for true
+            kept = self.page.evaluate(STORED)
+            if any(map(wanted, kept)):
+                return
+            assert time.monotonic() < end, f"only this is kept: {kept}"
+            self.page.wait_for_timeout(20)
+
     def screen(self) -> NDArray[np.uint8]:
         """Return what the window shows."""
+        self.wait_for_frame()
         return np.asarray(Image.open(io.BytesIO(self.page.screenshot())).convert("RGB"))
 
     def shown(self, x: float, y: float) -> NDArray[np.float64]:
@@ -207,19 +266,15 @@ class Studio:
         self.page.mouse.move(2, 2)  # away with the nib
         return bool(self.screen()[round(row), round(column)].max() < 128)
 
-    def wait_for_ink(self, x: float, y: float) -> None:
-        """Wait for ink at a point: another drawing is on the screen with the frame after its map."""
-        end = time.monotonic() + 10
-        while not self.inked(x, y):
-            assert time.monotonic() < end, f"there is no ink at ({x}, {y})"
-            self.page.wait_for_timeout(50)
-
     def status(self) -> str:
         """Return what the status says."""
         return self.page.locator("#status").inner_text()
 
-    def wait_for_status(self, words: str) -> None:
-        """Wait until the status says something."""
+    @contextmanager
+    def saying(self, words: str) -> Iterator[None]:
+        """Wait, after what is done inside, until the status says something; what it said before is gone."""
+        self.page.evaluate("() => { document.getElementById('status').textContent = ''; }")
+        yield
         self.page.wait_for_function(
             "words => document.getElementById('status').textContent.includes(words)", arg=words
         )

@@ -39,7 +39,7 @@ class Studio:
         self, method: str, path: str, body: Any = None, headers: dict[str, str] | None = None
     ) -> tuple[int, Any, dict[str, str]]:
         """Return the status, the body, read if it is JSON, and the headers of an answer."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         try:
             sent = None if body is None else json.dumps(body)
             connection.request(method, path, sent, {**JSON, **(headers or {})})
@@ -88,7 +88,7 @@ def _port(process: "subprocess.Popen[str]", patience: float = 60) -> int:
     return int(found[1])
 
 
-def until(condition: Any, patience: float = 20) -> None:
+def until(condition: Any, patience: float = 60) -> None:
     """Wait for something to become true."""
     end = time.monotonic() + patience
     while not condition():

@@ -55,7 +55,8 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
             press("Tab")  # the size 512
         press("Enter")
         page.locator("#new-dialog button.strong").focus()
-        press("Enter")
+        with studio.answering("new-dialog"):
+            press("Enter")
         page.locator("#board").focus()
         press("Enter")  # brings the cursor
         for key, times in (("ArrowLeft", 3), ("ArrowUp", 3)):
@@ -66,7 +67,7 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
         for key in ("ArrowRight", "ArrowDown", "ArrowLeft", "ArrowUp"):
             for _ in range(6):
                 press(f"Shift+{key}")
-        with studio.repainting():
+        with studio.repainting(begun=True):
             press("Enter")
         for key in ("ArrowRight", "ArrowDown"):
             for _ in range(3):
@@ -94,7 +95,8 @@ def test_every_control_has_a_name_and_room_for_a_finger(opened: "Browser", serve
     with open_studio(opened, server.url) as studio:
         studio.new()
         dent(studio)
-        studio.pin(128, 128)
+        with studio.repainting():
+            studio.pin(128, 128)
         controls = studio.page.locator("button:visible, summary:visible, select:visible, input:visible")
         assert controls.count() > 20
         for control in controls.all():

@@ -50,8 +50,8 @@ def test_files_that_are_no_pictures_and_no_projects_are_told(
         studio.new()
         with studio.repainting():
             studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
-        page.set_input_files("#import-file", files=tmp_path / "notes.txt")
-        studio.wait_for_status("“notes.txt” was not imported: ")
+        with studio.saying("“notes.txt” was not imported: "):
+            page.set_input_files("#import-file", files=tmp_path / "notes.txt")
         assert ".png" in studio.status()  # what would be right
         for file, words in (
             ("newer", "made by a newer studio"),
@@ -61,9 +61,9 @@ def test_files_that_are_no_pictures_and_no_projects_are_told(
             page.locator("#open").click()
             with page.expect_file_chooser() as chooser:
                 page.locator("#open-file-button").click()
-            chooser.value.set_files(tmp_path / f"{file}.normalgan")
-            page.locator("#choose button[value=drop]").click()
-            studio.wait_for_status(words)
+            with studio.saying(words):
+                chooser.value.set_files(tmp_path / f"{file}.normalgan")
+                page.locator("#choose button[value=drop]").click()
         assert still_there(studio)
 
 
@@ -80,9 +80,8 @@ def test_a_full_storage_is_told_and_the_project_can_be_downloaded(
               Storage.prototype.setItem = full;
             }"""
         )
-        with studio.repainting():
+        with studio.saying("storage is full"), studio.repainting():
             studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
-        studio.wait_for_status("storage is full")
         page.locator("#view-lit").click()  # which would be remembered
         page.keyboard.press("]")
         assert still_there(studio)
@@ -139,11 +138,9 @@ def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(server: Serve
         ]
         server.kill()
         for action in actions:
-            page.evaluate("() => { document.getElementById('status').textContent = ''; }")
-            action()
-            page.wait_for_function(
-                "words => document.getElementById('status').textContent.startsWith(words)", arg=OFFLINE
-            )
+            with studio.saying(OFFLINE):
+                action()
+            assert studio.status().startswith(OFFLINE)
         page.locator("#view-map").click()
         page.locator("#doubt").click()
         assert still_there(studio)

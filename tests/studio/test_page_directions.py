@@ -23,13 +23,11 @@ def test_marks_that_are_removed_leave_nothing_behind(studio: Studio) -> None:
     page = studio.page
     page.keyboard.press("h")
     page.mouse.move(2, 2)
-    page.wait_for_timeout(300)
     before = studio.screen()
     studio.pin(MIDDLE, MIDDLE)
     page.keyboard.press("Delete")
     page.wait_for_function("() => document.querySelectorAll('#chips .chip').length === 0")
     page.mouse.move(2, 2)
-    page.wait_for_timeout(600)
     (left, top), (right, bottom) = studio.on_board(0, 0), studio.on_board(SIDE, SIDE)
     place = np.s_[round(top) : round(bottom), round(left) : round(right)]
     assert np.array_equal(studio.screen()[place], before[place])

@@ -137,7 +137,6 @@ def test_zoom_keeps_what_is_drawn_in_place(ball: Studio) -> None:
     ball.page.mouse.move(x, y)
     ball.page.mouse.wheel(0, -300)
     ball.page.mouse.move(2, 2)
-    ball.page.wait_for_timeout(1000)
     assert ball.screen()[round(y), round(x)].max() < 128  # still under the pointer
     ball.page.locator("#zoom-fit").click()
     assert ball.inked(SIDE / 2 - 80, SIDE / 2)

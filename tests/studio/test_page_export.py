@@ -65,8 +65,8 @@ def test_the_map_is_copied_to_the_clipboard(ball: Studio) -> None:
     page.locator("#export").click()
     page.locator("#export-what").select_option("map")
     page.locator("#export-size").fill("")  # the last export's is there again
-    page.locator("#export-copy").click()
-    ball.wait_for_status("Copied")
+    with ball.saying("Copied"):
+        page.locator("#export-copy").click()
     size = page.evaluate(
         """async () => {
           const [item] = await navigator.clipboard.read();

@@ -64,7 +64,7 @@ def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server:
         rows.nth(2).click()
         assert studio.inked(60, 80)
         assert not studio.inked(60, 120)
-        page.wait_for_timeout(500)
+        studio.wait_for_store(lambda kept: kept["history"]["at"] == 2)
         page.reload()
         page.wait_for_selector("html[data-ready]")
         studio.size = SIDE, SIDE
@@ -95,7 +95,6 @@ def test_lights_have_colours_and_go_around(opened: "Browser", server: Server) ->
         at = studio.on_result(SIDE / 2 + 50, SIDE / 2 + 20)
 
         def colour() -> list[int]:
-            page.wait_for_timeout(200)
             pixel: list[int] = studio.screen()[round(at[1]), round(at[0])].astype(int).tolist()
             return pixel
 
@@ -112,7 +111,10 @@ def test_lights_have_colours_and_go_around(opened: "Browser", server: Server) ->
         np.testing.assert_allclose(colour(), white, atol=3)
         page.locator("#light-play").click()
         assert page.locator("#light-play").get_attribute("aria-pressed") == "true"
-        seen = {tuple(colour()) for _ in range(6)}
+        seen = set()
+        for _ in range(6):
+            page.wait_for_timeout(200)
+            seen.add(tuple(colour()))
         assert len(seen) > 2
         page.locator("#light-play").click()
         stood = colour()

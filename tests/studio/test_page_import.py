@@ -77,7 +77,7 @@ def test_the_layers_of_a_file_become_those_of_the_drawing(
     page = studio.page
     for name, x, y in (("body", 100 - 59, 120), ("hat", 200 + 39, 60)):
         page.locator("#layer-list .name", has_text=name).click()
-        studio.wait_for_ink(x, y)
+        assert studio.inked(x, y)
     # Each is painted for itself: the hat alone is as it was in the picture of both.
     hat = studio.shown(200, 60)
     with studio.repainting():
@@ -98,8 +98,8 @@ def test_a_layered_file_can_be_one_drawing_or_one_to_trace(studio: Studio, tmp_p
     with studio.repainting():
         give(studio, file, "drawing")
     assert names(studio) == ["Layer 1"]
-    give(studio, file, "traced")
-    studio.wait_for_status("Imported fox.psd.")
+    with studio.saying("Imported fox.psd."):  # again
+        give(studio, file, "traced")
     assert studio.page.locator("#picture-list li").count() == 1
     assert names(studio) == ["Layer 1"]
 
@@ -116,7 +116,7 @@ def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -
     # As large as fits, in the middle.
     scale = SIDE / SHAPE[1]
     studio.page.locator("#layer-list .name", has_text="body").click()
-    studio.wait_for_ink((100 - 59) * scale, 120 * scale + (SIDE - SHAPE[0] * scale) / 2)
+    assert studio.inked((100 - 59) * scale, 120 * scale + (SIDE - SHAPE[0] * scale) / 2)
 
 
 def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, tmp_path: Path) -> None:
@@ -129,12 +129,12 @@ def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, 
         studio.circle()
     for name, (layers, words) in files.items():
         (tmp_path / name).write_bytes(encode_layers("ora", SHAPE, layers))
-        give(studio, tmp_path / name, "layers")
-        studio.wait_for_status(words)
+        with studio.saying(words):
+            give(studio, tmp_path / name, "layers")
         assert names(studio) == ["Layer 1"]
     (tmp_path / "half.psd").write_bytes(encode_layers("psd", SHAPE, STACK)[:200])
-    studio.page.set_input_files("#import-file", files=tmp_path / "half.psd")
-    studio.wait_for_status("“half.psd” was not imported: ")
+    with studio.saying("“half.psd” was not imported: "):
+        studio.page.set_input_files("#import-file", files=tmp_path / "half.psd")
     # A layer on which no line is seen is there, and what it lacks is said.
     white = DecodedLayer("blank", (), 255, 40, 40, 1, 0, np.full((60, 60, 4), 255, np.uint8))
     (tmp_path / "blank.ora").write_bytes(encode_layers("ora", SHAPE, [STACK[1], white]))

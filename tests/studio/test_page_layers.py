@@ -106,7 +106,6 @@ def test_marks_and_erasing_belong_to_the_layer_that_is_worked_on(studio: Studio)
         studio.line((MIDDLE + 40, MIDDLE - 20), (MIDDLE + 40, MIDDLE + 20))
     assert not studio.inked(MIDDLE + 40, MIDDLE)
     page.keyboard.press("PageUp")
-    page.wait_for_timeout(200)
     assert studio.inked(MIDDLE - 40, MIDDLE)
 
 
@@ -260,12 +259,12 @@ def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
     page.keyboard.type("Arm")
     page.keyboard.press("Enter")
     assert names(studio) == ["Arm", "Layer 1"]
-    page.locator("#layer-list .eye").first.click()
-    page.wait_for_timeout(100)
+    with studio.repainting():
+        page.locator("#layer-list .eye").first.click()
     page.keyboard.press("p")
     before = studio.painted()
-    studio.line((20, 20), (60, 20))
-    studio.wait_for_status("This layer is hidden")
+    with studio.saying("This layer is hidden"):
+        studio.line((20, 20), (60, 20))
     assert studio.painted() == before
     with studio.repainting():
         page.locator("#layer-list .eye").first.click()
@@ -295,10 +294,7 @@ def test_layers_are_saved_and_opened_again_with_which_is_worked_on(studio: Studi
     page = studio.page
     two(studio)
     shown = studio.shown(MIDDLE, MIDDLE)
-    page.keyboard.press("Control+s")
-    page.locator("#name-field").fill("fox")
-    page.keyboard.press("Enter")
-    studio.wait_for_status("Saved")
+    studio.save_as("fox")
     page.locator("#layer-list .name", has_text="Layer 1").click()
     page.reload()
     page.wait_for_selector("html[data-ready]")
@@ -317,10 +313,7 @@ def test_a_saved_project_keeps_its_history(studio: Studio, tmp_path: Path) -> No
     page = studio.page
     two(studio)
     page.keyboard.press("Control+z")  # what was undone is kept too
-    page.keyboard.press("Control+s")
-    page.locator("#name-field").fill("past")
-    page.keyboard.press("Enter")
-    studio.wait_for_status("Saved")
+    studio.save_as("past")
     page.reload()
     page.wait_for_selector("html[data-ready]")
     page.locator("#open").click()
@@ -350,9 +343,9 @@ def test_a_saved_project_keeps_its_history(studio: Studio, tmp_path: Path) -> No
     kept["history"]["steps"][1] = {"layers": [7], "pictures": [0], "more": {}}
     (tmp_path / "past.normalgan").write_text(json.dumps(kept), encoding="utf-8")
     page.locator("#open-dialog button[value='']").click()
-    page.set_input_files("#open-file", files=tmp_path / "past.normalgan")
-    page.locator("#choose button[value=drop]").click()
-    studio.wait_for_status("Opened")
+    with studio.saying("Opened"):
+        page.set_input_files("#open-file", files=tmp_path / "past.normalgan")
+        page.locator("#choose button[value=drop]").click()
     assert page.locator("#undo").is_disabled()
     assert studio.inked(MIDDLE - 40 + 80, MIDDLE)
 
@@ -361,7 +354,7 @@ def test_unsaved_layers_and_their_history_outlive_a_reload(studio: Studio) -> No
     page = studio.page
     two(studio)
     page.locator("#layer-back").click()
-    page.wait_for_timeout(500)
+    studio.wait_for_store(lambda kept: kept["doc"]["layers"][0]["name"] == "Layer 2")
     page.reload()
     page.wait_for_selector("html[data-ready]")
     with studio.repainting():
@@ -399,7 +392,7 @@ def test_a_project_of_an_older_version_is_one_layer(studio: Studio, tmp_path: Pa
     assert page.locator("#source").input_value() == "outline"
     assert studio.inked(190, 120)
     file.write_text(json.dumps({**older, "version": 6}), encoding="utf-8")
-    page.set_input_files("#open-file", files=file)
-    page.locator("#choose button[value=drop]").click()
-    studio.wait_for_status("newer studio")
+    with studio.saying("newer studio"):
+        page.set_input_files("#open-file", files=file)
+        page.locator("#choose button[value=drop]").click()
     assert studio.inked(190, 120)

@@ -38,7 +38,6 @@ def test_the_brush_adds_and_cuts_and_that_is_undone(opened: "Browser", server: S
         assert not is_object(studio, *within)
         assert is_object(studio, *beyond)
         page.mouse.move(2, 2)
-        page.wait_for_timeout(300)
         column, row = map(round, studio.on_board(MIDDLE + 40, MIDDLE + 30))
         tint = studio.screen()[row, column].astype(int)
         assert tint[2] - tint[0] > 15  # the object is tinted while its mask is painted

@@ -57,7 +57,7 @@ def test_the_map_follows_while_the_pen_is_down_and_is_refined_when_it_lifts(stud
     page.wait_for_function("() => Number(document.getElementById('result').dataset.painted ?? 0) > 0")
     assert page.locator("#result").get_attribute("aria-busy") == "true"  # finer is to come
     assert page.evaluate("sent.at(-1).longest") == 256
-    with studio.repainting():
+    with studio.repainting(begun=True):
         page.mouse.up()
     assert page.evaluate("sent.at(-1).longest") is None
 
@@ -75,7 +75,7 @@ def test_no_request_is_broken_off_and_only_what_changed_is_sent(studio: Studio) 
     assert requests
     assert not any(each["aborted"] for each in requests)
     assert all(each["base"] is not None and each["bytes"] < SIDE * SIDE / 4 for each in requests)
-    assert page.evaluate("() => document.getElementById('result').dataset.painted") >= "2"
+    assert studio.painted() >= 2
 
 
 @pytest.mark.parametrize(("side", "coarse"), [(512, 256), (256, None)])
@@ -90,7 +90,7 @@ def test_the_end_of_a_stroke_waits_for_no_draft(studio: Studio, side: int, coars
     page.mouse.down()
     page.mouse.move(*studio.on_board(140, 130))
     page.wait_for_function("() => held.length === 1")
-    with studio.repainting():
+    with studio.repainting(begun=True):
         page.mouse.up()
     before = page.locator("#result").get_attribute("data-painted")
     asked = page.evaluate("sent.map(({ draft, longest }) => [draft, longest])")
@@ -138,7 +138,7 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
         page.mouse.up()
         page.wait_for_timeout(50)
         assert page.evaluate("sent.length") == 1
-    with studio.repainting():
+    with studio.repainting(begun=True):
         if waits:
             page.evaluate("() => { held[0](); }")
         else:
@@ -179,14 +179,13 @@ def test_a_server_that_is_away_is_told_of_by_whatever_asks_it(opened: "Browser",
             studio.circle()
         page = studio.page
         page.route("**/api/**", lambda route: route.abort("connectionrefused"))
-        page.keyboard.press("Control+e")
-        page.locator("#export-dialog button.strong").click()
-        studio.wait_for_status("The server is away")
-        page.evaluate("() => { document.getElementById('status').textContent = ''; }")
-        page.keyboard.press("Control+s")
-        page.locator("#name-field").fill("fox")
-        page.locator("#save-dialog button.strong").click()
-        studio.wait_for_status("The server is away")
+        with studio.saying("The server is away"):
+            page.keyboard.press("Control+e")
+            page.locator("#export-dialog button.strong").click()
+        with studio.saying("The server is away"):
+            page.keyboard.press("Control+s")
+            page.locator("#name-field").fill("fox")
+            page.locator("#save-dialog button.strong").click()
 
 
 def test_an_export_has_the_projects_name_after_a_cancelled_one(studio: Studio) -> None:

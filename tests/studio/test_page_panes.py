@@ -13,7 +13,6 @@ MIDDLE = SIDE / 2
 def extents(studio: Studio) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return left, top, right and bottom of the ink in its pane, and of the map in the other."""
     studio.page.mouse.move(2, 2)
-    studio.page.wait_for_timeout(150)
     screen = studio.screen().astype(int)
     found = []
     for canvas in ("#board", "#overlay"):
@@ -58,7 +57,6 @@ def test_both_panes_show_the_same_part_whichever_is_moved(studio: Studio) -> Non
     for _ in range(5):
         page.keyboard.press(".")
     np.testing.assert_allclose(extents(studio)[1], upright, atol=4)
-    page.wait_for_timeout(150)
     after = studio.shown(MIDDLE, MIDDLE + 60)  # 90° in all: what was on the right is below
     assert np.linalg.norm(after - studio.shown(MIDDLE + 60, MIDDLE)) > 0.3
     assert after[0] > 0.2
@@ -91,7 +89,6 @@ def test_a_sheet_that_shows_nothing_is_not_blended_with_the_map(studio: Studio) 
     at = studio.on_result(MIDDLE + 80, MIDDLE)  # on the circle
     page.keyboard.press("o")
     sheet.wait_for(state="visible")
-    page.wait_for_timeout(150)
     assert studio.screen()[round(at[1]), round(at[0])].max() < 100
     page.keyboard.press("o")
     sheet.wait_for(state="hidden")
@@ -101,7 +98,6 @@ def test_a_sheet_that_shows_nothing_is_not_blended_with_the_map(studio: Studio) 
     page.keyboard.press("o")
     sheet.wait_for(state="visible")
     page.mouse.move(2, 2)
-    page.wait_for_timeout(150)
     at = studio.on_result(MIDDLE, MIDDLE)
     assert studio.screen()[round(at[1]), round(at[0])].max() < 100
 
@@ -112,7 +108,6 @@ def test_a_divider_shows_the_drawing_beside_its_map(studio: Studio) -> None:
     page.locator("#compare").click()
     page.keyboard.press("ArrowRight")
     assert page.locator("#divider").get_attribute("aria-valuenow") == "55"
-    page.wait_for_timeout(200)
     left, right = (studio.screen()[round(y), round(x)] for x, y in at)
     assert left.min() > 250  # paper
     assert np.ptp(right.astype(int)) > 40  # the map
@@ -122,7 +117,6 @@ def test_a_divider_shows_the_drawing_beside_its_map(studio: Studio) -> None:
     page.mouse.down()
     page.mouse.move(at[0][0] - 40, divider["y"] + 40)
     page.mouse.up()
-    page.wait_for_timeout(200)
     assert np.ptp(studio.screen()[round(at[0][1]), round(at[0][0])].astype(int)) > 40
     page.keyboard.press("c")
     assert page.locator("#divider").is_hidden()
@@ -136,14 +130,13 @@ def test_a_large_result_is_drawn_on_and_its_lines_are_seen(studio: Studio) -> No
     wide = page.locator("#overlay").bounding_box()
     assert wide is not None
     assert wide["width"] > 1000
-    page.wait_for_timeout(200)
+    studio.wait_for_frame()  # in which the pane learns of its size
     with studio.repainting():
         page.mouse.move(*studio.on_result(40, 20))
         page.mouse.down()
         page.mouse.move(*studio.on_result(90, 20), steps=4)
         page.mouse.up()
     page.mouse.move(2, 2)
-    page.wait_for_timeout(200)
     column, row = map(round, studio.on_result(60, 20))
     assert studio.screen()[row, column].max() < 100
     page.keyboard.press("f")
@@ -158,8 +151,8 @@ def test_where_the_model_is_unsure_is_amber(studio: Studio) -> None:
     at = [studio.on_result(MIDDLE + x, MIDDLE) for x in (-50, 50)]
     before = [studio.screen()[round(y), round(x)].astype(int) for x, y in at]
     page.locator("#doubt").click()
-    page.wait_for_function("() => document.getElementById('doubt').ariaPressed === 'true'")
-    page.wait_for_timeout(1500)
+    assert page.locator("#doubt").get_attribute("aria-pressed") == "true"
+    page.locator("#result-sheet").wait_for()  # the model's answer, over the map
     page.mouse.move(2, 2)
     after = [studio.screen()[round(y), round(x)].astype(int) for x, y in at]
     changes = [np.abs(a - b).sum() for a, b in zip(after, before, strict=True)]
@@ -167,6 +160,5 @@ def test_where_the_model_is_unsure_is_amber(studio: Studio) -> None:
     page.locator("#doubt").click()
     assert page.locator("#doubt").get_attribute("aria-pressed") == "false"
     page.mouse.move(2, 2)
-    page.wait_for_timeout(300)
     for (x, y), colour in zip(at, before, strict=True):
         np.testing.assert_allclose(studio.screen()[round(y), round(x)], colour, atol=3)

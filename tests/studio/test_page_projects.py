@@ -30,12 +30,6 @@ def empty_server(server: Server) -> Server:
     return server
 
 
-def save_as(studio: Studio, name: str) -> None:
-    studio.page.keyboard.press("Control+s")
-    studio.page.locator("#name-field").fill(name)
-    studio.page.keyboard.press("Enter")
-
-
 def open_project(studio: Studio, name: str) -> None:
     studio.size = SIDE, SIDE
     studio.page.locator("#open").click()
@@ -51,8 +45,7 @@ def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> N
         with studio.repainting():
             studio.turn(0.6, -0.5)
         painted = studio.shown(100, 110)
-        save_as(studio, "Füchslein 1")
-        studio.wait_for_status("Füchslein 1")
+        studio.save_as("Füchslein 1")
         assert "Füchslein 1" in studio.page.title()
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
@@ -75,7 +68,7 @@ def test_a_drawing_named_on_the_command_line_is_opened_once_in_a_tab(
         serving(model, tmp_path / "projects", str(tmp_path / "egg.svg")) as server,
         open_studio(opened, server.url) as studio,
     ):
-        studio.wait_for_status("egg")
+        assert "egg" in studio.status()
         studio.page.wait_for_function("() => document.getElementById('result').dataset.painted")
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
@@ -87,18 +80,17 @@ def test_two_tabs_do_not_overwrite_one_another(opened: "Browser", server: Server
     with open_studio(opened, server.url) as one, open_studio(opened, server.url, tolerate=tolerate) as two:
         one.new()
         one.circle()
-        save_as(one, "fox")
-        one.wait_for_status("Saved")
+        one.save_as("fox")
         open_project(two, "fox")
         one.line((20, 20), (60, 20))
-        one.page.keyboard.press("Control+s")
-        one.wait_for_status("Saved")
+        with one.saying("Saved"):
+            one.page.keyboard.press("Control+s")
         two.line((20, 230), (60, 230))
         two.page.keyboard.press("Control+s")
         choose = two.page.locator("#choose")
         choose.wait_for()
-        choose.locator("button[value=overwrite]").click()
-        two.wait_for_status("Saved")
+        with two.saying("Saved"):
+            choose.locator("button[value=overwrite]").click()
         open_project(one, "fox")
         assert one.inked(40, 230)
         assert not one.inked(40, 20)
@@ -112,11 +104,11 @@ def test_unsaved_work_outlives_a_closed_tab_and_a_killed_server(opened: "Browser
         with studio.repainting():
             studio.circle()
         server.kill()
-        studio.line((20, 20), (60, 20))  # on with it
-        studio.wait_for_status("server is away")
+        with studio.saying("server is away"):
+            studio.line((20, 20), (60, 20))  # on with it
         assert studio.inked(40, 20)
-        server.start()
-        studio.wait_for_status("server is back")
+        with studio.saying("server is back"):
+            server.start()
         studio.line((20, 40), (60, 40))
         studio.page.close()
         studio = Studio(context.new_page(), server.url)
@@ -172,9 +164,9 @@ def test_a_picture_is_imported_to_draw_on_or_to_trace(
     file = tmp_path / "egg.svg"
     file.write_text(SVG, encoding="utf-8")
     with open_studio(opened, server.url) as studio:
-        studio.page.set_input_files("#import-file", files=file)
-        studio.page.locator("#choose button[value=traced]").click()
-        studio.wait_for_status("egg.svg")
+        with studio.saying("egg.svg"):
+            studio.page.set_input_files("#import-file", files=file)
+            studio.page.locator("#choose button[value=traced]").click()
         assert studio.page.locator("#pixels").inner_text().count("1024") == 1
         assert studio.painted() == 0  # what is traced is never painted from
         with studio.repainting():
@@ -184,6 +176,36 @@ def test_a_picture_is_imported_to_draw_on_or_to_trace(
         assert studio.page.locator("#empty-result").is_visible()
 
 
+def test_two_pictures_that_come_together_are_asked_about_one_after_the_other(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    for name in ("first", "second"):
+        (tmp_path / f"{name}.svg").write_text(SVG, encoding="utf-8")
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        page.evaluate(
+            """() => {
+              const [ask, held] = [window.fetch, []];
+              window.fetch = async (path, options) => {
+                const answer = await ask(path, options);
+                if (path === "/api/import") {
+                  await new Promise((go) => {
+                    if (held.push(go) === 2) for (const each of held) each();
+                  });
+                }
+                return answer;
+              };
+            }"""
+        )
+        page.set_input_files("#import-file", files=tmp_path / "first.svg")
+        page.set_input_files("#import-file", files=tmp_path / "second.svg")
+        with studio.saying("Imported"):
+            page.locator("#choose button[value=traced]").click()
+        with studio.saying("Imported"), studio.repainting():
+            page.locator("#choose button[value=drawing]").click()
+        assert page.locator("#picture-list li").count() == 1
+
+
 def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", server: Server) -> None:
     context = opened.new_context(viewport={"width": 1200, "height": 700})
     try:
@@ -191,18 +213,17 @@ def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", serv
         studio.new()
         with studio.repainting():
             studio.circle()
-        save_as(studio, "fox")
-        studio.wait_for_status("Saved")
+        studio.save_as("fox")
         with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
             studio.line((20, 20), (60, 20))
         studio.page.close()
         studio = Studio(context.new_page(), server.url)
         studio.size = SIDE, SIDE
         assert "fox" in studio.page.locator("#restore-words").inner_text()
-        with studio.repainting():
+        with studio.saying("Restored"), studio.repainting():
             studio.page.locator("#restore-yes").click()
-        studio.page.keyboard.press("Control+s")
-        studio.wait_for_status("Saved")  # and not: changed elsewhere in the meantime
+        with studio.saying("Saved"):  # and not: changed elsewhere in the meantime
+            studio.page.keyboard.press("Control+s")
     finally:
         context.close()
 
@@ -228,8 +249,8 @@ def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -
         studio.page.wait_for_function("() => document.getElementById('restore-list').children.length === 2")
         with studio.repainting():
             rows.nth(1).locator(".project").click()
-        studio.wait_for_ink(100, 60)  # the oldest
-        assert studio.page.locator("#restore").is_hidden()
+        assert studio.inked(100, 60)  # the oldest
+        studio.page.locator("#restore").wait_for(state="hidden")  # once it is kept as this tab's
     finally:
         context.close()
 
@@ -250,7 +271,7 @@ def test_each_stroke_is_written_once(opened: "Browser", server: Server) -> None:
         studio.circle()
         for y in range(20, 120, 10):
             studio.line((20, y), (60, y))
-        studio.page.wait_for_timeout(500)
+        studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 12)
         written = studio.page.evaluate("written")
         circle = max(written)
         assert sum(size == circle for size in written) == 1
@@ -265,8 +286,8 @@ def test_a_large_picture_that_is_made_smaller_is_said_to_be(
         with studio.page.expect_file_chooser() as chooser:
             studio.page.locator("#import").click()
         chooser.value.set_files(tmp_path / "large.png")
-        studio.page.locator("#choose button[value=traced]").click()
-        studio.wait_for_status("3000 × 2000 pixels became 2048 × 1365")
+        with studio.saying("3000 × 2000 pixels became 2048 × 1365"):
+            studio.page.locator("#choose button[value=traced]").click()
         assert studio.page.locator("#pixels").inner_text() == "2048 × 1365"
 
 
@@ -287,7 +308,7 @@ KEPT = """async () => {
 
 def wait_for_kept(studio: Studio, here: int, there: int) -> None:
     """Wait until so much unsaved work is kept: `wait_for_function` takes a promise for true."""
-    end = time.monotonic() + 10
+    end = time.monotonic() + 30
     while (kept := studio.page.evaluate(KEPT)) != [here, there]:
         assert time.monotonic() < end, f"{kept} are kept"
         studio.page.wait_for_timeout(20)
@@ -297,8 +318,7 @@ def test_work_that_was_undone_again_is_not_offered_as_unsaved(opened: "Browser",
     with open_studio(opened, server.url) as studio:
         studio.new()
         studio.circle()
-        save_as(studio, "hen")
-        studio.wait_for_status("Saved")
+        studio.save_as("hen")
         sent = "dispatchEvent(new Event('pagehide'))"  # as it is some seconds later
         studio.line((20, 20), (60, 20))
         studio.page.evaluate(sent)
@@ -318,8 +338,8 @@ def test_a_stroke_that_goes_on_while_another_drawing_is_opened_is_in_neither(stu
     page.mouse.move(*studio.on_board(90, 90))
     page.evaluate("document.getElementById('new').click()")
     page.locator("#new-dialog").wait_for()
-    page.evaluate("document.querySelector('#new-dialog button.strong').click()")
-    page.locator("#new-dialog").wait_for(state="hidden")
+    with studio.answering("new-dialog"):
+        page.evaluate("document.querySelector('#new-dialog button.strong').click()")
     page.mouse.move(*studio.on_board(150, 150))
     page.mouse.up()
     assert page.locator("#undo").is_disabled()

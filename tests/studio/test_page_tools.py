@@ -13,7 +13,6 @@ pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to s
 def box_of_ink(studio: Studio) -> tuple[float, float, float, float]:
     """Return left, top, right and bottom of the dark pixels, in pixels of the drawing."""
     studio.page.mouse.move(2, 2)
-    studio.page.wait_for_timeout(200)
     (left, top), (right, bottom) = studio.on_board(0, 0), studio.on_board(SIDE, SIDE)
     picture = studio.screen()[round(top) : round(bottom), round(left) : round(right)].max(-1) < 110
     rows, columns = np.nonzero(picture)
@@ -66,12 +65,10 @@ def test_straight_and_mirrored_lines_and_their_colour(studio: Studio) -> None:
     with studio.repainting():
         studio.line((30, 150), (30, 200), (90, 200))
     page.mouse.move(2, 2)
-    page.wait_for_timeout(200)
     for x, y in ((30, 180), (SIDE - 30, 180), (SIDE - 70, 200)):
         column, row = map(round, studio.on_board(x, y))
         np.testing.assert_allclose(studio.screen()[row, column], [0x20, 0x40, 0xC0], atol=6)
     page.keyboard.press("Control+z")
-    page.wait_for_timeout(200)
     column, row = map(round, studio.on_board(SIDE - 30, 180))
     assert studio.screen()[row, column].min() > 250  # both go at once
 
@@ -112,10 +109,10 @@ def test_the_paper_is_resized_with_what_is_on_it_or_without(studio: Studio) -> N
         page.locator("#paper-width").fill(str(width))
         page.locator("#paper-height").fill(str(height))
         page.locator("#paper-along").set_checked(along)
-        page.locator("#paper-dialog button.strong").click()
+        with studio.answering("paper-dialog"):
+            page.locator("#paper-dialog button.strong").click()
         page.locator("#paper summary").click()
         studio.size = width, height
-        page.wait_for_timeout(300)
 
     resize(512, 512, along=True)
     assert page.locator("#pixels").inner_text() == "512 × 512"
@@ -125,7 +122,6 @@ def test_the_paper_is_resized_with_what_is_on_it_or_without(studio: Studio) -> N
     page.keyboard.press("Control+z")
     page.keyboard.press("Control+z")
     studio.size = SIDE, SIDE
-    page.wait_for_timeout(300)
     assert studio.inked(100, 125)
 
 
@@ -136,9 +132,9 @@ def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_pat
     before = studio.painted()
     for name, colour in (("red", (220, 40, 40)), ("green", (40, 160, 60))):
         Image.new("RGB", (64, 64), colour).save(tmp_path / f"{name}.png")
-        page.set_input_files("#import-file", files=tmp_path / f"{name}.png")
-        page.locator("#choose button[value=traced]").click()
-        studio.wait_for_status(name)
+        with studio.saying(name):
+            page.set_input_files("#import-file", files=tmp_path / f"{name}.png")
+            page.locator("#choose button[value=traced]").click()
     page.locator("#paper summary").click()
     assert page.locator("#picture-list li").count() == 2
     page.locator("#picture-list input[type=range]").nth(1).fill("100")
@@ -147,7 +143,6 @@ def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_pat
     studio.line((128, 200), (60, 200), (-100, 200))  # beyond the paper's edge
     page.mouse.move(2, 2)
     page.keyboard.press("Escape")
-    page.wait_for_timeout(300)
     column, row = map(round, studio.on_board(-8, 200))
     np.testing.assert_allclose(studio.screen()[row, column], [40, 160, 60], atol=8)
     assert studio.painted() == before  # what is looked at is never painted from

@@ -38,7 +38,6 @@ def test_what_two_fingers_hold_stays_under_them(studio: Studio, *, both: bool) -
         moved = right[0] + 8 * step, right[1]
         hand.move(held, moved)
     hand.lift()
-    studio.page.wait_for_timeout(200)
     assert dark(studio, held)
     assert dark(studio, moved)
     assert not dark(studio, right)
@@ -57,7 +56,6 @@ def test_two_fingers_move_the_paper_and_do_not_enlarge_it(studio: Studio) -> Non
         held, moved = ((x + 5 * step, y - 3 * step) for x, y in (left, right))
         hand.move(held, moved)
     hand.lift()
-    studio.page.wait_for_timeout(200)
     assert dark(studio, held)
     assert dark(studio, moved)
 
@@ -80,7 +78,6 @@ def test_once_there_is_a_pen_a_finger_only_moves_the_paper(studio: Studio) -> No
     for step in range(1, 9):
         hand.move((right[0] - 5 * step, right[1] + 5 * step))
     hand.lift()
-    studio.page.wait_for_timeout(200)
     assert dark(studio, (right[0] - 40, right[1] + 40))
     studio.page.locator("#zoom-fit").click()
     assert not studio.inked(MIDDLE + 60, MIDDLE + 20)  # where a stroke of the finger would be

@@ -20,7 +20,7 @@ class Work:
 
     def __call__(self) -> str:
         self.begun.set()
-        assert self.finish.wait(10)
+        assert self.finish.wait(60)
         if self.failure:
             raise self.failure
         return self.result

@@ -4,7 +4,8 @@ import struct
 import time
 import zlib
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -226,29 +227,29 @@ def test_a_failure_of_ours_is_one_sentence_too(
 
 
 def test_one_picture_is_imported_at_a_time(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    at_once, most = 0, 0
+    at_once, most, refused = 0, 0, Event()
 
     def slowly(content: bytes) -> dict[str, str | int | list[int]]:
         nonlocal at_once, most
         at_once += 1
         most = max(most, at_once)
-        time.sleep(0.3)
+        assert refused.wait(60)  # until then all others wait
+        time.sleep(0.05)
         at_once -= 1
         return import_picture(content)
 
     monkeypatch.setitem(app._WAYS, "drawing", slowly)
+    kind = {"Content-Type": "image/png"}
     with ThreadPoolExecutor(8) as pool:
-        answers = list(
-            pool.map(
-                lambda _: client.post(
-                    "/api/import", content=png(circle()), headers={"Content-Type": "image/png"}
-                ),
-                range(8),
-            )
-        )
+        asked = [
+            pool.submit(client.post, "/api/import", content=png(circle()), headers=kind) for _ in range(8)
+        ]
+        first = next(as_completed(asked)).result()
+        refused.set()
+        answers = [each.result() for each in asked]
     assert most == 1
     assert {answer.status_code for answer in answers} == {200, 429}
-    assert "too many pictures wait" in next(a for a in answers if a.status_code == 429).json()["error"]
+    assert "too many pictures wait" in first.json()["error"]
 
 
 def test_a_picture_that_crashes_its_decoder_is_told_and_the_studio_goes_on(client: TestClient) -> None:

@@ -136,7 +136,7 @@ def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
 
     def held(self: OnnxBackend, *given: Any) -> Any:
         begun.set()
-        assert go.wait(10)
+        assert go.wait(60)
         return network(self, *given)
 
     def counted(coarse: Coarse, *given: Any) -> Any:
@@ -148,11 +148,11 @@ def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
     with serving(model, tmp_path) as client, ThreadPoolExecutor(2) as pool:
         monkeypatch.setattr(OnnxBackend, "paint", held)
         draft = pool.submit(client.post, "/api/paint", json=asking(1, draft=True, longest=64))
-        assert begun.wait(10)
+        assert begun.wait(60)
         whole = pool.submit(client.post, "/api/paint", json=asking(2))
-        assert (draft.result(10).status_code, draft.result().content) == (204, b"")
+        assert (draft.result(60).status_code, draft.result().content) == (204, b"")
         go.set()
-        assert whole.result(10).status_code == 200
+        assert whole.result(60).status_code == 200
         assert len(enlarged) == 1
         # A draft that nothing overtakes is a map as any other.
         assert painted(client, number=3, draft=True).tobytes() == whole.result().content

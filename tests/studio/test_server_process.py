@@ -39,7 +39,7 @@ def test_a_server_killed_while_it_saves_leaves_a_whole_project(model: Path, tmp_
 
             saving = threading.Thread(target=save)
             saving.start()
-            assert saved.wait(30)
+            assert saved.wait(60)
             time.sleep(0.02 + 0.013 * kill)
             studio.process.kill()
             saving.join()
@@ -56,7 +56,7 @@ def test_a_signal_ends_it_once_all_is_answered(model: Path, tmp_path: Path, numb
         studio.process.send_signal(number)
         assert connection.getresponse().status == 200
         connection.close()
-        out, err = studio.process.communicate(timeout=30)
+        out, err = studio.process.communicate(timeout=60)
         assert studio.process.returncode == code
         assert "Traceback" not in out + err
         assert err == ("normalgan: stopped.\n" if code else "")

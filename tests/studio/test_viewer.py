@@ -96,7 +96,7 @@ def test_a_large_map_is_shaded_whole_when_the_light_rests(viewer: Viewer) -> Non
     viewer.set_map(rgba)
     viewer.set_view("lit")
     viewer.set_light(LIGHT)
-    viewer.page.wait_for_timeout(400)
+    viewer.page.evaluate("rested()")
     whole = viewer.screen()
     for light in ((1, 0, 0.2), (0, 1, 0.2)):
         viewer.set_light(light)
@@ -104,7 +104,7 @@ def test_a_large_map_is_shaded_whole_when_the_light_rests(viewer: Viewer) -> Non
     assert np.abs(moving.astype(int) - whole).max() > 50
     viewer.set_light(LIGHT)
     near = viewer.screen().astype(int)
-    viewer.page.wait_for_timeout(400)
+    viewer.page.evaluate("rested()")
     assert np.array_equal(viewer.screen(), whole)
     assert np.abs(near - whole).mean() < 3  # what is shown meanwhile is the same light
 

@@ -45,6 +45,8 @@ window.renew = (width, height) => {
 window.bytes = (text) => Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
 // Two frames: the drawing is asked for in one and shown by the next.
 window.shown = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+// A while after that, which is counted here as the viewer counts how long the light has rested.
+window.rested = () => shown().then(() => new Promise((done) => setTimeout(done, 300))).then(shown);
 </script>"""
 
 

@@ -2,14 +2,12 @@ import os
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
-import toys
 from dask_processes import SOURCES, VIEWS, DaskCluster, finished, render, start_cluster, wait_for
 from distributed import Client
 from toys import Octahedron, contents, recipe
@@ -30,17 +28,6 @@ def make_pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCluster]
         made.start_worker()
         made.start_worker()
         yield made
-
-
-@pytest.fixture(name="alone")
-def rendered_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, bytes]]:
-    """What this process writes by the settings of a slow renderer, which is not waited for."""
-
-    def render_alone(**renderer: Any) -> dict[str, bytes]:
-        monkeypatch.setattr(toys, "time", SimpleNamespace(sleep=lambda seconds: None))
-        return contents(render(tmp_path / "alone", **renderer))
-
-    return render_alone
 
 
 def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: DaskCluster) -> None:
@@ -75,10 +62,9 @@ def test_relative_paths_refer_to_where_the_command_was_given(
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(
-    tmp_path: Path, alone: Callable[..., dict[str, bytes]]
-) -> None:
-    slow: dict[str, Any] = {"seconds": 0.04}
+def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: Path) -> None:
+    go = tmp_path / "go"
+    slow: dict[str, Any] = {"waits_at": "d", "until": str(go)}  # of four shards, two
     with start_cluster(tmp_path / "dask") as dask_cluster:
         doomed = dask_cluster.start_worker()
         died_at = []
@@ -88,6 +74,7 @@ def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(
             dask_cluster.start_worker()
             os.kill(doomed.pid, signal.SIGKILL)
             died_at.append(finished(tmp_path / "cache"))
+            go.touch()
 
         thread = threading.Thread(target=meddle)
         thread.start()
@@ -95,13 +82,13 @@ def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(
         thread.join()
     assert doomed.wait() == -signal.SIGKILL
     assert 0 < died_at[0] < 4
-    assert contents(folder) == alone(**slow)
+    assert contents(folder) == contents(render(tmp_path / "alone", **slow))
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_workers_of_another_version_do_nothing(
-    tmp_path: Path, alone: Callable[..., dict[str, bytes]]
-) -> None:
+def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
+    go = tmp_path / "go"
+    slow: dict[str, Any] = {"waits_at": "d", "until": str(go)}  # of four shards, two
     preload = tmp_path / "other.py"
     preload.write_text("import normalgan.rendering.samples as s\ns.RENDERING_VERSION = -7\n")
     with start_cluster(tmp_path / "dask") as dask_cluster:
@@ -112,21 +99,26 @@ def test_workers_of_another_version_do_nothing(
         ):
             render(tmp_path / "cache", dask_cluster.address)
         assert not (tmp_path / "cache").exists()
-        other.kill()
+        dask_cluster.kill_last_worker(other)
         dask_cluster.start_worker()
 
-        def meddle() -> None:
-            wait_for(lambda: finished(tmp_path / "cache") > 0)
-            dask_cluster.start_worker("--preload", str(preload))
-
-        thread = threading.Thread(target=meddle)
-        thread.start()
-        with pytest.warns(
+        with pytest.warns(  # noqa: PT031 -- who meddles looks at what was told
             UserWarning, match=r"tcp://\S+ has joined but is not fit: it has the rendering -7, not "
-        ):
-            folder = render(tmp_path / "cache", dask_cluster.address, seconds=0.12)
-        thread.join()
-    assert contents(folder) == alone(seconds=0.12)
+        ) as told:
+
+            def meddle() -> None:
+                try:
+                    wait_for(lambda: finished(tmp_path / "cache") > 0)
+                    dask_cluster.start_worker("--preload", str(preload))
+                    wait_for(lambda: len(told) > 0)
+                finally:
+                    go.touch()
+
+            thread = threading.Thread(target=meddle)
+            thread.start()
+            folder = render(tmp_path / "cache", dask_cluster.address, **slow)
+            thread.join()
+    assert contents(folder) == contents(render(tmp_path / "alone", **slow))
 
 
 @pytest.mark.slow  # starts processes of its own
@@ -137,7 +129,7 @@ def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path)
         bare = dask_cluster.start_worker("--preload", str(blocker))
         with pytest.raises(InputError, match="is not fit for this: it has no normalgan, or an older one"):
             render(tmp_path / "cache", dask_cluster.address)
-        bare.kill()
+        dask_cluster.kill_last_worker(bare)
         dask_cluster.start_worker(threads=2)
         with pytest.raises(InputError, match="it has 2 threads, not 1: a renderer belongs to one"):
             render(tmp_path / "cache", dask_cluster.address)
@@ -155,7 +147,7 @@ def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: P
         thread = threading.Thread(target=meddle)
         thread.start()
         with pytest.raises(RunError, match=r"^the scheduler at .* is gone; what is finished is kept"):
-            render(tmp_path / "cache", dask_cluster.address, seconds=0.2)
+            render(tmp_path / "cache", dask_cluster.address, waits_at="d", until=str(tmp_path / "never"))
         thread.join()
     assert 0 < finished(tmp_path / "cache") < 4
 

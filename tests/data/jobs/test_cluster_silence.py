@@ -67,13 +67,13 @@ def waited_for(
 def test_a_worker_out_of_memory_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     told = rf"no result from tcp://cluster:8786 for 0 seconds; waiting for 1 tasks on 1 .*, of which {WORKER}"
     with pytest.warns(UserWarning, match=told):
-        assert waited_for(monkeypatch, SilentClient(task=1.0)) == [(7, "done")]
+        assert waited_for(monkeypatch, SilentClient(task=2.0)) == [(7, "done")]
 
 
 def test_a_scheduler_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     told = "the scheduler at tcp://cluster:8786 has not answered for 0 seconds; waiting for it"
     with pytest.warns(UserWarning, match=told):
-        assert waited_for(monkeypatch, SilentClient(answer=0.5)) == [(7, "done")]
+        assert waited_for(monkeypatch, SilentClient(answer=1.0)) == [(7, "done")]
 
 
 def test_a_cluster_that_answers_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -138,7 +138,7 @@ def test_an_unknown_bucket_is_named(bucket: str) -> None:
         InputError, match=r"^there is no such bucket as in s3://nowhere-at-all/x/\w+; create it"
     ):
         render("s3://nowhere-at-all/x")
-    assert time.monotonic() - start < 10
+    assert time.monotonic() - start < 60  # by itself botocore would take minutes
 
 
 def test_wrong_credentials_are_one_sentence(bucket: str, endpoint: str) -> None:
@@ -175,7 +175,7 @@ def test_an_endpoint_that_does_not_answer_is_one_sentence_in_time(
     start = time.monotonic()
     with pytest.raises(InputError, match=r"^cannot read s3://.*: Could not connect to the endpoint URL"):
         render(bucket)
-    assert time.monotonic() - start < 20
+    assert time.monotonic() - start < 60  # by itself botocore would take minutes
 
 
 @pytest.mark.slow

@@ -3,8 +3,11 @@
 import { $, make, open } from "./dom.js";
 import { text } from "./text.js";
 
+/** The question that is asked now, or was asked last. @type {Promise<unknown>} */
+let asked = Promise.resolve();
+
 /**
- * Asks to choose between ways to go on.
+ * Asks to choose between ways to go on, once what was asked before is answered: there is one dialog for all questions.
  * @param {string} title
  * @param {string} body
  * @param {{value: string, text: string, strong?: boolean}[]} ways besides cancelling
@@ -12,6 +15,16 @@ import { text } from "./text.js";
  * @returns {Promise<string>} the value, or "" if it was dismissed
  */
 export function choose(title, body, ways, more) {
+  const answer = asked.then(() => ask(title, body, ways, more));
+  asked = answer.catch(() => {}); // told to who asked
+  return answer;
+}
+
+/**
+ * @param {string} title @param {string} body @param {{value: string, text: string, strong?: boolean}[]} ways
+ * @param {Node} [more]
+ */
+function ask(title, body, ways, more) {
   /** @type {HTMLDialogElement} */
   const dialog = $("choose");
   /** @param {string} selector */
