@@ -12,7 +12,7 @@ import pytest
 from needs import CHROMIUM
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, ConsoleMessage, Page, Playwright
+    from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Playwright
 
 ALWAYS = (
     "--no-sandbox",
@@ -25,6 +25,9 @@ ALWAYS = (
 # SwiftShader draws WebGL on the CPU: the same pixels on every machine, and no graphics card needed.
 WITH_WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 WITHOUT_WEBGL = ("--disable-gpu", "--disable-webgl", "--disable-3d-apis")
+
+PATIENCE = 90_000
+"""Milliseconds after which something never comes to a page, be the machine as busy as it may."""
 
 _running: list["Playwright"] = []  # one for all browsers open: a thread cannot hold two
 _open_browsers: list["Browser"] = []
@@ -72,6 +75,24 @@ def opened() -> Iterator["Browser"]:
 
 
 @contextmanager
+def storage(opened: "Browser", *, width: int, height: int, scale: float = 1) -> Iterator["BrowserContext"]:
+    """Open a storage, for pages that share it; they are closed on leaving.
+
+    Args:
+        opened: The browser.
+        width: Of the view of a page, in CSS pixels.
+        height: Of the view, in CSS pixels.
+        scale: Device pixels for a CSS pixel.
+    """
+    context = opened.new_context(viewport={"width": width, "height": height}, device_scale_factor=scale)
+    context.set_default_timeout(PATIENCE)
+    try:
+        yield context
+    finally:
+        context.close()
+
+
+@contextmanager
 def page(
     opened: "Browser", *, width: int = 1280, height: int = 800, scale: float = 1, tolerate: Sequence[str] = ()
 ) -> Iterator["Page"]:
@@ -90,13 +111,10 @@ def page(
         if message.type in {"warning", "error"}:
             complaints.append(message.text)
 
-    context = opened.new_context(viewport={"width": width, "height": height}, device_scale_factor=scale)
-    try:
+    with storage(opened, width=width, height=height, scale=scale) as context:
         new = context.new_page()
         new.on("console", note)
         new.on("pageerror", lambda error: complaints.append(f"uncaught: {error}"))
         yield new
-    finally:
-        context.close()
     unexpected = [text for text in complaints if not any(re.search(known, text) for known in tolerate)]
     assert not unexpected, f"the page complained: {unexpected}"

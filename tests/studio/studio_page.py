@@ -238,7 +238,7 @@ class Studio:
 
     def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> None:
         """Wait until the browser's own store holds some unsaved work."""
-        end = time.monotonic() + 30
+        end = time.monotonic() + 90
         while True:  # `wait_for_function` takes a promise for true
             kept = self.page.evaluate(STORED)
             if any(map(wanted, kept)):

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 from studio_page import AWAY, SIDE, Server, Studio, open_studio, serving
 
+from chromium import storage
 from normalgan.normals import flip_green, read_png
 from onnx_models import write_model
 
@@ -97,8 +98,7 @@ def test_two_tabs_do_not_overwrite_one_another(opened: "Browser", server: Server
 
 
 def test_unsaved_work_outlives_a_closed_tab_and_a_killed_server(opened: "Browser", server: Server) -> None:
-    context = opened.new_context(viewport={"width": 1200, "height": 700})
-    try:
+    with storage(opened, width=1200, height=700) as context:
         studio = Studio(context.new_page(), server.url)
         studio.new()
         with studio.repainting():
@@ -118,8 +118,6 @@ def test_unsaved_work_outlives_a_closed_tab_and_a_killed_server(opened: "Browser
         studio.page.locator("#restore").wait_for(state="hidden")  # once it is kept as this tab's
         for x, y in ((MIDDLE + 80, MIDDLE), (40, 20), (40, 40)):
             assert studio.inked(x, y)
-    finally:
-        context.close()
 
 
 def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", server: Server) -> None:
@@ -207,8 +205,7 @@ def test_two_pictures_that_come_together_are_asked_about_one_after_the_other(
 
 
 def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", server: Server) -> None:
-    context = opened.new_context(viewport={"width": 1200, "height": 700})
-    try:
+    with storage(opened, width=1200, height=700) as context:
         studio = Studio(context.new_page(), server.url)
         studio.new()
         with studio.repainting():
@@ -224,13 +221,10 @@ def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", serv
             studio.page.locator("#restore-yes").click()
         with studio.saying("Saved"):  # and not: changed elsewhere in the meantime
             studio.page.keyboard.press("Control+s")
-    finally:
-        context.close()
 
 
 def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -> None:
-    context = opened.new_context(viewport={"width": 1200, "height": 700})
-    try:
+    with storage(opened, width=1200, height=700) as context:
         for y in (60, 120, 180):
             studio = Studio(context.new_page(), server.url)
             studio.new()
@@ -251,8 +245,6 @@ def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -
             rows.nth(1).locator(".project").click()
         assert studio.inked(100, 60)  # the oldest
         studio.page.locator("#restore").wait_for(state="hidden")  # once it is kept as this tab's
-    finally:
-        context.close()
 
 
 def test_each_stroke_is_written_once(opened: "Browser", server: Server) -> None:
@@ -308,7 +300,7 @@ KEPT = """async () => {
 
 def wait_for_kept(studio: Studio, here: int, there: int) -> None:
     """Wait until so much unsaved work is kept: `wait_for_function` takes a promise for true."""
-    end = time.monotonic() + 30
+    end = time.monotonic() + 90
     while (kept := studio.page.evaluate(KEPT)) != [here, there]:
         assert time.monotonic() < end, f"{kept} are kept"
         studio.page.wait_for_timeout(20)
