@@ -12,8 +12,8 @@ measured now and then, takes that out again for the kinds of core in speedrun_co
 is the time by the clock.
 
 Every run that ends leaves a line in docs/results/speedrun.jsonl, what did not help too. An idea is a
-record if it reaches the target at less cost than all before it on the same kind of device, in the mean
-over its seeds. Where it gains less than 0.3 degrees at equal cost, three seeds are to tell: --seeds 0 1
+record if it reaches the target at less cost than the last one on the same kind of device, in the mean
+over no fewer seeds. Where it gains less than 0.3 degrees at equal cost, three seeds are to tell: --seeds 0 1
 2. The same command again goes on with what was interrupted.
 """
 
@@ -115,8 +115,16 @@ def mean_cost(lines: Sequence[Line]) -> float | None:
 
 def record_of(lines: Sequence[Line], track: str, device: str) -> list[Line] | None:
     """Return the lines of the last record."""
-    done = [one for one in tries(lines, track, device) if mean_cost(one) is not None]
-    return min(done, key=lambda one: mean_cost(one) or 0.0) if done else None
+    record: list[Line] | None = None
+    for one in tries(lines, track, device):
+        record = one if beats(one, record) else record
+    return record
+
+
+def beats(now: Sequence[Line], record: Sequence[Line] | None) -> bool:
+    """Return whether an idea is a record: at less cost than the last one, over no fewer seeds."""
+    cost, best = mean_cost(now), mean_cost(record) if record else None
+    return cost is not None and (best is None or (len(now) >= len(record or ()) and cost < best))
 
 
 def comparison(now: Sequence[Line], record: Sequence[Line] | None, target: float) -> str:
@@ -164,8 +172,7 @@ def rows(lines: Sequence[Line], track: str, device: str) -> list[str]:
     """Return rows of a table in Markdown of all that was tried.
 
     Cells are the idea, seconds of seeds 0, 1 and 2, their mean, how far ahead of the record of its time the
-    idea is at equal cost, and what is to be said of it. Only what has more seeds than one is taken for a
-    record.
+    idea is at equal cost, and what is to be said of it.
     """
     found: list[str] = []
     before: list[Line] | None = None
@@ -173,10 +180,10 @@ def rows(lines: Sequence[Line], track: str, device: str) -> list[str]:
         seconds = {line["seed"]: line["cost_to_target"] for line in one}
         cells = [_seconds(seconds[seed]) if seed in seconds else "" for seed in (0, 1, 2)]
         mean, ahead = mean_cost(one), gain(one, before) if before else None
-        best = mean_cost(before) if before else None
-        is_record = mean is not None and (best is None or mean < best) and len(one) > 1
+        is_record = beats(one, before)
         cells.append("" if len(one) == 1 else f"**{_seconds(mean)}**" if is_record else _seconds(mean))
-        cells.append(f"{ahead[0]:+.1f}° at {ahead[1]:.0f} s" if ahead else "")
+        # + 0.0: no -0.0
+        cells.append(f"{round(ahead[0], 1) + 0.0:+.1f}° at {ahead[1]:.0f} s" if ahead else "")
         found.append("| " + " | ".join([one[0]["idea"], *cells, one[-1]["note"]]) + " |")
         before = one if is_record else before
     return found
@@ -270,8 +277,7 @@ def speedrun(options: argparse.Namespace) -> str:
             **describe("torch", "lightning"),
         }
         now.append({**line, "curve": curve})
-    cost = mean_cost(now)
-    is_record = cost is not None and (best is None or cost < best)
+    is_record = beats(now, record)
     for line in now:
         if line not in logged:
             append(options.log, {**line, "record": is_record})
