@@ -125,3 +125,13 @@ def test_the_page_shows_on_how_many_meshes_ours_is_ahead(monkeypatch: pytest.Mon
     assert found == "| ours | -4.0 to -0.8° | 60 of 60 | -6.4 to -2.9° | 60 of 60 |"
     page = " ".join((ROOT / "docs" / "benchmark.md").read_text(encoding="utf-8").split())
     assert "ahead on each of the 20 meshes, with each of the three seeds**: by 0.8 to 4.0°" in page
+
+
+def test_the_page_shows_all_that_the_speedrun_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    speedrun = import_module("speedrun")
+    lines = speedrun.load_log(speedrun.LOG)
+    expected = speedrun.rows(lines, lines[-1]["track"], "one core, AVX512")
+    page = (ROOT / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    missing = [row for row in expected if row not in page]
+    assert not missing, "the page lacks:\n" + "\n".join(missing)

@@ -41,15 +41,21 @@ def orthogonalized(matrix: Tensor) -> Tensor:
         wide = matrix if matrix.shape[0] <= matrix.shape[1] else matrix.T
         wide = wide / (1.01 * wide.norm()).clamp(min=torch.finfo(wide.dtype).tiny)  # singular values up to 1
         gram = wide @ wide.T
-        product = torch.eye(len(gram), dtype=gram.dtype, device=gram.device)
-        for a, b, c in _QUINTICS:
-            factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
-            factor.diagonal().add_(a)
-            product = factor @ product
+        factor = product = _polynomial(gram, *_QUINTICS[0])
+        for quintic in _QUINTICS[1:]:
             gram = factor @ gram @ factor
             gram = (gram + gram.T) / 2  # rounding would make it less and less symmetric
+            factor = _polynomial(gram, *quintic)
+            product = factor @ product
         result: Tensor = product @ wide
     return result if matrix.shape[0] <= matrix.shape[1] else result.T
+
+
+def _polynomial(gram: Tensor, a: float, b: float, c: float) -> Tensor:
+    """Return a + b · gram + c · gram², by which x is multiplied to become ax + bx³ + cx⁵."""
+    factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
+    factor.diagonal().add_(a)
+    return factor
 
 
 class MuonRAdam(RAdam):

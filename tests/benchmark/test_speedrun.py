@@ -56,6 +56,22 @@ def test_a_record_reached_the_target_with_every_seed_on_the_same_kind_of_device(
     assert "three seeds of both are to tell" in said
 
 
+def test_a_row_tells_what_came_of_an_idea(speedrun: ModuleType) -> None:
+    lines = [line("a", seed, 500.0) for seed in (0, 1, 2)]
+    worse = {**line("b", 0, None), "note": "No gain."}
+    worse["curve"] = [{**point, "hints": point["hints"] + 1} for point in worse["curve"][:4]]
+    lines += [worse, line("c", 0, 90.0), *(line("d", seed, 390.4) for seed in (0, 1, 2))]
+    for one in lines:
+        one.setdefault("note", "")
+    assert speedrun.rows(lines, "t", "one core") == [
+        "| a | 500 | 500 | 500 | **500** |  |  |",
+        "| b | not reached |  |  |  | -1.0° at 400 s | No gain. |",
+        "| c | 90 |  |  |  | +0.0° at 800 s |  |",  # fewer seeds are no record
+        "| d | 390 | 390 | 390 | **390** | +0.0° at 800 s |  |",
+    ]
+    assert speedrun.gain([line("e", 5, 1.0)], lines[:3]) is None  # no seed in common
+
+
 @pytest.mark.slow  # renders and trains
 def test_an_idea_from_the_command_line_to_the_log(
     speedrun: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -75,6 +91,7 @@ def test_an_idea_from_the_command_line_to_the_log(
     assert one["cost_to_target"] == one["curve"][0]["cost"] > 0
     assert one["curve"][0]["images"] == 8
     assert one["curve"][0]["hints"] < 179
+    assert one["curve"][0]["slowdown"] is None or one["curve"][0]["slowdown"] > 0
     assert {"commit", "cpu", "date", "versions"} <= one.keys()
 
     assert "seed 0" not in speedrun.speedrun(first)  # done already: nothing is trained, nothing logged
