@@ -323,6 +323,29 @@ def test_work_that_was_undone_again_is_not_offered_as_unsaved(opened: "Browser",
         assert studio.page.locator("#restore").is_hidden()
 
 
+def test_undone_work_that_arrived_unanswered_is_taken_back(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        studio.circle()
+        studio.save_as("owl")
+        studio.page.evaluate(
+            """() => {
+              const ask = window.fetch;
+              window.fetch = async (path, options) => {
+                const answer = await ask(path, options);
+                if (options?.method === "PUT" && path.startsWith("/api/autosave")) throw new TypeError("cut");
+                return answer;
+              };
+            }"""
+        )
+        studio.line((20, 20), (60, 20))
+        studio.page.evaluate("dispatchEvent(new Event('pagehide'))")
+        wait_for_kept(studio, 1, 1)
+        studio.page.keyboard.press("Control+z")
+        studio.page.evaluate("dispatchEvent(new Event('pagehide'))")
+        wait_for_kept(studio, 0, 0)
+
+
 def test_a_stroke_that_goes_on_while_another_drawing_is_opened_is_in_neither(studio: Studio) -> None:
     page = studio.page
     page.mouse.move(*studio.on_board(40, 40))

@@ -26,8 +26,10 @@ export class Autosave extends EventTarget {
     this.writing = false;
     this.stale = false;
     this.timer = 0;
-    /** @type {import("./document.js").Doc | null} what the server holds */
+    /** @type {import("./document.js").Doc | null} what the server holds, as it has answered */
     this.sent = null;
+    /** Whether the server may hold work of this tab: what was sent may have arrived although no answer came. */
+    this.there = false;
     /** @type {Promise<void>} the writing to the server that goes on, or the last one */
     this.sending = Promise.resolve();
     editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || this.#changed());
@@ -50,9 +52,8 @@ export class Autosave extends EventTarget {
     clearTimeout(this.timer);
     this.timer = 0;
     await this.sending; // or it would lie there although it is saved
-    const there = this.sent !== null;
-    this.sent = null;
-    await this.drop(this.tab, there);
+    await forget(this.tab, true);
+    await this.#withdraw();
   }
 
   /** Drops what a tab has kept, here and on the server. @param {string} tab @param {boolean} there it is on the server */
@@ -74,13 +75,20 @@ export class Autosave extends EventTarget {
 
   /** Takes back what the server holds where all that changed was undone: it would be offered as unsaved work. */
   async #withdraw() {
-    if (this.dirty || this.sent === null) return;
+    if (this.dirty || !this.there) return;
     this.sent = null;
-    await autosaves.remove(this.tab).catch((error) => this.#failed(error));
+    try {
+      await autosaves.remove(this.tab);
+      this.there = false;
+    } catch (error) {
+      this.there = !isGone(error); // tried again once the server is back
+      this.#failed(error);
+    }
   }
 
   /** @param {import("./document.js").Doc} doc */
   async #send(doc) {
+    this.there = true;
     try {
       await autosaves.write(this.tab, { ...doc, etag: this.etag });
       this.sent = doc;
@@ -116,8 +124,13 @@ export class Autosave extends EventTarget {
   /** @param {unknown} error */
   #failed(error) {
     if (error instanceof Away) this.connection.lost();
-    else if (!(error instanceof Refused && error.status === 404)) this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+    else if (!isGone(error)) this.dispatchEvent(new CustomEvent("failed", { detail: error }));
   }
+}
+
+/** @param {unknown} error @returns {boolean} whether the server says that it holds no such work */
+function isGone(error) {
+  return error instanceof Refused && error.status === 404;
 }
 
 /**
