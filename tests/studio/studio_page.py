@@ -21,7 +21,7 @@ from PIL import Image
 from chromium import page as open_page
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Locator, Page
+    from playwright.sync_api import Browser, Locator, Page, Request
 
 SIDE = 256
 """Of the drawings."""
@@ -308,11 +308,40 @@ class Hand:
 
 
 @contextmanager
+def sending_nothing_late(page: "Page") -> Iterator[None]:
+    """Once a page is left, have it ask the server for nothing more; wait for what it sends of unsaved work.
+
+    As it is closed it would send more, which would come when the next test has begun, and be offered there.
+    """
+    under_way: set[Request] = set()
+
+    def begun(request: "Request") -> None:
+        if "/api/autosave/" in request.url:
+            under_way.add(request)
+
+    def ended(request: "Request") -> None:
+        under_way.discard(request)
+
+    page.on("request", begun)
+    page.on("requestfinished", ended)
+    page.on("requestfailed", ended)
+    yield
+    if page.is_closed():
+        return
+    # In the page: what a closed page still sends passes by Playwright's routes.
+    page.evaluate("() => { window.fetch = () => new Promise(() => {}); }")
+    end = time.monotonic() + 60
+    while under_way:
+        assert time.monotonic() < end, f"{[request.url for request in under_way]} have no answer"
+        page.wait_for_timeout(10)
+
+
+@contextmanager
 def open_studio(
     opened: "Browser", url: str, *, width: int = 1200, height: int = 700, tolerate: tuple[str, ...] = ()
 ) -> Iterator[Studio]:
     """Open the studio in a page of its own storage."""
-    with open_page(opened, width=width, height=height, tolerate=tolerate) as page:
+    with open_page(opened, width=width, height=height, tolerate=tolerate) as page, sending_nothing_late(page):
         yield Studio(page, url)
 
 
