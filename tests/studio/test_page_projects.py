@@ -204,6 +204,43 @@ def test_two_pictures_that_come_together_are_asked_about_one_after_the_other(
         assert page.locator("#picture-list li").count() == 1
 
 
+def test_what_is_drawn_while_a_project_comes_is_asked_about(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        studio.save_as("fox")
+        studio.new()
+        page.evaluate(
+            """() => {
+              const ask = window.fetch;
+              window.fetch = async (path, options) => {
+                const answer = await ask(path, options);
+                if (path === "/api/projects/fox") await new Promise((go) => { window.go = go; });
+                return answer;
+              };
+            }"""
+        )
+        page.locator("#open").click()
+        page.locator(".project", has_text="fox").click()
+        page.wait_for_function("() => window.go")
+        studio.line((20, 20), (60, 20))
+        page.evaluate("() => { go(); window.go = null; }")
+        with studio.answering("choose"):
+            page.locator("#choose button[value='']").click()
+        assert studio.inked(40, 20)
+        assert not studio.inked(MIDDLE + 80, MIDDLE)
+        page.locator("#open").click()
+        page.locator(".project", has_text="fox").click()
+        page.locator("#choose button[value=drop]").click()  # asked before it comes, and not again
+        page.wait_for_function("() => window.go")
+        with studio.saying("Opened"):
+            page.evaluate("() => go()")
+        assert not studio.inked(40, 20)
+        assert studio.inked(MIDDLE + 80, MIDDLE)
+
+
 def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
         studio = Studio(context.new_page(), server.url)

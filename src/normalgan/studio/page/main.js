@@ -85,7 +85,7 @@ const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overRe
 followKeyboard(board, tool, status);
 followTools(editor, inks);
 offerSamples((doc, name) => {
-  projects.load(doc, null, false).then(() => status.say(say("opened", { name }))).catch((error) => status.fail(error));
+  projects.load(doc, null, false).then((shown) => shown && status.say(say("opened", { name }))).catch((error) => status.fail(error));
 });
 followHistory(editor, (words) => status.say(words));
 followPaper(editor, importing);

@@ -24,6 +24,8 @@ export class Projects {
     this.editor = editor;
     this.autosave = autosave;
     this.status = status;
+    /** @type {import("./document.js").Doc | null} what may be left: saved, empty, or given up when that was asked */
+    this.left = null;
     $("open-file").addEventListener("change", () => this.#openFile());
     $("open-file-button").addEventListener("click", () => $("open-file").click());
     $("download-project").addEventListener("click", () => this.download());
@@ -91,10 +93,13 @@ export class Projects {
 
   /** Asks what to do with unsaved work. @returns {Promise<boolean>} whether to go on */
   async mayLeave() {
-    if (!this.autosave.dirty || isEmpty(this.editor.doc)) return true;
-    const ways = [{ value: "drop", text: text.discard }, { value: "save", text: text.save, strong: true }];
-    const way = await choose(text.leaveTitle, text.leave, ways);
-    return way === "drop" || (way === "save" && this.save());
+    if (this.autosave.dirty && !isEmpty(this.editor.doc)) {
+      const ways = [{ value: "drop", text: text.discard }, { value: "save", text: text.save, strong: true }];
+      const way = await choose(text.leaveTitle, text.leave, ways);
+      if (way !== "drop" && !(way === "save" && (await this.save()))) return false;
+    }
+    this.left = this.editor.history.state;
+    return true;
   }
 
   /** Starts an empty drawing. @param {number} width @param {number} height */
@@ -108,6 +113,7 @@ export class Projects {
    * @param {string | null} etag null: it is not the project of that name as the server has it
    * @param {boolean} saved whether it need not be kept
    * @param {import("./steps.js").Past | null} past the steps that led to it; by default those that a project keeps
+   * @returns {Promise<boolean>} whether it is shown: what was drawn while it came may be kept instead
    */
   async load(value, etag = null, saved = true, past = null) {
     const doc = parseDocument(value);
@@ -116,8 +122,10 @@ export class Projects {
     const before = found && { ...found, states: found.states.map((state) => withSettings(state, { name: doc.settings.name })) };
     const pictures = [...new Set([doc, ...(before?.states ?? [])].flatMap(picturesOf))];
     await decodeAll(pictures);
+    if (this.editor.history.state !== this.left && !(await this.mayLeave())) return false;
     // The very document of the history, by which others see what in it is the same as in the step before.
     this.#show(before ? before.states[before.at] : doc, etag, saved, before);
+    return true;
   }
 
   /**
@@ -171,8 +179,8 @@ export class Projects {
     if (!(await this.mayLeave())) return;
     try {
       const { doc, etag } = await projects.read(name);
-      await this.load({ ...doc, settings: { ...doc.settings, name } }, etag);
-      this.status.say(say("opened", { name }));
+      const shown = await this.load({ ...doc, settings: { ...doc.settings, name } }, etag);
+      if (shown) this.status.say(say("opened", { name }));
     } catch (error) {
       this.status.fail(error);
     }
@@ -224,8 +232,7 @@ export class Projects {
     if (!(await this.mayLeave())) return;
     try {
       const value = await file.text().then(JSON.parse).catch(() => null);
-      await this.load(value, null, false);
-      this.status.say(say("opened", { name: file.name }));
+      if (await this.load(value, null, false)) this.status.say(say("opened", { name: file.name }));
     } catch (error) {
       this.status.fail(error);
     }

@@ -73,7 +73,7 @@ async function offer(found, parts) {
   const restore = async (left) => {
     if (!(await projects.mayLeave())) return;
     const { doc, etag, past } = await left.read();
-    await projects.load(doc, etag, false, past);
+    if (!(await projects.load(doc, etag, false, past))) return;
     // It is this tab's now, and kept under its name before the old one goes.
     await autosave.flush();
     await autosave.drop(left.tab, left.there);
