@@ -163,6 +163,17 @@ def test_of_several_drawings_one_without_an_object_is_named_and_the_others_are_p
     assert f"normalgan: {drawings / 'b.png'}: the model sees no object in it" in capsys.readouterr().err
 
 
+def test_of_several_drawings_one_that_is_no_picture_is_named_and_the_others_are_painted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drawings = draw(tmp_path / "in", a=(40, 40), c=(40, 40))
+    (drawings / "b.png").write_text("no picture")
+    with pytest.raises(RunError, match=r"^1 of 3 sketches could not be used\.$"):
+        paint(drawings, tmp_path / "out")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["a_normal.png", "c_normal.png"]
+    assert f"normalgan: {drawings / 'b.png'} is not an image" in capsys.readouterr().err
+
+
 def test_a_drawing_is_not_written_over(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40))
     run = trainer(tmp_path, callbacks=[NormalMapWriter(str(drawings), suffix="")])

@@ -61,10 +61,24 @@ def test_hints_may_lie_beside_the_drawings_by_their_own_name(folder: Path) -> No
     assert not dog["hints"].any()
 
 
-def test_one_bad_drawing_is_said_at_once(folder: Path) -> None:
+def test_bad_drawings_are_known_at_once_and_left_out(folder: Path) -> None:
+    (folder / "drawings" / "bear.png").write_text("growl")
     (folder / "drawings" / "zebra.png").write_text("stripes")
-    with pytest.raises(InputError, match=r"zebra\.png is not an image"):
-        SketchDataset(find_files(str(folder / "drawings")), 32)
+    dataset = SketchDataset(find_files(str(folder / "drawings")), 32)
+    assert [dataset[i]["name"] for i in range(len(dataset))] == ["cat", "dog"]
+    assert [str(each).partition(" is not an image")[0][-9:] for each in dataset.unusable] == [
+        "/bear.png",
+        "zebra.png",
+    ]
+
+
+def test_drawings_none_of_which_can_be_used_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "bear.png").write_text("growl")
+    with pytest.raises(InputError, match=r"^\S*bear\.png is not an image"):
+        SketchDataset(find_files(str(tmp_path)), 32)
+    (tmp_path / "zebra.png").write_text("stripes")
+    with pytest.raises(InputError, match=r"none of the 2 sketches .*; the first: .*bear\.png is not"):
+        SketchDataset(find_files(str(tmp_path)), 32)
 
 
 def test_hints_for_nothing_are_said(folder: Path) -> None:

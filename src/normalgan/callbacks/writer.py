@@ -89,7 +89,7 @@ class NormalMapWriter(BasePredictionWriter):
         flat_map((8, 8)).stronger(strength)  # refuses what is none
         self.strength = strength
         self._jobs: dict[str, Job] = {}
-        self._failed = 0
+        self._failed = self._total = 0
         self._heights: Heights = []
         self._upsample = enlarge
 
@@ -104,9 +104,10 @@ class NormalMapWriter(BasePredictionWriter):
         # Another one's module has no refiner.
         refined = isinstance(pl_module, NormalGAN) and pl_module.refined
         self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
-        files = _data_of(trainer).drawings.files
-        jobs = plan(files, self.folder, self.outputs.ending, list(self.outputs.others()))
-        self._jobs, self._failed, self._heights = {job.files.drawing.stem: job for job in jobs}, 0, []
+        drawings = _data_of(trainer).drawings
+        jobs = plan(drawings.files, self.folder, self.outputs.ending, list(self.outputs.others()))
+        self._jobs, self._heights = {job.files.drawing.stem: job for job in jobs}, []
+        self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
@@ -116,6 +117,12 @@ class NormalMapWriter(BasePredictionWriter):
             raise unwritable(
                 f"the normal maps cannot be written to {self.folder}: {error.strerror}.", error
             ) from None
+        for sentence in drawings.unusable:
+            self._leave_out(sentence)
+
+    def _leave_out(self, sentence: InputError) -> None:
+        self._failed += 1
+        print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
 
     def write_on_batch_end(
         self,
@@ -139,10 +146,9 @@ class NormalMapWriter(BasePredictionWriter):
                 painted = finish(drawings.prepared(name), channels_last(preds), None, self._upsample)
             except InputError as error:
                 sentence = named(job.files.drawing, error)
-                if len(self._jobs) == 1:
+                if self._total == 1:
                     raise sentence from error
-                self._failed += 1
-                print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
+                self._leave_out(sentence)
                 continue
             self._heights += self.outputs.write(job, painted.stronger(self.strength))
             if painted.warning:
@@ -161,7 +167,7 @@ class NormalMapWriter(BasePredictionWriter):
         if trainer.is_global_zero:
             print(f"Normal maps: {self.folder.resolve()}")
         if self._failed:
-            raise RunError(f"{self._failed} of {len(self._jobs)} sketches could not be used.")
+            raise RunError(f"{self._failed} of {self._total} sketches could not be used.")
 
 
 def _data_of(trainer: Trainer) -> MeshDataModule:

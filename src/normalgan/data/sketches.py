@@ -36,7 +36,9 @@ class SketchSample(TypedDict):
 
 
 class SketchDataset(Dataset[SketchSample]):
-    """Drawings prepared for the generator. All are read at once, so that a bad one stops nothing half-way.
+    """Drawings prepared for the generator. All are read at once, so that a bad one is known early.
+
+    Those of several that cannot be used are left out: `unusable` says what is wrong with each.
 
     Args:
         files: the drawings with their hints and masks, as `painting.jobs.plan.find_files` finds them.
@@ -45,8 +47,11 @@ class SketchDataset(Dataset[SketchSample]):
         line_widths: of the lines that the generator is shown as they were drawn, in its pixels.
 
     Raises:
-        InputError: if a drawing, its hints or its mask cannot be used.
+        InputError: if no drawing can be used with its hints and its mask.
     """
+
+    unusable: list[InputError]
+    """What is wrong with each of the drawings that are left out."""
 
     def __init__(
         self,
@@ -56,16 +61,22 @@ class SketchDataset(Dataset[SketchSample]):
         line_widths: LineWidths = USUAL_WIDTHS,
     ) -> None:
         check_size(longest)
-        self.files = files
         self._size = size
         self._longest = longest
         self._line_widths = line_widths
         self._lock = Lock()
         self._kept: OrderedDict[str, Prepared] = OrderedDict()
         self._by_name = {each.drawing.stem: each for each in files}
-        for _, outcome in stream(list(self._by_name), self.prepared):
-            if isinstance(outcome, Exception):
+        self.files, self.unusable = [], []
+        for name, outcome in stream(list(self._by_name), self.prepared):
+            if not isinstance(outcome, Exception):
+                self.files.append(self._by_name[name])
+            elif isinstance(outcome, InputError) and len(files) > 1:
+                self.unusable.append(outcome)
+            else:
                 raise outcome
+        if not self.files:
+            raise InputError(f"none of the {len(files)} sketches can be used; the first: {self.unusable[0]}")
 
     def prepared(self, name: str) -> Prepared:
         """Return the drawing of this name as far as it gets without the generator."""
