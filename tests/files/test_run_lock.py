@@ -28,9 +28,25 @@ def test_a_folder_is_held_once_and_let_go(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="another run trains in"), one_run_in(tmp_path / "run"):
             pass
     assert not (tmp_path / "run" / NAME).exists()
+    (tmp_path / "run").mkdir(exist_ok=True)
     (tmp_path / "run" / NAME).touch()  # as a run that was killed leaves it
     with one_run_in(tmp_path / "run"):
         pass
+
+
+def test_folders_that_were_made_for_a_run_that_left_nothing_are_removed(tmp_path: Path) -> None:
+    with one_run_in(tmp_path / "runs" / "first"):
+        pass
+    assert not (tmp_path / "runs").exists()
+    with one_run_in(tmp_path / "runs" / "first"):
+        (tmp_path / "runs" / "first" / "config.yaml").touch()
+    with one_run_in(tmp_path / "runs" / "second"):
+        pass
+    assert [path.name for path in (tmp_path / "runs").iterdir()] == ["first"]
+    (tmp_path / "own").mkdir()
+    with one_run_in(tmp_path / "own"):  # was there before
+        pass
+    assert (tmp_path / "own").is_dir()
 
 
 def test_a_file_system_without_locks_is_said_in_a_sentence(

@@ -21,12 +21,13 @@ def one_run_in(folder: Path) -> Iterator[None]:
     The system lets go of it when the process ends, however it ends; a file left behind stops nobody.
 
     Args:
-        folder: of the run; made if it is not there.
+        folder: of the run; made if it is not there, and removed if nothing was put into it.
 
     Raises:
         InputError: if another process holds it, on this machine or another with the same file system; or if
             files cannot be locked there.
     """
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     lock = FileLock(folder / NAME, blocking=False)
     try:
@@ -47,6 +48,9 @@ def one_run_in(folder: Path) -> Iterator[None]:
         with suppress(OSError):  # Windows removes no file that is open
             (folder / NAME).unlink()  # while it is held: nobody can take it between
         lock.release()
+        with suppress(OSError):  # what holds something stays, and all above it
+            for path in made:
+                path.rmdir()
 
 
 def check_writable(folder: Path) -> None:
