@@ -156,6 +156,15 @@ def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
             box = tool.bounding_box()
             assert box is not None
             assert box["y"] + box["height"] <= footer["y"]
+        for control in page.locator("header :is(button, summary, a, input, h1):visible").all():
+            box = control.bounding_box()
+            assert box is not None
+            assert box["x"] + box["width"] <= width
+        page.evaluate(
+            "() => { document.querySelector('#status').textContent = 'It took a while. '.repeat(30); }"
+        )
+        assert page.locator("#viewer").bounding_box() == result  # a long status is cut off, and moves nothing
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def test_dark_and_light_follow_the_system_until_switched(opened: "Browser", server: Server) -> None:
