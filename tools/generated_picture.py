@@ -1,11 +1,13 @@
-"""Makes a sheet of drawings and, by `normalgan generate` with the package's model, their maps, also lit.
+"""Makes a sheet of drawings and, by `normalgan generate`, their maps, also lit.
 
-generated_picture.py OUTPUT DRAWING… [--painted 200] [--shown 200] [--columns 6]: files, folders or patterns,
-as `generate` takes them; the longer side of the maps and of their pictures on the sheet.
+generated_picture.py OUTPUT DRAWING… [--painted 200] [--shown 200] [--columns 6] [--models OLD.onnx shipped]:
+files, folders or patterns, as `generate` takes them; the longer side of the maps and of their pictures on the
+sheet; whose maps are set one below the other, by default those of the package's model alone.
 """
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -28,6 +30,20 @@ def square(picture: Image.Image, side: int) -> Image.Image:
     return whole
 
 
+def painted(drawings: list[str], size: int, model: str) -> Iterator[tuple[Image.Image, Image.Image]]:
+    """Yield the map of each drawing, and the same lit."""
+    chosen = [] if model == "shipped" else ["--model", model]
+    with TemporaryDirectory() as folder:
+        if code := normalgan(["generate", *drawings, "-o", folder, "--size", str(size), "--alpha", *chosen]):
+            sys.exit(code)
+        for drawing in find_drawings(drawings, "_normal.png", ()):
+            path = Path(folder) / f"{drawing.stem}_normal.png"
+            normals, alpha = read_png(path)
+            clay = to_srgb(shade(normals, lamp_direction(130, 40)))
+            with Image.open(path) as picture:
+                yield picture.copy(), Image.fromarray(np.dstack([clay, np.uint8(255 * alpha)]))
+
+
 def main(arguments: list[str]) -> None:
     """Write the sheet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -36,25 +52,20 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--painted", type=int, default=200)
     parser.add_argument("--shown", type=int, default=200)
     parser.add_argument("--columns", type=int, default=6)
+    parser.add_argument("--models", nargs="+", default=["shipped"])
     given = parser.parse_args(arguments)
     side = given.shown
-    with TemporaryDirectory() as folder:
-        if code := normalgan(
-            ["generate", *given.drawings, "-o", folder, "--size", str(given.painted), "--alpha"]
-        ):
-            sys.exit(code)
-        columns = []
-        for drawing in find_drawings(given.drawings, "_normal.png", ()):
-            path = Path(folder) / f"{drawing.stem}_normal.png"
-            normals, alpha = read_png(path)
-            clay = to_srgb(shade(normals, lamp_direction(130, 40)))
-            lit = Image.fromarray(np.dstack([clay, np.uint8(255 * alpha)]))
-            columns.append([square(each, side) for each in (Image.open(drawing), Image.open(path), lit)])
-    rows = -(-len(columns) // given.columns)
-    sheet = Image.new("RGB", (min(len(columns), given.columns) * side, rows * 3 * side), "white")
+    columns = [
+        [square(Image.open(drawing), side)] for drawing in find_drawings(given.drawings, "_normal.png", ())
+    ]
+    for model in given.models:
+        for column, pictures in zip(columns, painted(given.drawings, given.painted, model), strict=True):
+            column += [square(each, side) for each in pictures]
+    rows, each = -(-len(columns) // given.columns), len(columns[0])
+    sheet = Image.new("RGB", (min(len(columns), given.columns) * side, rows * each * side), "white")
     for number, column in enumerate(columns):
         for row, picture in enumerate(column):
-            place = number % given.columns * side, (number // given.columns * 3 + row) * side
+            place = number % given.columns * side, (number // given.columns * each + row) * side
             sheet.paste(picture, place)
     sheet.save(given.output, quality=88, method=6)  # what PNG takes no notice of
 
