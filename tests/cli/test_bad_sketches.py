@@ -44,14 +44,21 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
 
 
 @pytest.mark.parametrize("kind", BAD)
-def test_a_bad_sketch_stops_all_before_anything_is_written(
+def test_a_bad_sketch_is_named_and_the_others_are_painted(
     predict: Callable[..., Outcome], tmp_path: Path, kind: str
 ) -> None:
     save, reason = BAD[kind]
-    Image.fromarray(drawing()).save(tmp_path / "sketches" / "good.png")
     save(tmp_path / "sketches" / "bad.png")
-    predict().refused(str(tmp_path / "sketches" / "bad.png"), reason)
+    predict().refused(str(tmp_path / "sketches" / "bad.png"), reason)  # it is the only one
     assert not (tmp_path / "maps").exists()
+    Image.fromarray(drawing()).save(tmp_path / "sketches" / "good.png")
+    outcome = predict()
+    assert outcome.code == 1
+    first, last = outcome.err.splitlines()
+    assert first.startswith(f"normalgan: {tmp_path / 'sketches' / 'bad.png'}")
+    assert reason in first
+    assert last == "normalgan: 1 of 2 sketches could not be used."
+    assert left_in(tmp_path / "maps") == ["good_normal.png"]
 
 
 def test_a_sketch_of_any_mode_is_read_rightly(predict: Callable[..., Outcome], tmp_path: Path) -> None:
