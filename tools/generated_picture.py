@@ -61,11 +61,11 @@ def main(arguments: list[str]) -> None:
     for model in given.models:
         for column, pictures in zip(columns, painted(given.drawings, given.painted, model), strict=True):
             column += [square(each, side) for each in pictures]
-    rows, each = -(-len(columns) // given.columns), len(columns[0])
-    sheet = Image.new("RGB", (min(len(columns), given.columns) * side, rows * each * side), "white")
+    rows, pictures_each = -(-len(columns) // given.columns), len(columns[0])
+    sheet = Image.new("RGB", (min(len(columns), given.columns) * side, rows * pictures_each * side), "white")
     for number, column in enumerate(columns):
         for row, picture in enumerate(column):
-            place = number % given.columns * side, (number // given.columns * each + row) * side
+            place = number % given.columns * side, (number // given.columns * pictures_each + row) * side
             sheet.paste(picture, place)
     sheet.save(given.output, quality=88, method=6)  # what PNG takes no notice of
 

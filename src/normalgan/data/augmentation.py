@@ -150,8 +150,12 @@ def _weights(points: int, side: int, mode: str, device: torch.device) -> Tensor:
 def smooth_noise(values: Tensor, side: int, mode: str) -> Tensor:
     """Return few values (N, C, P, P) spread over pictures (N, C, H, W), smoothly between them.
 
-    Two products of small matrices do it in a sixth of the time that `torch.nn.functional.interpolate` takes
-    on a processor, for whose modes ("bilinear", "bicubic") ``mode`` stands.
+    Two products of small matrices do it faster than `torch.nn.functional.interpolate` does on a processor.
+
+    Args:
+        values: (N, C, P, P), of which the outermost lie on the rim.
+        side: H and W.
+        mode: "bilinear" or "bicubic", as of ``interpolate``.
     """
     weights = _weights(values.shape[-1], side, mode, values.device)
     return weights @ values @ weights.T
