@@ -75,7 +75,7 @@ class SketchDataset(Dataset[SketchSample]):
                 self.unusable.append(outcome)
             else:
                 raise outcome
-        if not self.files:
+        if self.unusable and not self.files:
             raise InputError(f"none of the {len(files)} sketches can be used; the first: {self.unusable[0]}")
 
     def prepared(self, name: str) -> Prepared:
