@@ -70,7 +70,9 @@ def prepare_any(
     """
     given = check_any(image, hints, mask, size)
     return prepare(
-        given.picture, network_size, given.mask, given.hints, size, given.source, line_widths=line_widths
+        *(given.picture, network_size, given.mask, given.hints, size, given.source),
+        line_widths=line_widths,
+        reader=True,
     )
 
 

@@ -161,7 +161,7 @@ def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepare
     assert source in {None, OUTLINE, MODEL}
     mask = None if isinstance(member.mask, str) else member.mask
     widths = predictor.backend.line_widths
-    return prepare(member.picture, predictor.size, mask, None, size, source, line_widths=widths)
+    return prepare(member.picture, predictor.size, mask, None, size, source, line_widths=widths, reader=True)
 
 
 def _check_sizes(members: Sequence[Member]) -> None:
