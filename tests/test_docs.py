@@ -99,18 +99,9 @@ def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_sav
     assert main(["benchmark", "--config", "plan.yaml", "--evaluate", "mine.ckpt", "--output", "bench"]) == 0
 
 
-@pytest.mark.slow  # imports lightning, renders and trains
-def test_python_of_training_runs(tmp_path: Path) -> None:
-    run_python(ROOT / "docs" / "training.md", tmp_path)
-    # What it saved is as good as what the command line saves.
-    (saved,) = (tmp_path / "run" / "checkpoints").glob("*.ckpt")
-    target = str(tmp_path / "model.safetensors")
-    assert main(["export", str(saved), "-o", target, "--format", "safetensors"]) == 0
-
-
 def test_no_page_with_python_is_forgotten() -> None:
     with_python = {page.stem for page in PAGES if blocks(page, "python")}
-    assert with_python == {"conventions", "data", "plugins", "prediction", "python", "training"}
+    assert with_python == {"conventions", "data", "plugins", "prediction", "python"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_id)
