@@ -127,8 +127,8 @@ def section(title: str, results: Mapping[str, Any], text: str, command: str) -> 
     images = results.get("images")
     budget = f"{images:,} images a method".replace(",", " ") if images else "22 minutes a run"
     seeds = len({run["seed"] for run in results["runs"]} - {None})
-    where = f"{results['size']} pixels, {budget}, {seeds} seed{'s' * (seeds > 1)}"
-    lines = ["", f"## {title}", "", text, f"{where}, on one core of an {results['machine']['processor']}:"]
+    where = f"{results['size']} pixels, {budget}, {seeds} seed{'s' * (seeds > 1)}, one core each"
+    lines = ["", f"## {title}", "", text, "", f"{where} ({results['machine']['processor']}):"]
     return [*lines, "", "```sh", *command.splitlines(), "```"]
 
 
@@ -210,7 +210,7 @@ def folds() -> list[str]:
         "Less the paper:",
         *table(labelled({"ours": rows["ours"]}), differences(rows["paper"]), "method"),
     ]
-    lines += ["", "What hints gain, less no hints:"]
+    lines += ["", "The gain of hints, less no hints:"]
     lines += table(
         labelled(rows), {f"{n} hints": beside((), str(n), "0") for n in (5, 10, 15, 20, 50)}, "method"
     )
@@ -285,7 +285,7 @@ def placement() -> list[str]:
     lines += table(matrix, {label: error(f"{where}-17") for where, label in names.items()}, "trained with")
     lines += ["", "The same networks, less the one trained with uniform hints:"]
     lines += table(matrix, differences(rows["paper-uniform-17"]), "trained with")
-    lines += ["", "What uniform hints gain the network that was trained with 17 of them, less no hints:"]
+    lines += ["", "The gain of uniform hints for the network trained with 17 of them, less no hints:"]
     gains = {f"{n} hints": beside((), f"uniform-{n}", "0") for n in (3, 10, 17, 30, 60)}
     return lines + table({"17 uniform": rows["paper-uniform-17"]}, gains, "trained with")
 
