@@ -143,7 +143,7 @@ def comparison() -> list[str]:
         "All methods", results, "FourLeg meshes, published split: 5 test meshes, 40 views each.", command
     )
     lines += table(labelled(rows), FIGURES, "method")
-    trained = {name: runs for name, runs in rows.items() if runs[0]["seed"] is not None}
+    trained = {name: rows[name] for name in ("pix2pix", "sketch2normal", "ours")}
     less = table(labelled(trained), differences(rows["paper"]), "method")
     return [*lines, "", "Less the paper:", *less]
 
@@ -284,7 +284,8 @@ def placement() -> list[str]:
     matrix = {label: rows[f"paper-{where}-17"] for where, label in names.items()}
     lines += table(matrix, {label: error(f"{where}-17") for where, label in names.items()}, "trained with")
     lines += ["", "The same networks, less the one trained with uniform hints:"]
-    lines += table(matrix, differences(rows["paper-uniform-17"]), "trained with")
+    others = {label: runs for label, runs in matrix.items() if label != "uniform"}
+    lines += table(others, differences(rows["paper-uniform-17"]), "trained with")
     lines += ["", "The gain of uniform hints for the network trained with 17 of them, less no hints:"]
     gains = {f"{n} hints": beside((), f"uniform-{n}", "0") for n in (3, 10, 17, 30, 60)}
     return lines + table({"17 uniform": rows["paper-uniform-17"]}, gains, "trained with")
