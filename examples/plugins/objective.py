@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from normalgan.objectives import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
+from normalgan.losses import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
 from normalgan.testing import check_objective
 
 

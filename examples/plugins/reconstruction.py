@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.objectives import RECONSTRUCTIONS, Predictions, Reconstruction, Term
+from normalgan.losses import RECONSTRUCTIONS, Predictions, Reconstruction, Term
 from normalgan.testing import check_reconstruction
 
 
