@@ -1,4 +1,4 @@
-"""Tries what docs/reliability.md promises, many times: tools/trust EXPERIMENT… [--count N] [-o FILE]."""
+"""Tries what docs/trust.md promises, many times: tools/trust EXPERIMENT… [--count N] [-o FILE]."""
 
 import argparse
 import os
