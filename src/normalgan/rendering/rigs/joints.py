@@ -22,6 +22,7 @@ __all__ = [
     "Joints",
     "LooseRigError",
     "find_joints",
+    "owned_vertices",
 ]
 
 Flags = NDArray[np.bool_]
@@ -72,7 +73,7 @@ def find_joints(rig: Rig) -> Joints:
     Raises:
         LooseRigError: if there are too many such trees.
     """
-    points, owners = _owned(rig)
+    points, owners = owned_vertices(rig)
     nodes = rig.nodes
     moving = np.zeros(len(nodes.parents), dtype=bool)
     moving[owners] = True
@@ -90,7 +91,7 @@ def find_joints(rig: Rig) -> Joints:
     return Joints(members, np.array([position.get(int(hung[node]), -1) for node in members]), low, high)
 
 
-def _owned(rig: Rig) -> tuple[Doubles, Indices]:
+def owned_vertices(rig: Rig) -> tuple[Doubles, Indices]:
     """Return every vertex (V, 3) at rest, and the node (V,) that moves it most."""
     world = world_matrices(rig.nodes)
     points, owners = [], []
