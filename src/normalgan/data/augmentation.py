@@ -11,6 +11,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.data.surface_marks import mark_surfaces
 from normalgan.errors import InputError
 from normalgan.metrics.functional import unit_vectors, unit_vectors_within
 from normalgan.objectives.steadiness import add_strays
@@ -240,6 +241,9 @@ class Augmentation(BatchAugmentation):
             animal becomes a longer or a taller one, which few meshes can make many.
         shear: largest slant in degrees, either way.
         strays: probability of each of two short strokes on the object that say nothing of its form.
+        fills: probability that areas of the drawing are filled black, with white lines in them or none.
+        decals: probability of text, a logo, windows, spots or stripes on the object.
+        hatching: probability that the object's side away from a light is hatched.
         translation: largest move along each axis, as a share of the side.
         jitter: how far lines wobble, in pixels of a sketch of 256 (standard deviation).
         dropout: largest share of the paper on which lines are left out.
@@ -258,6 +262,9 @@ class Augmentation(BatchAugmentation):
         stretch: bool = False,
         shear: float = 0.0,
         strays: float = 0.0,
+        fills: float = 0.0,
+        decals: float = 0.0,
+        hatching: float = 0.0,
     ) -> None:
         for name, share in {
             "flip": flip,
@@ -265,6 +272,9 @@ class Augmentation(BatchAugmentation):
             "width": width,
             "translation": translation,
             "strays": strays,
+            "fills": fills,
+            "decals": decals,
+            "hatching": hatching,
         }.items():
             if not 0 <= share <= 1:
                 raise InputError(f"the augmentation's {name} must be between 0 and 1, not {share}.")
@@ -285,11 +295,15 @@ class Augmentation(BatchAugmentation):
             "stretch": stretch,
             "shear": shear,
             "strays": strays,
+            "fills": fills,
+            "decals": decals,
+            "hatching": hatching,
         }
         self.jitter = jitter
         self.dropout = dropout
         self.width = width
         self.strays = strays
+        self.marks = (fills, decals, hatching)
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; the same for the same seed.
@@ -314,6 +328,8 @@ class Augmentation(BatchAugmentation):
                 sketch = add_strays(sketch, mask, self.strays)
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
         normal = unit_vectors_within(turn_normals(moved[:, :3], transform), mask)
+        if any(self.marks):
+            sketch = mark_surfaces(sketch, normal, mask, seed, *self.marks)
         augmented: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": mask}
         if "hints" in batch:
             augmented["hints"] = move_hints(batch["hints"], transform)
