@@ -11,11 +11,11 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.contracts import class_name, describe, refused
 from normalgan.data.surface_marks import mark_surfaces
 from normalgan.errors import InputError
+from normalgan.losses.distractor_consistency import add_distractor_strokes
 from normalgan.metrics.functional import unit_vectors, unit_vectors_within
-from normalgan.objectives.steadiness import add_strays
-from normalgan.plugin_outputs import called, refused, shown
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 
@@ -86,12 +86,12 @@ def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch
         raise refused(augmentation, given, asked)
     for name, before in batch.items():
         if name not in given:
-            raise InputError(f"{called(augmentation)} gave a batch without {name}; {asked}.")
+            raise InputError(f"{class_name(augmentation)} gave a batch without {name}; {asked}.")
         after = given[name]
         if isinstance(before, Tensor) and not (isinstance(after, Tensor) and after.shape == before.shape):
             raise InputError(
-                f"{called(augmentation)} gave {shown(after)} as {name}, of which there was "
-                f"{shown(before)}; sizes stay as they are."
+                f"{class_name(augmentation)} gave {describe(after)} as {name}, of which there was "
+                f"{describe(before)}; sizes stay as they are."
             )
     return cast(Batch, given)
 
@@ -240,7 +240,7 @@ class Augmentation(BatchAugmentation):
         stretch: whether width and height are scaled each by a factor of its own, drawn from ``scale``: an
             animal becomes a longer or a taller one, which few meshes can make many.
         shear: largest slant in degrees, either way.
-        strays: probability of each of two short strokes on the object that say nothing of its form.
+        distractor_strokes: probability of each of two short strokes on the object that say nothing of its form.
         fills: probability that areas of the drawing are filled black, with white lines in them or none.
         decals: probability of text, a logo, windows, spots or stripes on the object.
         hatching: probability that the object's side away from a light is hatched.
@@ -261,7 +261,7 @@ class Augmentation(BatchAugmentation):
         width: float = 0.4,
         stretch: bool = False,
         shear: float = 0.0,
-        strays: float = 0.0,
+        distractor_strokes: float = 0.0,
         fills: float = 0.0,
         decals: float = 0.0,
         hatching: float = 0.0,
@@ -271,7 +271,7 @@ class Augmentation(BatchAugmentation):
             "dropout": dropout,
             "width": width,
             "translation": translation,
-            "strays": strays,
+            "distractor_strokes": distractor_strokes,
             "fills": fills,
             "decals": decals,
             "hatching": hatching,
@@ -294,7 +294,7 @@ class Augmentation(BatchAugmentation):
             "width": width,
             "stretch": stretch,
             "shear": shear,
-            "strays": strays,
+            "distractor_strokes": distractor_strokes,
             "fills": fills,
             "decals": decals,
             "hatching": hatching,
@@ -302,7 +302,7 @@ class Augmentation(BatchAugmentation):
         self.jitter = jitter
         self.dropout = dropout
         self.width = width
-        self.strays = strays
+        self.distractor_strokes = distractor_strokes
         self.marks = (fills, decals, hatching)
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
@@ -324,8 +324,8 @@ class Augmentation(BatchAugmentation):
             sketch = self.roughen(sample_at(sketch, grid + shift))
             moved = sample_at(torch.cat([normal, mask], dim=1), grid)
             mask = (moved[:, 3:] > 0.5).to(mask.dtype)
-            if self.strays:
-                sketch = add_strays(sketch, mask, self.strays)
+            if self.distractor_strokes:
+                sketch = add_distractor_strokes(sketch, mask, self.distractor_strokes)
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
         normal = unit_vectors_within(turn_normals(moved[:, :3], transform), mask)
         if any(self.marks):

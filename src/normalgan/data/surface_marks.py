@@ -13,11 +13,12 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from normalgan.arrays import BoolMask
+
 __all__ = ["add_decal", "add_hatching", "fill_areas", "mark_surfaces"]
 
 Ink = NDArray[np.float32]
 Normals = NDArray[np.float32]
-Flags = NDArray[np.bool_]
 Rng = np.random.Generator
 
 _PAPER = 0.35
@@ -56,7 +57,7 @@ def mark_surfaces(
     return marked
 
 
-def fill_areas(ink: Ink, normals: Normals, mask: Flags, rng: Rng) -> Ink:
+def fill_areas(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
     """Return a sketch with some areas filled black, in which lines are white or gone.
 
     Most often one to four areas that lines enclose are filled, as for hair or a tyre; now and then a patch of
@@ -78,7 +79,7 @@ def fill_areas(ink: Ink, normals: Normals, mask: Flags, rng: Rng) -> Ink:
     return filled
 
 
-def _enclosed(ink: Ink, mask: Flags, rng: Rng) -> Flags:
+def _enclosed(ink: Ink, mask: BoolMask, rng: Rng) -> BoolMask:
     """Return the union of one to four areas of the object that lines enclose, with the lines between them."""
     paper = (mask & (ink < _PAPER)).astype(np.uint8)
     count, areas, stats, _ = cv2.connectedComponentsWithStats(paper, connectivity=4)
@@ -94,13 +95,13 @@ def _enclosed(ink: Ink, mask: Flags, rng: Rng) -> Flags:
     return (closed > 0) & mask
 
 
-def _patch(mask: Flags, rng: Rng) -> Flags:
+def _patch(mask: BoolMask, rng: Rng) -> BoolMask:
     """Return a patch of the object with a smooth outline, a twentieth to a half of it."""
     noise = _smooth(mask.shape, int(rng.integers(3, 8)), rng)
     return mask & (noise > np.quantile(noise[mask], 1 - rng.uniform(0.05, 0.5)))
 
 
-def add_hatching(ink: Ink, normals: Normals, mask: Flags, rng: Rng) -> Ink:
+def add_hatching(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
     """Return a sketch with the side that a light does not reach hatched, crosswise where it is darkest."""
     around, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.1, 0.8)
     flat = np.sqrt(1 - up * up)
@@ -118,7 +119,7 @@ def add_hatching(ink: Ink, normals: Normals, mask: Flags, rng: Rng) -> Ink:
     return np.maximum(ink, np.float32(dark) * strokes)
 
 
-def add_decal(ink: Ink, normals: Normals, mask: Flags, rng: Rng) -> Ink:
+def add_decal(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
     """Return a sketch with text, a logo, windows, spots or stripes on one side of the object."""
     if rng.random() < 0.3:
         return np.maximum(ink, _striped_coat(normals, mask, rng))
@@ -141,7 +142,10 @@ def add_decal(ink: Ink, normals: Normals, mask: Flags, rng: Rng) -> Ink:
     # Blurred as it shrinks: lines thinner than a pixel would break into dots.
     shape = cv2.GaussianBlur(motif(rng), (0, 0), max(0.35 * _MOTIF / size, 0.5))
     drawn = cv2.warpAffine(shape, np.column_stack([plane, place]), mask.shape[::-1])
-    return np.maximum(ink, np.clip(1.6 * drawn, 0, 1) * (mask & (normals @ facing > 0.6)) * np.float32(rng.uniform(0.7, 1.0)))
+    return np.maximum(
+        ink,
+        np.clip(1.6 * drawn, 0, 1) * (mask & (normals @ facing > 0.6)) * np.float32(rng.uniform(0.7, 1.0)),
+    )
 
 
 _MOTIF = 192
@@ -169,7 +173,9 @@ def _logo(rng: Rng) -> Ink:
     middle, bold = (_MOTIF // 2, _MOTIF // 2), int(rng.integers(3, 10))
     corners = int(rng.integers(3, 8))
     angles = np.arange(2 * corners) * np.pi / corners + rng.uniform(0, np.pi)
-    radii = np.where(np.arange(2 * corners) % 2, rng.uniform(0.25, 1.0), 1.0) * _MOTIF * rng.uniform(0.2, 0.33)
+    radii = (
+        np.where(np.arange(2 * corners) % 2, rng.uniform(0.25, 1.0), 1.0) * _MOTIF * rng.uniform(0.2, 0.33)
+    )
     shape = np.stack([np.cos(angles), np.sin(angles)], 1) * radii[:, None] + _MOTIF / 2
     _outlined(picture, shape, bold, bool(rng.random() < 0.5))
     frame = rng.random()
@@ -229,7 +235,7 @@ def _spots(rng: Rng) -> Ink:
     return _ink(picture)
 
 
-def _striped_coat(normals: Normals, mask: Flags, rng: Rng) -> Ink:
+def _striped_coat(normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
     """Return wavy black stripes on all of an object or a patch of it, as of a zebra or a jersey."""
     spacing = rng.uniform(7, 24)
     black = spacing * rng.uniform(0.15, 0.6)
@@ -265,7 +271,9 @@ def _stripes(
     down = np.arange(height, dtype=np.float32)[:, None] * np.float32(np.sin(angle) / scale)
     place = across + down + np.float32(rng.uniform(0.3, 1.5)) * _smooth(shape, 9, rng)
     if follow:
-        place = place + np.float32(follow) * (normals[..., 0] * np.sin(angle) + normals[..., 1] * np.cos(angle))
+        place = place + np.float32(follow) * (
+            normals[..., 0] * np.sin(angle) + normals[..., 1] * np.cos(angle)
+        )
     from_line = np.abs(np.remainder(place, spacing) - spacing / 2)
     ink: Ink = np.clip((width / 2 - from_line) * scale + 0.5, 0, 1).astype(np.float32)
     return ink
