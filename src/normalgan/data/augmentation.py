@@ -240,7 +240,8 @@ class Augmentation(BatchAugmentation):
         stretch: whether width and height are scaled each by a factor of its own, drawn from ``scale``: an
             animal becomes a longer or a taller one, which few meshes can make many.
         shear: largest slant in degrees, either way.
-        distractor_strokes: probability of each of two short strokes on the object that say nothing of its form.
+        distractor_strokes: probability of each of two short strokes on the object that say nothing of its
+            form.
         fills: probability that areas of the drawing are filled black, with white lines in them or none.
         decals: probability of text, a logo, windows, spots or stripes on the object.
         hatching: probability that the object's side away from a light is hatched.

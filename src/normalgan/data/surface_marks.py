@@ -1,7 +1,7 @@
 """Marks that drawings have and that say nothing of the form: filled areas, decals, hatching for shade.
 
-All are drawn on single sketches with numpy and OpenCV: ink (H, W) in [0, 1], ink 1; normals (H, W, 3), x right,
-y up, z to the viewer; a mask (H, W), True on the object. Lengths are given in pixels of a sketch of 256.
+All are drawn on single sketches with numpy and OpenCV: ink (H, W) in [0, 1], ink 1; normals (H, W, 3), x
+right, y up, z to the viewer; a mask (H, W), True on the object. Lengths are in pixels of a sketch of 256.
 """
 
 import string
@@ -13,12 +13,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from normalgan.arrays import BoolMask
+from normalgan.arrays import BoolMask, Doubles, Floats
 
 __all__ = ["add_decal", "add_hatching", "fill_areas", "mark_surfaces"]
 
-Ink = NDArray[np.float32]
-Normals = NDArray[np.float32]
 Rng = np.random.Generator
 
 _PAPER = 0.35
@@ -57,7 +55,7 @@ def mark_surfaces(
     return marked
 
 
-def fill_areas(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
+def fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
     """Return a sketch with some areas filled black, in which lines are white or gone.
 
     Most often one to four areas that lines enclose are filled, as for hair or a tyre; now and then a patch of
@@ -75,11 +73,11 @@ def fill_areas(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
         area = mask & (cv2.dilate(area.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0)
     white = rng.uniform(0.8, 1.0) if rng.random() < 0.7 else 0.0
     inner = cv2.erode(area.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
-    filled: Ink = np.where(inner, 1.0 - white * ink, np.maximum(ink, area)).astype(np.float32)
+    filled: Floats = np.where(inner, 1.0 - white * ink, np.maximum(ink, area)).astype(np.float32)
     return filled
 
 
-def _enclosed(ink: Ink, mask: BoolMask, rng: Rng) -> BoolMask:
+def _enclosed(ink: Floats, mask: BoolMask, rng: Rng) -> BoolMask:
     """Return the union of one to four areas of the object that lines enclose, with the lines between them."""
     paper = (mask & (ink < _PAPER)).astype(np.uint8)
     count, areas, stats, _ = cv2.connectedComponentsWithStats(paper, connectivity=4)
@@ -101,7 +99,7 @@ def _patch(mask: BoolMask, rng: Rng) -> BoolMask:
     return mask & (noise > np.quantile(noise[mask], 1 - rng.uniform(0.05, 0.5)))
 
 
-def add_hatching(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
+def add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
     """Return a sketch with the side that a light does not reach hatched, crosswise where it is darkest."""
     around, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.1, 0.8)
     flat = np.sqrt(1 - up * up)
@@ -119,7 +117,7 @@ def add_hatching(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
     return np.maximum(ink, np.float32(dark) * strokes)
 
 
-def add_decal(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
+def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
     """Return a sketch with text, a logo, windows, spots or stripes on one side of the object."""
     if rng.random() < 0.3:
         return np.maximum(ink, _striped_coat(normals, mask, rng))
@@ -131,7 +129,7 @@ def add_decal(ink: Ink, normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
     if facing[2] < 0.3:
         return ink  # the surface is seen from too far aside to be written on
     size = float(np.sqrt(mask.sum())) * rng.uniform(0.3, 0.8)
-    motif: Callable[[Rng], Ink] = (_text, _logo, _windows, _spots)[rng.integers(4)]
+    motif: Callable[[Rng], Floats] = (_text, _logo, _windows, _spots)[rng.integers(4)]
     # From the motif (x right, y down, one unit wide) onto the plane that touches the surface there.
     right = np.array([facing[2], 0.0, -facing[0]]) / np.hypot(facing[0], facing[2])
     over = np.cross(facing, right)
@@ -152,7 +150,7 @@ _MOTIF = 192
 """Side in pixels on which text, logos, windows and spots are drawn before they are laid onto a surface."""
 
 
-def _text(rng: Rng) -> Ink:
+def _text(rng: Rng) -> Floats:
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     font = int(rng.choice([cv2.FONT_HERSHEY_SIMPLEX, cv2.FONT_HERSHEY_DUPLEX, cv2.FONT_HERSHEY_TRIPLEX]))
     letters = np.array(list(string.ascii_uppercase + string.ascii_lowercase + string.digits))
@@ -167,7 +165,7 @@ def _text(rng: Rng) -> Ink:
     return _ink(picture)
 
 
-def _logo(rng: Rng) -> Ink:
+def _logo(rng: Rng) -> Floats:
     """Return a star, a polygon or a disc, filled or not, mostly in a ring or a frame."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     middle, bold = (_MOTIF // 2, _MOTIF // 2), int(rng.integers(3, 10))
@@ -187,7 +185,7 @@ def _logo(rng: Rng) -> Ink:
     return _ink(picture)
 
 
-def _windows(rng: Rng) -> Ink:
+def _windows(rng: Rng) -> Floats:
     """Return rows of panes, some filled, as of a house or a coach."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     rows, columns = rng.integers(1, 5, 2)
@@ -214,7 +212,7 @@ def _windows(rng: Rng) -> Ink:
     return _ink(picture)
 
 
-def _spots(rng: Rng) -> Ink:
+def _spots(rng: Rng) -> Floats:
     """Return ellipses here and there, filled or not."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     bold = -1 if rng.random() < 0.5 else int(rng.integers(2, 6))
@@ -235,7 +233,7 @@ def _spots(rng: Rng) -> Ink:
     return _ink(picture)
 
 
-def _striped_coat(normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
+def _striped_coat(normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
     """Return wavy black stripes on all of an object or a patch of it, as of a zebra or a jersey."""
     spacing = rng.uniform(7, 24)
     black = spacing * rng.uniform(0.15, 0.6)
@@ -246,14 +244,14 @@ def _striped_coat(normals: Normals, mask: BoolMask, rng: Rng) -> Ink:
 
 
 def _stripes(
-    normals: Normals,
+    normals: Floats,
     shape: tuple[int, ...],
     angle: float,
     spacing: float,
     width: float,
     follow: float,
     rng: Rng,
-) -> Ink:
+) -> Floats:
     """Return parallel lines (H, W), slightly wavy.
 
     Args:
@@ -275,17 +273,17 @@ def _stripes(
             normals[..., 0] * np.sin(angle) + normals[..., 1] * np.cos(angle)
         )
     from_line = np.abs(np.remainder(place, spacing) - spacing / 2)
-    ink: Ink = np.clip((width / 2 - from_line) * scale + 0.5, 0, 1).astype(np.float32)
+    ink: Floats = np.clip((width / 2 - from_line) * scale + 0.5, 0, 1).astype(np.float32)
     return ink
 
 
-def _smooth(shape: tuple[int, ...], points: int, rng: Rng) -> Ink:
+def _smooth(shape: tuple[int, ...], points: int, rng: Rng) -> Floats:
     """Return smooth noise (H, W) of deviation about 1, with so many knots along each side."""
     knots = rng.standard_normal((points, points)).astype(np.float32)
     return np.asarray(cv2.resize(knots, shape[1::-1], interpolation=cv2.INTER_CUBIC), dtype=np.float32)
 
 
-def _outlined(picture: NDArray[np.uint8], shape: NDArray[np.float64], bold: int, filled: bool) -> None:
+def _outlined(picture: NDArray[np.uint8], shape: Doubles, bold: int, filled: bool) -> None:
     corners = np.rint(shape).astype(np.int32)[None]
     if filled:
         cv2.fillPoly(picture, list(corners), 255, cv2.LINE_AA)
@@ -293,10 +291,10 @@ def _outlined(picture: NDArray[np.uint8], shape: NDArray[np.float64], bold: int,
         cv2.polylines(picture, list(corners), True, 255, bold, cv2.LINE_AA)
 
 
-def _ink(picture: NDArray[np.uint8]) -> Ink:
+def _ink(picture: NDArray[np.uint8]) -> Floats:
     return picture.astype(np.float32) / 255
 
 
-def _pixels(ink: Ink, length: float) -> int:
+def _pixels(ink: Floats, length: float) -> int:
     """Return a length, in pixels of a sketch of 256, in pixels of this one."""
     return max(round(length * ink.shape[1] / 256), 1)
