@@ -77,7 +77,7 @@ def make_animals(
             the species knows one of these; the others are in a pose of their habits.
 
     Raises:
-        InputError: if there is no animal, no species, or a name is not known.
+        InputError: if there is no animal, no species, a name is not known, or the share is none.
 
     Example:
         >>> [animal.species for animal in make_animals(3, seed=0)]
@@ -87,6 +87,8 @@ def make_animals(
     """
     if count < 1:
         raise InputError(f"a herd has at least one animal, not {count}.")
+    if not 0 <= postures <= 1:
+        raise InputError(f"the share of postures is {postures}; give a number from 0 to 1.")
     names = members(species)
     numbered = [(names[i % len(names)], seed * 10_000 + i // len(names)) for i in range(count)]
     return [Animal(name, number, _posture(name, number, postures)) for name, number in numbered]

@@ -161,8 +161,6 @@ class MeshDataModule(LightningDataModule):
                 "data.extra_animals join meshes of yours, and data.meshes names none; data.animals says how "
                 "many animals there are without."
             )
-        if not 0 <= extra_postures <= 1:
-            raise InputError(f"data.extra_postures is {extra_postures}; it is a share, from 0 to 1.")
         counts = {"extra_animals": extra_animals, "poses": poses, "variants": variants, "memory": memory}
         for name, number in (counts | {"render_workers": render_workers, "workers": workers}).items():
             if number < 0:
@@ -185,8 +183,7 @@ class MeshDataModule(LightningDataModule):
         self.meshes = meshes
         self.groups = groups
         self.animals = animals
-        self.extra_animals = extra_animals
-        self.extra_postures = extra_postures
+        self.extra_animals, self.extra_postures = extra_animals, extra_postures
         self.species = species
         self.poses = poses
         self.variants = variants
