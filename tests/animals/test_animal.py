@@ -121,7 +121,7 @@ def test_a_share_of_a_herd_holds_postures() -> None:
     assert 120 < sum(animal.pose is not None for animal in some) < 180
     fish = make_animals(8, species=["fish"], postures=1.0)
     assert {animal.pose for animal in fish} == {None}
-    with pytest.raises(InputError, match="share of postures is 1.5; give a number from 0 to 1"):
+    with pytest.raises(InputError, match=r"share of postures is 1\.5; give a number from 0 to 1"):
         make_animals(1, postures=1.5)
 
 

@@ -114,13 +114,13 @@ def add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floa
         crossing = _stripes(normals, mask.shape, angle + rng.uniform(0.7, 1.6), spacing, width, follow, rng)
         darkest = mask & (shade < np.quantile(shade[mask], 0.5 * (shade[mask] < level).mean()))
         strokes = np.maximum(strokes, crossing * darkest)
-    return np.maximum(ink, np.float32(dark) * strokes)
+    return np.asarray(np.maximum(ink, np.float32(dark) * strokes), dtype=np.float32)
 
 
 def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
     """Return a sketch with text, a logo, windows, spots or stripes on one side of the object."""
     if rng.random() < 0.3:
-        return np.maximum(ink, _striped_coat(normals, mask, rng))
+        return np.asarray(np.maximum(ink, _striped_coat(normals, mask, rng)), dtype=np.float32)
     # Of eight places that farthest from the outline, so that most of the decal finds room.
     places = np.argwhere(mask)[rng.integers(mask.sum(), size=8)]
     inset = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
@@ -140,10 +140,8 @@ def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
     # Blurred as it shrinks: lines thinner than a pixel would break into dots.
     shape = cv2.GaussianBlur(motif(rng), (0, 0), max(0.35 * _MOTIF / size, 0.5))
     drawn = cv2.warpAffine(shape, np.column_stack([plane, place]), mask.shape[::-1])
-    return np.maximum(
-        ink,
-        np.clip(1.6 * drawn, 0, 1) * (mask & (normals @ facing > 0.6)) * np.float32(rng.uniform(0.7, 1.0)),
-    )
+    drawn = np.clip(1.6 * drawn, 0, 1) * rng.uniform(0.7, 1.0)
+    return np.asarray(np.maximum(ink, drawn * (mask & (normals @ facing > 0.6))), dtype=np.float32)
 
 
 _MOTIF = 192
@@ -292,9 +290,10 @@ def _outlined(picture: NDArray[np.uint8], shape: Doubles, bold: int, filled: boo
 
 
 def _ink(picture: NDArray[np.uint8]) -> Floats:
-    return picture.astype(np.float32) / 255
+    return np.asarray(picture / 255, dtype=np.float32)
 
 
 def _pixels(ink: Floats, length: float) -> int:
     """Return a length, in pixels of a sketch of 256, in pixels of this one."""
-    return max(round(length * ink.shape[1] / 256), 1)
+    side: int = ink.shape[1]
+    return max(round(length * side / 256), 1)

@@ -21,7 +21,7 @@ from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Nodes, Piece, Rig
 from normalgan.rendering.rigs.skinning import world_matrices
 
-PAWS = {
+PAWS: dict[str, tuple[str | None, tuple[float, float, float]]] = {
     "Back": (None, (0, 1, 0)),
     "Torso": ("Back", (0, 1, 0.3)),
     "Torso2": ("Torso", (0, 1, 0.6)),

@@ -373,7 +373,7 @@ def draw_posture(kind: str, rng: np.random.Generator) -> Posture:
     posture = table[list(table)[rng.integers(len(table))]]
     wide = posture.spread
 
-    def off(*angles: float, by: Sequence[float] | float = wide) -> Bend:
+    def off(*angles: float, by: Sequence[float] | Doubles | float = wide) -> Bend:
         a, b, c = np.asarray(angles) + rng.uniform(-1.0, 1.0, 3) * by
         return float(a), float(b), float(c)
 
