@@ -43,7 +43,10 @@ def test_a_whole_animal_has_as_many_faces_as_promised(species: str) -> None:
     assert np.mean(np.einsum("ij,ij->i", mesh.normals, area_normals(mesh)) > 0.8) > 0.999
 
 
-@pytest.mark.parametrize(("species", "pose"), [("horse", "gallop"), ("dog", "gallop"), ("cat", "sit")])
+@pytest.mark.parametrize(
+    ("species", "pose"),
+    [("horse", "gallop"), ("dog", "gallop"), ("cat", "sit"), ("cow", "lie"), ("elephant", "beg")],
+)
 def test_folded_legs_stay_on(species: str, pose: str) -> None:
     body = solid(Animal(species, 3, pose).load())
     assert body.is_watertight

@@ -1,8 +1,11 @@
 """Postures: limbs point where the table says, feet stand on one ground, and no skin tears."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from mesh_shapes import MESHES, needs_meshes
+from rig_files import bar, write_gltf
 from test_poses import stretch
 
 from normalgan.arrays import Doubles
@@ -122,6 +125,13 @@ def test_a_rig_of_other_names_has_no_postures() -> None:
     assert find_skeleton(other) is None
     poses = [draw_pose(other, np.random.default_rng(3), share) for share in (0.0, 1.0)]
     assert poses[1].shape == poses[0].shape  # drawn from the joints' ranges instead
+
+
+def test_nodes_have_the_names_of_the_file(tmp_path: Path) -> None:
+    gltf, _ = bar()
+    gltf.tree["nodes"][1]["name"] = "Tail1"
+    names = read_rig(write_gltf(tmp_path / "bar.gltf", gltf)).names
+    assert names == tuple("Tail1" if index == 1 else "" for index in range(len(gltf.tree["nodes"])))
 
 
 def test_without_postures_poses_are_as_before() -> None:
