@@ -54,6 +54,8 @@ class MeshDataModule(LightningDataModule):
         animals: how many embedded animals there are, if no meshes are given.
         extra_animals: embedded animals that join the training meshes that are given; those to validate and
             test stay as they are.
+        extra_postures: share of these animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back,
+            where the species knows one of these.
         species: groups (such as quadrupeds or birds) and species that the embedded animals are of, in turn.
         poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
         variants: individuals that join each training mesh, varied at random; those to validate and test stay
@@ -102,6 +104,7 @@ class MeshDataModule(LightningDataModule):
         groups: list[MeshGroup] = [],  # noqa: B006  # never changed
         animals: int = 24,
         extra_animals: int = 0,
+        extra_postures: float = 0.0,
         species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
         poses: int = 0,
         variants: int = 0,
@@ -180,7 +183,7 @@ class MeshDataModule(LightningDataModule):
         self.meshes = meshes
         self.groups = groups
         self.animals = animals
-        self.extra_animals = extra_animals
+        self.extra_animals, self.extra_postures = extra_animals, extra_postures
         self.species = species
         self.poses = poses
         self.variants = variants
@@ -246,7 +249,8 @@ class MeshDataModule(LightningDataModule):
             kinds = [MeshGroup(self.meshes, *how).split(settings), *kinds]
         elif not self.groups:
             kinds = [Animals(self.animals, tuple(self.species), self.variants).split(settings)]
-        extra = make_animals(self.extra_animals, self.seed, self.species) if self.extra_animals else []
+        how_many = (self.extra_animals, self.seed, self.species, self.extra_postures)
+        extra = make_animals(*how_many) if self.extra_animals else []
         joined = {split: [mesh for kind in kinds for mesh in kind[split]] for split in SPLITS}
         return {**joined, "train": [*joined["train"], *extra]}
 
