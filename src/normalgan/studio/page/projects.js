@@ -6,6 +6,7 @@ import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from ".
 import { $, download, label, make } from "./dom.js";
 import { icon } from "./icons.js";
 import { decodeAll, keepOnly } from "./pictures.js";
+import { tabRecalls, tabRemembers } from "./settings.js";
 import { pastOf, savedSteps } from "./steps.js";
 import { say, text } from "./text.js";
 
@@ -188,7 +189,7 @@ export class Projects {
 
   /** Opens the project that this tab showed before the page was loaded again, if any; it may be gone by now. */
   async reopen() {
-    const name = sessionStorage.getItem(SHOWN);
+    const name = tabRecalls(SHOWN);
     if (name === null) return;
     this.#remember(null);
     await this.open(name);
@@ -196,8 +197,7 @@ export class Projects {
 
   /** @param {string | null} name of the project that this tab shows; null: it shows none */
   #remember(name) {
-    if (name === null) sessionStorage.removeItem(SHOWN);
-    else sessionStorage.setItem(SHOWN, name);
+    tabRemembers(SHOWN, name);
   }
 
   /** @param {string} name */

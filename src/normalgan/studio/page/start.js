@@ -8,6 +8,7 @@ import { $, label, make, open } from "./dom.js";
 import { icon } from "./icons.js";
 import { linesAt } from "./ink.js";
 import { decodeAll } from "./pictures.js";
+import { tabRecalls, tabRemembers } from "./settings.js";
 import { openTabs } from "./tab.js";
 import { say, text } from "./text.js";
 
@@ -26,10 +27,10 @@ export async function begin(parts) {
   const { projects, importing, status } = parts;
   try {
     // Once in a tab: a page that is loaded again offers what was made of it since.
-    const again = sessionStorage.getItem(OPENED) !== null;
+    const again = tabRecalls(OPENED) !== null;
     const first = again ? null : await named().catch((error) => status.fail(error));
     if (again) await projects.reopen();
-    if (first !== undefined) sessionStorage.setItem(OPENED, "yes");
+    if (first !== undefined) tabRemembers(OPENED, "yes");
     if (first?.kind === "project") await projects.open(first.name);
     if (first?.kind === "document") await projects.load(first.document, null, false);
     if (first?.kind === "drawing") {
@@ -43,7 +44,13 @@ export async function begin(parts) {
       if (read) placed.catch((error) => status.fail(error));
       else await placed;
     }
-    await offer(await unsaved(await openTabs()), parts);
+  } catch (error) {
+    status.fail(error);
+  }
+  try {
+    const { left, failed } = await unsaved(await openTabs());
+    if (failed) status.say(say("storageUnread", { reason: /** @type {Error} */ (failed).message }), "error");
+    await offer(left, parts);
   } catch (error) {
     status.fail(error);
   }
@@ -60,29 +67,35 @@ let offered = [];
 async function offer(found, parts) {
   offered = found;
   const banner = $("restore");
-  const [newest] = found;
-  banner.hidden = !newest;
-  if (!newest) return;
+  banner.hidden = !found.length;
+  if (!found.length) return;
   const { projects, autosave, status } = parts;
-  const about = await described(newest);
-  $("restore-words").textContent = say("restoreAsk", { name: about.name, when: about.when });
+  let [newest] = found;
+  let about = await described(newest);
+  for (const other of found.slice(1)) {
+    if (!about.problem) break;
+    const next = await described(other);
+    if (!next.problem) [newest, about] = [other, next];
+  }
+  const { name, when, problem } = about;
+  $("restore-words").textContent = problem ? say("unreadable", { when, reason: problem }) : say("restoreAsk", { name, when });
   $("restore-picture").replaceChildren(about.picture);
+  $("restore-yes").hidden = problem !== "";
   $("restore-all").hidden = found.length < 2;
   $("restore-all").textContent = say("restoreAll", { count: found.length });
   /** @param {Left} left */
   const restore = async (left) => {
     if (!(await projects.mayLeave())) return;
-    const { doc, etag, past } = await left.read();
+    const { doc, etag, past, missing } = await left.read();
     if (!(await projects.load(doc, etag, false, past))) return;
-    // It is this tab's now, and kept under its name before the old one goes.
-    await autosave.flush();
-    await autosave.drop(left.tab, left.there);
+    // It is this tab's now. The old one goes once it is kept under this one's name, and never what could not be read.
+    if ((await autosave.secure()) && !missing) await autosave.drop(left);
     banner.hidden = true;
-    status.say(text.restored);
+    status.say(missing ? say("restoredPart", { count: missing }) : text.restored, missing ? "warning" : "");
   };
   /** @param {Left[]} dropped */
   const drop = async (dropped) => {
-    for (const left of dropped) await autosave.drop(left.tab, left.there);
+    for (const left of dropped) await autosave.drop(left);
     await offer(offered.filter((left) => !dropped.includes(left)), parts);
   };
   /** @param {() => Promise<void>} work */
@@ -101,8 +114,8 @@ async function list(found, { restore, drop, said }) {
   /** @type {HTMLDialogElement} */
   const dialog = $("restore-dialog");
   const rows = await Promise.all(found.map(async (left) => {
-    const { name, when, picture } = await described(left);
-    const open = make("button", { type: "button", class: "project" }, picture, make("strong", { text: name }), make("span", { text: when }));
+    const { name, when, picture, problem } = await described(left);
+    const open = make("button", { type: "button", class: "project" }, picture, make("strong", { text: name }), make("span", { text: problem || when }));
     open.addEventListener("click", () => {
       dialog.close();
       said(() => restore(left));
@@ -120,20 +133,23 @@ async function list(found, { restore, drop, said }) {
   if ((await open(dialog)) === "drop") await drop(offered);
 }
 
-/** Returns what unsaved work is called, when it was changed, and a small picture of it. @param {Left} left */
+/**
+ * Returns what unsaved work is called, when it was changed, a small picture of it, and why it cannot be read, if so.
+ * @param {Left} left
+ */
 async function described({ name, changed, read }) {
-  const when = new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+  const when = changed ? new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" }) : text.unknownTime;
   const picture = make("canvas", { class: "small", width: SMALL, height: SMALL, "aria-hidden": "true" });
-  let called = name;
+  let [called, problem] = [name, ""];
   try {
     const doc = parseDocument((await read()).doc);
     called = doc.settings.name || called;
     await decodeAll(picturesOf(doc));
     draw(picture, doc);
-  } catch {
-    // A damaged one is offered all the same; restoring it says what is wrong.
+  } catch (error) {
+    problem = /** @type {Error} */ (error).message;
   }
-  return { name: called || text.untitled, when, picture };
+  return { name: called || text.untitled, when, picture, problem };
 }
 
 /** Draws a document as large as fits. @param {HTMLCanvasElement} canvas @param {import("./document.js").Doc} doc */
