@@ -1,7 +1,7 @@
 """Firefox as its users have it, driven over Marionette; skips the test with a reason where it is missing.
 
-Playwright drives a Firefox of its own alone, and Debian has no geckodriver. Marionette, which geckodriver itself
-speaks, is in each Firefox: a length, a colon, and JSON over a socket. Commands:
+Playwright drives only its own build of Firefox, and Debian has no geckodriver. Each Firefox has Marionette,
+which geckodriver itself speaks: a length, a colon, and JSON over a socket. Commands:
 https://searchfox.org/mozilla-central/source/remote/marionette/driver.sys.mjs
 """
 
@@ -79,7 +79,10 @@ class Firefox:
 
     def run(self, body: str, *arguments: object) -> Any:
         """Return what a function body in the page returns, awaited."""
-        script = f"const done = arguments[arguments.length - 1]; (async (...given) => {{ {body} }})(...arguments).then(done, (error) => done(`failed: ${{error}}`));"
+        script = (
+            f"const done = arguments[arguments.length - 1], work = async (...given) => {{ {body} }};"
+            "work(...arguments).then(done, (error) => done(`failed: ${error}`));"
+        )
         return self.command("WebDriver:ExecuteAsyncScript", {"script": script, "args": list(arguments)})
 
     def wait_for(self, condition: str) -> None:

@@ -236,13 +236,13 @@ class Studio:
             self.page.locator("#name-field").fill(name)
             self.page.keyboard.press("Enter")
 
-    def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> None:
-        """Wait until the browser's own store holds some unsaved work."""
+    def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """Wait until the browser's own store holds some unsaved work, and return it."""
         end = time.monotonic() + 90
         while True:  # `wait_for_function` takes a promise for true
             kept = self.page.evaluate(STORED)
-            if any(map(wanted, kept)):
-                return
+            if found := next(filter(wanted, kept), None):
+                return dict(found)
             assert time.monotonic() < end, f"only this is kept: {kept}"
             self.page.wait_for_timeout(20)
 

@@ -15,7 +15,8 @@ const database = await new Promise((resolve) => {
   indexedDB.open("normalgan-studio").onsuccess = ({ target }) => resolve(target.result);
 });
 const all = await new Promise((resolve) => {
-  database.transaction("unsaved").objectStore("unsaved").getAll().onsuccess = ({ target }) => resolve(target.result);
+  const heads = database.transaction("unsaved").objectStore("unsaved");
+  heads.getAll().onsuccess = ({ target }) => resolve(target.result);
 });
 database.close();
 return Math.max(0, ...all.map((each) => each.history.steps.length));

@@ -1,6 +1,7 @@
 """The studio's tools: lines are selected, moved, scaled, mirrored, coloured; the paper is resized."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -146,3 +147,47 @@ def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_pat
     column, row = map(round, studio.on_board(-8, 200))
     np.testing.assert_allclose(studio.screen()[row, column], [40, 160, 60], atol=8)
     assert studio.painted() == before  # what is looked at is never painted from
+
+
+def moves(before: list[dict[str, Any]], after: list[dict[str, Any]]) -> list[tuple[int, int]]:
+    """Return how far each mark was moved."""
+    places = [
+        [mark["points"][:2] if "points" in mark else [mark["x"], mark["y"]] for mark in marks]
+        for marks in (before, after)
+    ]
+    return [(round(x - a), round(y - b)) for (a, b), (x, y) in zip(*places, strict=True)]
+
+
+def test_points_regions_mask_and_what_was_erased_move_with_the_lines_around_them(studio: Studio) -> None:
+    page = studio.page
+    studio.circle(60, 60, 40)
+    studio.line((150, 40), (230, 40), (230, 110), (150, 110), (150, 40))
+    page.keyboard.press("e")
+    studio.line((60, 95), (60, 105))  # a gap in the circle
+    assert not studio.inked(60, 100)
+    for x, y in ((60, 60), (190, 75)):
+        studio.pin(x, y)
+        page.keyboard.press("Escape")
+    page.keyboard.press("r")
+    studio.line((40, 40), (55, 40), (55, 55), (40, 55), (40, 41))
+    page.keyboard.press("m")
+    studio.line((50, 70), (70, 70))
+    page.keyboard.press("s")
+
+    def layer_after(steps: int) -> dict[str, Any]:
+        kept = studio.wait_for_store(lambda kept: kept["history"]["at"] == steps)
+        return dict(kept["doc"]["layers"][0])
+
+    before = layer_after(7)
+    with studio.repainting():
+        studio.line((20, 60), (60, 80), (120, 160))  # the circle, by its left side
+    after = layer_after(8)
+    assert moves(before["hints"], after["hints"]) == [(100, 100), (0, 0)]
+    assert moves(before["areas"], after["areas"]) == [(100, 100)]
+    assert moves(before["mask"], after["mask"]) == [(100, 100)]
+    assert not studio.inked(160, 200)  # the gap went along
+    assert studio.inked(160, 120)
+    page.keyboard.press("Control+a")
+    with studio.repainting():
+        studio.line((200, 160), (200, 150), (190, 130))  # all of the layer
+    assert moves(after["hints"], layer_after(9)["hints"]) == [(-10, -30), (-10, -30)]

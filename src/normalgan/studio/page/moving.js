@@ -1,10 +1,13 @@
 /** Moving: strokes, pictures and whole documents made larger or smaller and put elsewhere. */
 
+import { sidesOf } from "./strokes.js";
+
 /**
  * @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Stroke} Stroke
- * @typedef {import("./document.js").Picture} Picture
+ * @typedef {import("./document.js").Layer} Layer @typedef {import("./document.js").Picture} Picture
  * @typedef {{scale: number, x: number, y: number}} Move (x, y) goes to scale · (x, y) + these
  * @typedef {{left: number, top: number, right: number, bottom: number}} Box
+ * @typedef {{x: number, y: number}} Point
  */
 
 /** @param {number[]} points x, y, then more numbers that stay @param {number} stride numbers for a point @param {Move} move */
@@ -25,6 +28,116 @@ export function movedStroke(stroke, move) {
   return { ...stroke, points: moved(stroke.points, 3, move), size: stroke.size * move.scale, ...mirror };
 }
 
+/** A point stays on the paper, in the middle of a pixel. @param {import("./document.js").Hint} hint @param {Move} move @param {{width: number, height: number}} doc */
+function movedHint(hint, { scale, x, y }, { width, height }) {
+  const clamp = (/** @type {number} */ value, /** @type {number} */ side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
+  return {
+    ...hint, x: clamp(hint.x * scale + x, width), y: clamp(hint.y * scale + y, height),
+    ...(hint.reach !== undefined && { reach: hint.reach * scale }),
+  };
+}
+
+/** @param {import("./document.js").Area} area @param {Move} move @returns {import("./document.js").Area} */
+const movedArea = (area, move) => ({ ...area, points: moved(area.points, 2, move), ...(area.size && { size: area.size * move.scale }) });
+
+/** @param {import("./document.js").MaskStroke} stroke @param {Move} move @returns {import("./document.js").MaskStroke} */
+const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * move.scale });
+
+/**
+ * @typedef {{strokes: Set<number>, hints: Set<number>, areas: Set<number>, mask: Set<number>}} Along places in the lists of a
+ *   layer of all that moves together
+ */
+
+/**
+ * Returns what moves with chosen strokes: what was erased, points, regions and strokes of the mask that lie among them. With
+ * all strokes of a layer goes all that it has.
+ * @param {Layer} layer
+ * @param {number[]} chosen places of the strokes
+ * @returns {Along}
+ */
+export function alongWith({ strokes, hints, areas, mask }, chosen) {
+  const all = strokes.every(({ kind }, i) => kind === "eraser" || chosen.includes(i));
+  const hull = all ? [] : hullOf(chosen.flatMap((i) => cornersAbout(strokes[i])));
+  /** @template T @param {T[]} list @param {(each: T) => Point | null} at @returns {Set<number>} */
+  const among = (list, at) => new Set(list.flatMap((each, i) => {
+    const point = at(each);
+    return point && (all || isInside(hull, point)) ? [i] : [];
+  }));
+  const erased = among(strokes, (stroke) => (stroke.kind === "eraser" ? middleOf(stroke.points, 3) : null));
+  return {
+    strokes: new Set([...chosen, ...erased]), hints: among(hints, (hint) => hint),
+    areas: among(areas, ({ points }) => middleOf(points, 2)), mask: among(mask, ({ points }) => middleOf(points, 2)),
+  };
+}
+
+/**
+ * Returns a layer in which some of what it has is moved.
+ * @param {Layer} layer @param {Along} along @param {Move} move @param {{width: number, height: number}} doc its paper
+ * @returns {Layer}
+ */
+export function movedParts(layer, along, move, doc) {
+  /** @template T @param {T[]} list @param {Set<number>} places @param {(each: T) => T} work @returns {T[]} */
+  const some = (list, places, work) => (places.size ? list.map((each, i) => (places.has(i) ? work(each) : each)) : list);
+  return {
+    ...layer,
+    strokes: some(layer.strokes, along.strokes, (each) => movedStroke(each, move)),
+    hints: some(layer.hints, along.hints, (each) => movedHint(each, move, doc)),
+    areas: some(layer.areas, along.areas, (each) => movedArea(each, move)),
+    mask: some(layer.mask, along.mask, (each) => movedMask(each, move)),
+  };
+}
+
+/** The middle of what points cover. @param {number[]} points @param {number} stride numbers for a point @returns {Point} */
+function middleOf(points, stride) {
+  const box = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
+  for (let i = 0; i < points.length; i += stride) {
+    box.left = Math.min(box.left, points[i]);
+    box.right = Math.max(box.right, points[i]);
+    box.top = Math.min(box.top, points[i + 1]);
+    box.bottom = Math.max(box.bottom, points[i + 1]);
+  }
+  return { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 };
+}
+
+/** Points around all that a stroke covers. @param {Stroke} stroke @returns {Point[]} */
+function cornersAbout(stroke) {
+  if (stroke.kind === "picture") {
+    const { x, y, width, height } = stroke;
+    return [{ x, y }, { x: x + width, y }, { x: x + width, y: y + height }, { x, y: y + height }];
+  }
+  const reach = stroke.size / 2;
+  return sidesOf(stroke).flatMap(({ points }) => {
+    /** @type {Point[]} */
+    const around = [];
+    for (let i = 0; i < points.length; i += 3) {
+      for (const [dx, dy] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) around.push({ x: points[i] + dx * reach, y: points[i + 1] + dy * reach });
+    }
+    return around;
+  });
+}
+
+/** Returns the convex hull of points, by Andrew's monotone chain. @param {Point[]} points @returns {Point[]} */
+function hullOf(points) {
+  const sorted = [...points].sort((a, b) => a.x - b.x || a.y - b.y);
+  /** @param {Point[]} way */
+  const half = (way) => {
+    /** @type {Point[]} */
+    const hull = [];
+    for (const point of way) {
+      while (hull.length > 1 && turnOf(hull[hull.length - 2], hull[hull.length - 1], point) <= 0) hull.pop();
+      hull.push(point);
+    }
+    return hull.slice(0, -1);
+  };
+  return [...half(sorted), ...half(sorted.reverse())];
+}
+
+/** Above 0 where the way from a over b to c turns clockwise on the screen. @param {Point} a @param {Point} b @param {Point} c */
+const turnOf = (a, b, c) => (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+
+/** @param {Point[]} hull @param {Point} point */
+const isInside = (hull, point) => hull.length > 2 && hull.every((from, i) => turnOf(from, hull[(i + 1) % hull.length], point) >= 0);
+
 /**
  * Returns a document on paper of another size.
  * @param {Doc} doc
@@ -37,17 +150,11 @@ export function onPaper(doc, width, height, along) {
   const scale = along ? Math.min(width / doc.width, height / doc.height) : 1;
   const offset = (/** @type {number} */ to, /** @type {number} */ from) => (along ? (to - from * scale) / 2 : Math.round((to - from) / 2));
   const move = { scale, x: offset(width, doc.width), y: offset(height, doc.height) };
-  const clamp = (/** @type {number} */ value, /** @type {number} */ side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
-  const layers = doc.layers.map((layer) => ({
-    ...layer,
-    strokes: layer.strokes.map((stroke) => movedStroke(stroke, move)),
-    hints: layer.hints.map((hint) => ({
-      ...hint, x: clamp(hint.x * scale + move.x, width), y: clamp(hint.y * scale + move.y, height),
-      ...(hint.reach !== undefined && { reach: hint.reach * scale }),
-    })),
-    areas: layer.areas.map((area) => ({ ...area, points: moved(area.points, 2, move), ...(area.size && { size: area.size * scale }) })),
-    mask: layer.mask.map((stroke) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * scale })),
-  }));
+  const places = (/** @type {unknown[]} */ list) => new Set(list.keys());
+  const layers = doc.layers.map((layer) => {
+    const all = { strokes: places(layer.strokes), hints: places(layer.hints), areas: places(layer.areas), mask: places(layer.mask) };
+    return movedParts(layer, all, move, { width, height });
+  });
   return { ...doc, width, height, layers, pictures: doc.pictures.map((picture) => movedPicture(picture, move)) };
 }
 

@@ -1,7 +1,7 @@
 /** Selecting: strokes and pictures are chosen, moved, made larger or smaller, and removed. */
 
 import { activeLayer, withActive } from "./document.js";
-import { extentOf, isHit, movedPicture, movedStroke, unitedBox } from "./moving.js";
+import { alongWith, extentOf, isHit, movedParts, movedPicture, unitedBox } from "./moving.js";
 
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
@@ -106,7 +106,10 @@ export class SelectTool {
     if (isNothing(editor.selection)) return false;
     const { doc, layer } = editor;
     editor.set({ selection: NOTHING });
-    const left = strokes.length ? withActive(doc, { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) }) : doc;
+    // Without any line, points and regions would be of nothing.
+    const all = layer.strokes.every(({ kind }, i) => kind === "eraser" || strokes.includes(i));
+    const kept = { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) };
+    const left = strokes.length ? withActive(doc, all ? { strokes: [], hints: [], areas: [], mask: [] } : kept) : doc;
     editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);
     return true;
   }
@@ -146,8 +149,8 @@ function without(a, b) {
  * @returns {import("./document.js").Doc}
  */
 function withMoved(doc, { strokes, pictures }, move) {
-  const moved = activeLayer(doc).strokes.map((each, i) => (strokes.includes(i) ? movedStroke(each, move) : each));
-  const drawn = strokes.length ? withActive(doc, { strokes: moved }) : doc;
+  const layer = activeLayer(doc);
+  const drawn = strokes.length ? withActive(doc, movedParts(layer, alongWith(layer, strokes), move, doc)) : doc;
   return pictures.length ? { ...drawn, pictures: doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each)) } : drawn;
 }
 
