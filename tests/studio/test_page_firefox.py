@@ -42,10 +42,8 @@ def draw(running: Firefox, file: Path) -> None:
     running.wait_for(f"await (async () => {{ {KEPT} }})() === 3")
 
 
-def restore(running: Firefox) -> None:
-    assert "unsaved work" in running.run("return document.querySelector('#restore-words').textContent")
-    running.click("#restore-yes")
-    running.wait_for("document.querySelector('#status').textContent.startsWith('Restored')")
+def restored(running: Firefox) -> None:
+    assert running.run("return document.querySelector('#toast-words').textContent").startswith("Restored")
     assert running.run("return document.querySelectorAll('#picture-list li').length") == 1
 
 
@@ -61,11 +59,11 @@ def test_unsaved_work_with_a_picture_is_restored_in_firefox(
         running.go("about:blank")
         server.begin_anew()  # what is restored is the browser's
         start(running, server)
-        running.wait_for("document.querySelector('#restore-picture canvas')")
+        restored(running)
     server.begin_anew()
     with firefox(tmp_path / "profile") as running:
         start(running, server)
-        restore(running)
+        restored(running)
 
 
 def test_unsaved_work_outlives_a_killed_firefox(server: Server, tmp_path: Path) -> None:
@@ -78,4 +76,4 @@ def test_unsaved_work_outlives_a_killed_firefox(server: Server, tmp_path: Path) 
     server.begin_anew()
     with firefox(tmp_path / "profile") as running:
         start(running, server)
-        restore(running)
+        restored(running)

@@ -64,10 +64,12 @@ def begun(context: "BrowserContext", server: Server, *, room: int | None = None)
 
 
 def write_noise(path: Path, size: int) -> None:
-    """Write a PNG of about so many bytes; noise cannot be packed."""
-    side = math.ceil(math.sqrt(size / 3))
-    noise = np.random.default_rng(0).integers(0, 256, (side, side, 3), np.uint8)
-    Image.fromarray(noise).save(path)
+    """Write a square PNG of about so many bytes, at least as large as a drawing; noise cannot be packed."""
+    side = max(SIDE, math.ceil(math.sqrt(size / 3)))
+    picture = np.full((side, side, 3), 255, np.uint8)
+    rows = round(size / 3 / side)
+    picture[:rows] = np.random.default_rng(0).integers(0, 256, (rows, side, 3), np.uint8)
+    Image.fromarray(picture).save(path)
 
 
 def trace(studio: Studio, file: Path) -> None:
@@ -75,13 +77,6 @@ def trace(studio: Studio, file: Path) -> None:
     with studio.saying("Imported"):
         studio.page.set_input_files("#import-file", files=file)
         studio.page.locator("#choose button[value=traced]").click()
-
-
-def restored(studio: Studio) -> None:
-    """Restore what is offered."""
-    assert "unsaved work" in studio.page.locator("#restore-words").inner_text()
-    with studio.saying("Restored"):
-        studio.page.locator("#restore-yes").click()
 
 
 @pytest.mark.parametrize("size", [KB, 64 * KB, 8 * MB])
@@ -95,9 +90,9 @@ def test_unsaved_work_with_a_picture_is_restored(server: Server, tmp_path: Path,
             studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 3)
         server.begin_anew()  # what is restored is the browser's
         with begun(context, server) as studio:  # and in every later tab
-            studio.page.locator("#restore-picture canvas").wait_for()
+            studio.restored()
     with profile(tmp_path / "profile") as context, begun(context, server) as studio:
-        restored(studio)
+        studio.restored()
         assert studio.page.locator("#picture-list li").count() == 1
         assert studio.inked(100, 20)
         studio.page.keyboard.press("Control+z")
@@ -134,7 +129,7 @@ def test_unsaved_work_outlives_a_killed_browser(server: Server, tmp_path: Path) 
         kill(folder)
     server.begin_anew()
     with profile(folder) as context, begun(context, server) as studio:
-        restored(studio)
+        studio.restored()
         assert studio.inked(100, 20)
         assert studio.page.locator("#picture-list li").count() == 1
 
@@ -153,7 +148,7 @@ def test_a_browser_that_is_killed_while_it_writes_keeps_what_was_there_before(
         kill(folder)
     server.begin_anew()
     with profile(folder) as context, begun(context, server) as studio:
-        restored(studio)
+        studio.restored()
         assert studio.inked(100, 20)
 
 
@@ -178,7 +173,7 @@ def test_work_on_a_full_disk_is_not_lost_and_it_is_said(server: Server, tmp_path
         with begun(
             context, server, room=MB
         ) as studio:  # what was kept before the disk was full is still there
-            restored(studio)
+            studio.restored()
             assert studio.inked(100, 20)
 
 
@@ -198,7 +193,7 @@ def test_without_room_for_the_history_the_drawing_is_kept(server: Server, tmp_pa
             studio.wait_for_store(lambda kept: len(kept["doc"]["layers"][0]["strokes"]) == 2)
         server.begin_anew()
         with begun(context, server) as studio:
-            restored(studio)
+            studio.restored()
             assert studio.inked(100, 20)
 
 
@@ -242,7 +237,7 @@ def test_the_servers_copy_is_restored_where_the_browsers_is_damaged(server: Serv
         studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 3)
     damage(folder)
     with profile(folder) as context, begun(context, server) as studio:
-        restored(studio)
+        studio.restored()
         assert studio.inked(100, 20)
         assert studio.page.locator("#picture-list li").count() == 1
 
@@ -259,7 +254,8 @@ def test_a_browser_that_keeps_nothing_starts_and_offers_the_servers_copy(
     (tmp_path / "strict" / "Default" / "Preferences").write_text(json.dumps(settings))
     with profile(tmp_path / "strict") as context, begun(context, server) as studio:
         assert "Couldn't look for unsaved work" in studio.status()
-        restored(studio)
+        with studio.saying("Restored"):
+            studio.page.locator("#restore-yes").click()
         assert studio.inked(100, 20)
         with studio.saying("can't keep"):
             studio.line((20, 40), (200, 40))
@@ -281,7 +277,7 @@ def test_a_store_that_never_answers_keeps_no_page_from_starting(server: Server, 
             page.clock.run_for(10_000)
             page.wait_for_selector("html[data-ready]")
             assert "doesn't answer" in page.locator("#status").inner_text()
-            assert "unsaved work" in page.locator("#restore-words").inner_text()
+            assert "Unsaved work" in page.locator("#restore-words").inner_text()
 
 
 def test_a_newer_studio_may_change_the_store_while_an_older_page_is_open(
@@ -331,5 +327,5 @@ def test_an_older_studios_store_is_taken_over(server: Server, tmp_path: Path) ->
             assert "older studio" in studio.status()
             page.close()
         with begun(context, server) as studio:
-            restored(studio)
+            studio.restored()
             assert studio.inked(100, 20)

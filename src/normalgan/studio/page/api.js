@@ -60,8 +60,11 @@ const words = (response, name) => decodeURIComponent(response.headers.get(name) 
 const PATIENCE = 10_000;
 const inTime = () => ({ signal: AbortSignal.timeout(PATIENCE) });
 
-/** @returns {Promise<{version: string, model: {name: string, size: number}}>} */
-export const about = async () => (await ask("/api/about", inTime())).json();
+/**
+ * Returns what answers; `exports`: what can be exported and in which formats, all where that is not said.
+ * @returns {Promise<{version: string, model: {name: string, size: number}, exports?: Record<string, string[]>}>}
+ */
+export const about = async () => (await ask("/api/about")).json();
 
 /** Returns what the command line named. @returns {Promise<{kind: string, name: string, [more: string]: any} | null>} */
 export const named = async () => (await ask("/api/open", inTime())).json();

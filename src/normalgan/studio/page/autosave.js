@@ -27,8 +27,10 @@ export class Autosave extends EventTarget {
     this.tab = tab;
     /** @type {string | null} what the server called the project as this tab has seen it */
     this.etag = null;
-    /** The document as it was last saved or opened: nothing to keep. */
+    /** @type {import("./document.js").Doc | null} the document as it was last saved or opened: nothing to keep */
     this.clean = editor.doc;
+    /** @type {Left | null} what another tab left and this one shows; it stays where it is until more is drawn and kept */
+    this.borrowed = null;
     this.stale = false;
     /** @type {Promise<void> | null} the writing to the browser's store that goes on */
     this.writing = null;
@@ -54,10 +56,29 @@ export class Autosave extends EventTarget {
     return this.editor.history.state !== this.clean;
   }
 
+  /** Whether there is work on show that is in no project. */
+  get unsaved() {
+    return this.dirty || this.borrowed !== null;
+  }
+
+  /** Takes what is on show for what another tab left. @param {Left} left */
+  borrow(left) {
+    this.borrowed = left;
+    this.clean = this.editor.history.state;
+  }
+
+  /** Drops what another tab left: it is saved, kept under this one's name, or not wanted any more. */
+  async #return() {
+    const { borrowed } = this;
+    this.borrowed = null;
+    if (borrowed) await this.drop(borrowed);
+  }
+
   /** Notes that the document is saved as a project, or fresh: what was kept is dropped. */
   async settle(doc = this.editor.history.state) {
     this.clean = doc;
     if (this.dirty) return;
+    await this.#return();
     clearTimeout(this.timer);
     this.timer = 0;
     await this.sending; // or it would lie there although it is saved
@@ -114,6 +135,8 @@ export class Autosave extends EventTarget {
   }
 
   #changed() {
+    // From now on it is this tab's, whatever is undone.
+    if (this.borrowed && this.dirty) this.clean = null;
     this.#keep();
     this.timer ||= setTimeout(() => this.flush(), LATER);
   }
@@ -133,6 +156,7 @@ export class Autosave extends EventTarget {
         if (!this.dirty) await forget(this.tab, true);
         else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, doc: state, past: this.editor.history });
         this.kept = state;
+        if (this.borrowed && this.dirty) await this.#return();
       } catch (error) {
         this.#failed(error);
       }
