@@ -12,8 +12,8 @@ from hostile import laughs
 from jsonargparse import get_loader
 
 from normalgan.cli.config_files import ConfigCheck, load_bounded
+from normalgan.cli.discovery import is_safe, settings_of_classes
 from normalgan.errors import InputError
-from normalgan.plugins import is_safe, settings_of_classes
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SECTIONS = ("trainer", "model", "data", "checkpoint", "pictures", "report", "output")
