@@ -16,8 +16,8 @@ GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
 
 def test_the_public_names() -> None:
     assert normalgan.__all__ == [
-        *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Predictor", "Pairs", "__version__"),
-        *("hints", "load", "metrics", "models", "losses"),
+        *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Pairs", "Predictor", "__version__"),
+        *("hints", "load", "losses", "metrics", "models"),
     ]
     assert dir(normalgan) == sorted(normalgan.__all__)
     with pytest.raises(AttributeError, match="has no attribute 'lode'"):

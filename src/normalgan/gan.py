@@ -67,8 +67,8 @@ class NormalGAN(LightningModule):
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
         hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
-        distractor_consistency: weight of how many radians the normals turn by where strokes are drawn that say nothing of
-            the form: a quarter of each batch is painted twice, as it is and with these; with 0, none is.
+        distractor_consistency: weight of the mean angle in radians between the normals with and without
+            strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
         share_every: log how long the adversarial gradient is beside that of the reconstruction at every so
             many steps of the generator, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at what it paints); 0 logs none. Such a step takes two passes

@@ -19,6 +19,8 @@ NOT_SAID = (
     # It counts the steps of both optimisers, and our order of samples depends on seed and epoch alone.
     r".*resuming from a checkpoint that ended before the epoch ended.*",
     r".*LeafSpec.*is deprecated.*",  # between torch and lightning
+    r"[\s\S]*JSONARGPARSE_DEPRECATION_WARNINGS",  # between lightning and jsonargparse, said once a process
+    r"[\s\S]*instantiate_classes.* was deprecated",  # the same
     r"LightningCLI.s args parameter is intended.*",  # we do run in-process, with the arguments we mean
 )
 """Warnings of Lightning about what we do on purpose."""
@@ -29,7 +31,6 @@ def filter_warnings() -> None:
     # What hardware there is not, the seed, advertisements.
     for name in ("lightning.pytorch", "lightning.fabric"):
         logging.getLogger(name).setLevel(logging.WARNING)
-    warnings.filterwarnings("ignore", category=DeprecationWarning)  # between lightning and jsonargparse
     for expected in NOT_SAID:
         warnings.filterwarnings("ignore", message=expected)
     warnings.showwarning = _show

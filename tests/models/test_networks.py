@@ -6,6 +6,7 @@ from normalgan.models import (
     DISCRIMINATORS,
     GENERATORS,
     Discriminator,
+    Generator,
     GlobalDiscriminator,
     PatchDiscriminator,
     UNetDiscriminator,
@@ -124,3 +125,17 @@ def test_wrong_sizes_are_said() -> None:
 def test_all_are_registered() -> None:
     assert GENERATORS.names() == ["ResidualUNetGenerator", "TiledGenerator", "UNetGenerator"]
     assert DISCRIMINATORS.names() == ["GlobalDiscriminator", "PatchDiscriminator", "UNetDiscriminator"]
+
+
+class CopiedForward(Generator):
+    """Has the `forward` of `ResidualUNetGenerator` and not its `predict`."""
+
+    def forward(self, condition: torch.Tensor) -> torch.Tensor:
+        return self.predict(condition).channels()
+
+
+def test_a_generator_whose_forward_calls_the_default_predict_is_refused_and_not_stuck() -> None:
+    generator = CopiedForward()
+    for _ in range(2):  # nothing is left behind by the first call
+        with pytest.raises(InputError, match=r"^CopiedForward\.forward calls predict, .*; override predict"):
+            generator(torch.zeros(1, 4, 32, 32))

@@ -65,8 +65,8 @@ def _check_values(sampler: HintSampler, where: Tensor, mask: Tensor) -> None:
     off = int(((where == 1) & (mask < 0.5)).sum())
     if off:
         raise InputError(
-            f"{class_name(sampler)} gave {off} hints off the object; hints must lie where mask is 1: elsewhere "
-            "the true normal is zero."
+            f"{class_name(sampler)} gave {off} hints off the object; hints must lie where mask is 1: "
+            "elsewhere the true normal is zero."
         )
 
 

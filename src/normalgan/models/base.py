@@ -65,13 +65,24 @@ class Generator(Network):
     def predict(self, condition: Tensor) -> Predictions:
         """Return what the losses take in training; by default what `forward` returns, in float32.
 
-        A generator that knows the presence of an object as a logit overrides it, and returns
-        ``self.predict(condition).channels()`` from `forward`: losses such as `AngularLikelihood` need it.
+        A generator that predicts the presence of an object as a logit overrides it, as losses such as
+        `AngularLikelihood` need the logit. Its `forward` returns ``self.predict(condition).channels()``.
 
         Args:
             condition: (N, 4, H, W) as `forward` takes it.
+
+        Raises:
+            InputError: if `forward` calls `predict` and the class does not override it.
         """
-        output = self(condition)
+        if self.__dict__.get("_predicts"):
+            raise InputError(
+                f"{class_name(self)}.forward calls predict, which calls forward; override predict too."
+            )
+        self.__dict__["_predicts"] = True
+        try:
+            output = self(condition)
+        finally:
+            del self.__dict__["_predicts"]
         check_generated(self, output, condition)
         output = output.float()  # under autocast it may be bfloat16
         if output.shape[1] == 3:  # to cut three of three channels out takes a copy on the way back
@@ -101,8 +112,8 @@ def check_generated(generator: nn.Module, predicted: object, condition: Tensor) 
         )
     if predicted.shape[2:] != condition.shape[2:]:
         raise InputError(
-            f"{class_name(generator)} paints {predicted.shape[3]} × {predicted.shape[2]} pixels for a sketch of "
-            f"{width} × {height}; a map is as large as its sketch."
+            f"{class_name(generator)} paints {predicted.shape[3]} × {predicted.shape[2]} pixels for a sketch "
+            f"of {width} × {height}; a map is as large as its sketch."
         )
 
 
@@ -124,8 +135,8 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
             raise InputError(f"{name} gave {describe(value)} as {part}; it is a tensor {wanted} here.")
     if torch.is_grad_enabled() and not preds.direction.requires_grad:
         raise InputError(
-            f"{class_name(generator)} paints maps that no gradient leads back from; do not detach them, and give "
-            "it parameters to learn."
+            f"{class_name(generator)} paints maps that no gradient leads back from; do not detach them, and "
+            "give it parameters to learn."
         )
 
 

@@ -62,8 +62,8 @@ class Check(Generic[T]):
             raise
         except Exception as error:  # whatever somebody else's class may raise
             raise ConformanceError(
-                f"{class_name(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked for "
-                f"{self.name}; {self.contract}."
+                f"{class_name(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked "
+                f"for {self.name}; {self.contract}."
             ) from error
 
 

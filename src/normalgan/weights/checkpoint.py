@@ -42,6 +42,9 @@ _OF_TORCH: dict[str, type[Any]] = {
 }
 _DEFAULT_OPTIMIZER = "normalgan.gan._rmsprop"
 _PYTHON = "made_in_python"
+_RENAMED_SETTINGS = {"steadiness": "distractor_consistency"}
+"""Settings of checkpoints from before version 0.1.0 by their present names. Class paths need no table:
+within a package a class is found by its short name (`Registry.find`)."""
 _PATHS = ("best_model_path", "kth_best_model_path", "last_model_path")
 
 
@@ -166,7 +169,11 @@ def read_checkpoint(path: Path) -> Checkpoint:
     ):
         raise InputError(f"{path} holds no normalgan model; give one that `normalgan fit` saved.")
     # Lightning's note on how it builds the model, which is not asked.
-    settings = {str(name): value for name, value in settings.items() if name != "_instantiator"}
+    settings = {
+        _RENAMED_SETTINGS.get(name, name): value
+        for name, value in ((str(name), value) for name, value in settings.items())
+        if name != "_instantiator"
+    }
     return Checkpoint(path, settings, tensors, callbacks)
 
 
