@@ -12,6 +12,7 @@ from torch.utils.data import DataLoader
 
 from normalgan.animals import make_animals
 from normalgan.batch import Batch
+from normalgan.contracts import check_kinds, class_name, refused
 from normalgan.data.augmentation import BatchAugmentation, augmented
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.jobs.usable import find_unusable, leave_out
@@ -29,9 +30,8 @@ from normalgan.data.splits import SPLITS
 from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
-from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.inference.jobs.plan import find_files
-from normalgan.contracts import class_name, check_kinds, refused
+from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
