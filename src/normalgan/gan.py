@@ -12,7 +12,7 @@ from lightning.pytorch.core.optimizer import LightningOptimizer
 from lightning.pytorch.utilities.parsing import AttributeDict
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
-from torch.optim.lr_scheduler import LRScheduler
+from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler
 
 from normalgan.batch import Batch, Sketches
 from normalgan.contracts import check_kinds, describe
@@ -31,6 +31,7 @@ from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_generated, check_predictions, check_scores
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
+from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
 from normalgan.weights.checkpoint import settings_to_save
 
@@ -63,6 +64,7 @@ class NormalGAN(LightningModule):
         generator_optimizer: optimiser of the generator.
         discriminator_optimizer: optimiser of the discriminator.
         lr_scheduler: schedule of both learning rates, stepped after each epoch; None keeps them constant.
+            ``CosineAnnealingLR`` ends at ``max_epochs``, whatever its ``T_max``.
         adversarial_weight: weight of the objective's generator loss.
         reconstruction: what the generator is to be right about, pixel by pixel.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
@@ -329,6 +331,13 @@ class NormalGAN(LightningModule):
     def _average_statistics(self) -> None:
         if self.trainer.world_size > 1:
             average_statistics(self, self.trainer.strategy)
+
+    def on_train_start(self) -> None:
+        """Let a cosine schedule end with the run, also with one that is resumed to train longer."""
+        epochs = self.trainer.max_epochs
+        for config in self.trainer.lr_scheduler_configs:
+            if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
+                end_cosine_at(config.scheduler, epochs)
 
     def on_train_epoch_end(self) -> None:
         """Step the learning rates: Lightning leaves that to manual optimisation."""
