@@ -19,7 +19,7 @@ RINGS = {
     "the method": (
         {"metrics", "models", "rendering"},
         {"hints", "losses", "animals"},
-        {"weights", "optimizers"},
+        {"weights", "optimizers", "schedules"},
         {"gan"},
     ),
     "using a model": ({"inference"},),
