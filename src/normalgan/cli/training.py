@@ -12,7 +12,7 @@ from textwrap import shorten
 from typing import Any
 
 import yaml
-from jsonargparse import get_loader, set_loader
+from jsonargparse import get_loader, set_loader, set_parsing_settings
 from lightning.fabric.utilities.cloud_io import get_filesystem
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
@@ -31,7 +31,7 @@ from normalgan.checkpoints import (
     named_checkpoint,
     run_folder,
 )
-from normalgan.cli.config_files import ConfigCheck, load_bounded
+from normalgan.cli.config_files import check_config, load_bounded
 from normalgan.cli.overruled import given_names, overruled
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
@@ -40,7 +40,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
-from normalgan.plugins import is_safe, load_plugins, settings_of_classes
+from normalgan.plugins import load_plugins, safe_imports
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
@@ -58,7 +58,12 @@ __all__ = [
 ]
 
 SAFE_CONFIG = "--safe-config"
-"""The option under which a configuration may name but what cannot run a program."""
+"""The option under which only registered classes are imported and built."""
+_OUTPUTS = (
+    *("trainer.default_root_dir", "trainer.logger", "trainer.model_registry", "checkpoint.filename"),
+    *("data.cache", "data.local_cache", "output.folder", "cluster"),
+)
+"""What writes, or runs elsewhere: `SAFE_CONFIG` takes it from the command line alone."""
 
 
 INSTEAD = {
@@ -140,11 +145,13 @@ class NormalGANCLI(LightningCLI):
         command: the Trainer's method that is run.
         arguments: its options.
         held: what the command holds until it ends: the run's folder.
+        safe: whether configurations may not say where is written.
     """
 
-    def __init__(self, command: str, arguments: list[str], held: ExitStack) -> None:
+    def __init__(self, command: str, arguments: list[str], held: ExitStack, safe: bool = False) -> None:
         self.command = command
         self.held = held
+        self.safe = safe
         self.weights: Weights | None = None  # what the model gets, if it does not go on learning
         self.resumed: str | None = None  # the checkpoint that fit goes on from
         self.given = given_names(*with_shipped_configs(arguments), "model")
@@ -218,6 +225,14 @@ class NormalGANCLI(LightningCLI):
         """Let what is saved in a file decide on the model, after a look at whether it can be used."""
         super().parse_arguments(parser, args)
         command, config = self.command, self.config
+        if self.safe:
+            own = parser.parse_args([word for word in args if not word.startswith("--config=")])
+            for name in _OUTPUTS:
+                if config.get(name) != own.get(name):
+                    raise InputError(
+                        f"a configuration sets {name}, and {SAFE_CONFIG} takes it from the command line "
+                        f"alone: give --{name}."
+                    )
         given = None if command == "render" else config["ckpt_path"]
         if given is None and command in {"fit", "render"}:
             return
@@ -325,11 +340,12 @@ def run(arguments: list[str]) -> int:
         KeyboardInterrupt: if it was stopped.
     """
     arguments, section = asked_for(arguments)
-    arguments = _check_configs(arguments)
-    with _reading_settings() as held:
+    safe = SAFE_CONFIG in arguments
+    arguments = _check_configs([argument for argument in arguments if argument != SAFE_CONFIG])
+    with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
         try:
-            NormalGANCLI(arguments[0], arguments[1:], held).run_command()
+            NormalGANCLI(arguments[0], arguments[1:], held, safe).run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
         except SIGTERMException as stop:
@@ -362,11 +378,25 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
 
 
 @contextmanager
-def _reading_settings() -> Iterator[ExitStack]:
-    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used."""
+def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
+    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used.
+
+    Args:
+        safe: whether to import and build registered classes alone. jsonargparse decides on each class or
+            function that any setting names, and cannot be told to allow more again in this process.
+    """
     with warnings.catch_warnings(), ExitStack() as held:
         filter_warnings()
         load_plugins()
+        # Lightning lets jsonargparse read any URL, data: and http: too, that stands where settings may.
+        set_parsing_settings(config_read_mode_fsspec_enabled=False)
+        if safe:
+            set_parsing_settings(
+                import_path_denylist=["*"],
+                import_path_allowlist=safe_imports(),
+                validate_subclass_spec_in_any=True,
+                instantiate_subclass_spec_in_any=False,
+            )
         load = get_loader("yaml")
         held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
         set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
@@ -399,12 +429,9 @@ def _check_configs(arguments: list[str]) -> list[str]:
     """Look at the configurations before anything in them is used; return the parser's arguments.
 
     Raises:
-        InputError: if one cannot be used, or is not as safe as it was asked to be.
+        InputError: if one cannot be used.
     """
-    safe = SAFE_CONFIG in arguments
-    check = ConfigCheck(tuple(SECTIONS), settings_of_classes(), is_safe if safe else None)
     arguments, configs = with_shipped_configs(arguments)
     for given in configs:
-        check.check(given)
-    check.check_arguments(arguments)
-    return [argument for argument in arguments if argument != SAFE_CONFIG]
+        check_config(given, SECTIONS)
+    return arguments
