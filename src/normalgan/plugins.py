@@ -9,7 +9,6 @@ from itertools import accumulate
 from typing import Any
 
 from normalgan.data.augmentation import AUGMENTATIONS
-from normalgan.data.jobs.cluster_address import CLUSTERS
 from normalgan.data.sources import DATA_SOURCES
 from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS
@@ -129,7 +128,7 @@ def safe_imports() -> list[str]:
 
 def misplaced() -> list[LeftOut]:
     """Return what packages offer in groups that look like ours and are none: a typo nobody would notice."""
-    groups = [*(registry.group for registry in REGISTRIES.values()), CLUSTERS]
+    groups = [registry.group for registry in REGISTRIES.values()]
     strange = [g for g in entry_points().groups if g.startswith("normalgan.") and g not in groups]
     return [
         LeftOut(
