@@ -24,6 +24,7 @@ from lightning.pytorch.utilities.exceptions import SIGTERMException
 from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
 from normalgan.checkpoints import (
     LastCheckpoint,
+    check_others,
     check_size,
     check_sizes,
     check_unused,
@@ -153,7 +154,8 @@ class NormalGANCLI(LightningCLI):
         self.held = held
         self.safe = safe
         self.weights: Weights | None = None  # what the model gets, if it does not go on learning
-        self.resumed: str | None = None  # the checkpoint that fit goes on from
+        self.resumed: Path | None = None  # the checkpoint that fit goes on from
+        self.known: set[str] = set()  # the folders that its callbacks wrote to
         self.given = given_names(*with_shipped_configs(arguments), "model")
         super().__init__(
             NormalGAN,
@@ -254,7 +256,7 @@ class NormalGANCLI(LightningCLI):
         """Refuse to train over a finished run, or where nothing can be written."""
         if self.resumed is not None:
             # Tell Lightning the checkpoint that fit goes on from.
-            self.config["ckpt_path"] = self.resumed
+            self.config["ckpt_path"] = str(self.resumed)
             self.config["weights_only"] = True
         command, config = self.command, self.config
         last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
@@ -265,8 +267,8 @@ class NormalGANCLI(LightningCLI):
             config["verbose"] = False  # Lightning's own list of figures would bury our table
         if command in {"fit", "test"}:
             check_writable(last.parent.parent)
-        if command == "fit" and config["ckpt_path"] is None:
-            check_unused(last.parent)
+        if command == "fit":
+            check_unused(last.parent, self.resumed)
         # The other processes of a run share its folder.
         if command == "fit" and rank_zero_only.rank == 0:  # type: ignore[attr-defined]
             self.held.enter_context(one_run_in(last.parent.parent))
@@ -281,6 +283,9 @@ class NormalGANCLI(LightningCLI):
             raise InputError(f"a setting cannot be used: {refusal(error)}") from error
         if self.weights is not None:
             self.weights.load_into(self.model.generator)
+        if self.command == "fit":
+            root = self.config["trainer"]["default_root_dir"]
+            check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
 
     def _resume(self, path: Path) -> None:
         """Read a checkpoint's settings over the configuration's."""
@@ -292,7 +297,8 @@ class NormalGANCLI(LightningCLI):
             self.config = self.parser.parse_object({"model": saved}, self.config)
         except InputError as error:
             raise InputError(f"the model in {path} cannot be built here: {error}") from error
-        self.resumed = str(path)
+        states = [state for state in checkpoint.callbacks.values() if isinstance(state, Mapping)]
+        self.resumed, self.known = path, {str(state.get("dirpath")) for state in states}
 
     def _use_checkpoint(self, path: Path, command: str) -> None:
         """Take the generator of a checkpoint and the hints it learnt with; what else learnt is left alone."""
