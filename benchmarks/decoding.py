@@ -25,7 +25,7 @@ from PIL import Image
 
 from normalgan import decoding
 from normalgan.decoding import worker
-from normalgan.painting.network.onnx_backend import SHIPPED
+from normalgan.inference.network.onnx_backend import SHIPPED
 
 SKETCH = Path(__file__).parents[1] / "examples" / "sketches" / "fox.png"
 SIDES = (256, 512, 1024, 2048)
@@ -33,7 +33,7 @@ HERE = """
 import sys
 import numpy as np
 from normalgan import decoding
-from normalgan.painting.reading import drawings
+from normalgan.inference.reading import drawings
 from normalgan.decoding import worker
 def decode(name, content, sides, svg_side, longest=None, grey=False):
     image, full = worker.decode(content, *sides, svg_side, longest or 0, grey)

@@ -16,13 +16,14 @@ from machine import describe
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.normals import Floats, angles, encode, paint_flat
-from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outputs.preview import lit
-from normalgan.painting.painter import Painter
-from normalgan.painting.reading.picture import Picture
-from normalgan.painting.sheets_and_layers.series import Member, paint_series
+from normalgan.arrays import Floats
+from normalgan.inference.composites.series import Member, predict_series
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.preview import lit
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.picture import Picture
+from normalgan.normals import angles, encode, paint_flat
 from normalgan.rendering import EmbreeRenderer, find_meshes
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.maps import Maps
@@ -91,7 +92,7 @@ def main() -> None:
     parser.add_argument("--model")
     parser.add_argument("--sheet", type=Path, help="where the first rig's maps go, way below way")
     asked = parser.parse_args()
-    painter = Painter(OnnxBackend(find_model(asked.model)))
+    predictor = Predictor(OnnxBackend(find_model(asked.model)))
     figures: dict[str, dict[str, dict[str, float]]] = {}
     strips = []
     for file in find_meshes(asked.rigs):
@@ -100,7 +101,7 @@ def main() -> None:
             members = [Member(Picture(np.repeat(1 - ink[..., None], 3, -1), None)) for ink in inks]
             found = {}
             for way, (shared, steady) in WAYS.items():
-                maps = list(paint_series(painter, members, shared, steady))
+                maps = list(predict_series(predictor, members, shared, steady))
                 good = [each for each in maps if isinstance(each, NormalMap)]
                 found[way] = measure(good, truths)
                 if file.name == Path(asked.rigs[0]).stem and way != "shared":

@@ -18,14 +18,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 from machine import ONE_THREAD, describe
-from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.normals import angles, encode, read_png
 from normalgan.rendering import EmbreeRenderer, Views, find_meshes
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.samples import Recipe, Sample
 
-Floats = NDArray[np.float32]
 RIM, DEEP = 1 / 170, 1 / 20
 """Shares of the side: as far from the silhouette the rim reaches, and what lies deep inside begins."""
 
@@ -52,10 +51,10 @@ def main(arguments: list[str]) -> None:
         for view in range(given.views)
     }
     with tempfile.TemporaryDirectory() as folder:
-        painted = _paint(samples, Path(folder), given.model)
-    rows = {name: _measure(samples[name], *painted[name]) for name in samples}
+        predicted = _predict(samples, Path(folder), given.model)
+    rows = {name: _measure(samples[name], *predicted[name]) for name in samples}
     if given.picture:
-        _draw(samples, painted, given.picture)
+        _draw(samples, predicted, given.picture)
     means = {
         key: round(float(np.mean([row[key] for row in rows.values()])), 4)
         for key in next(iter(rows.values()))
@@ -64,7 +63,7 @@ def main(arguments: list[str]) -> None:
     print(json.dumps({**report, "machine": describe("numpy", "onnxruntime")}, indent=1))
 
 
-def _paint(samples: dict[str, Sample], folder: Path, model: str | None) -> dict[str, tuple[Floats, Floats]]:
+def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dict[str, tuple[Floats, Floats]]:
     """Return the normals (H, W, 3) and the opacity (H, W) that the command makes of each sketch."""
     (folder / "in").mkdir()
     for name, sample in samples.items():
@@ -94,14 +93,14 @@ def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, floa
     }
 
 
-def _draw(samples: dict[str, Sample], painted: dict[str, tuple[Floats, Floats]], path: Path) -> None:
+def _draw(samples: dict[str, Sample], predicted: dict[str, tuple[Floats, Floats]], path: Path) -> None:
     """Write rows of sketch, painted map, true map; and both lit from the upper left."""
     light = np.array([-0.5, 0.6, 0.62], np.float32)
     rows = []
     for name, sample in samples.items():
         ink = np.repeat(255 - sample.sketch[..., None], 3, axis=-1)
         columns = [ink]
-        maps = (painted[name][0], painted[name][1] > 0.5), (sample.normal.astype(np.float32), sample.mask)
+        maps = (predicted[name][0], predicted[name][1] > 0.5), (sample.normal.astype(np.float32), sample.mask)
         for normals, mask in maps:
             colours = np.asarray(encode(normals * mask[..., None]), np.uint8)
             lit = np.where(mask, np.clip(normals @ light, 0.05, 1), 1)[..., None] * np.float32(255)

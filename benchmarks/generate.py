@@ -25,10 +25,10 @@ from machine import describe
 from PIL import Image
 
 from normalgan.cli.generate import run
-from normalgan.painting.network.onnx_backend import OnnxBackend
-from normalgan.painting.parallel import stream
-from normalgan.painting.preparation import prepare
-from normalgan.painting.reading.picture import read_picture
+from normalgan.inference.network.onnx_backend import OnnxBackend
+from normalgan.inference.parallel import stream
+from normalgan.inference.preparation import prepare
+from normalgan.inference.reading.picture import read_picture
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 SIDE = 256
@@ -114,15 +114,15 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
         session, single = OnnxBackend(model), OnnxBackend(model, threads=1)
         pictures = map(read_picture, drawings)
         seen = [prepare(each, session.size, line_widths=session.line_widths).seen for each in pictures]
-        session.paint(seen[0])
-        single.paint(seen[0])
+        session.predict(seen[0])
+        single.predict(seen[0])
         bare: list[tuple[float, float]] = []
         alone, crowd, batch = bare.copy(), bare.copy(), bare.copy()
         arguments = [*map(str, drawings), "-o", str(folder / "batch"), "--model", str(model)]
         for _ in range(rounds):  # by turns, so that a busy machine slows both
-            bare.append(timed(lambda: [session.paint(each) for each in seen], count))
-            alone.append(timed(lambda: [single.paint(each) for each in seen], count))
-            crowd.append(timed(lambda: list(stream(seen, single.paint)), count))
+            bare.append(timed(lambda: [session.predict(each) for each in seen], count))
+            alone.append(timed(lambda: [single.predict(each) for each in seen], count))
+            crowd.append(timed(lambda: list(stream(seen, single.predict)), count))
             load = timed(lambda: OnnxBackend(model, threads=1), count)
             with redirect_stdout(StringIO()):
                 whole = timed(lambda: run(arguments), count)

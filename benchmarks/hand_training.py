@@ -17,8 +17,8 @@ from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.gan import NormalGAN
 from normalgan.hints import NoHints
+from normalgan.losses import Wasserstein
 from normalgan.models import UNetDiscriminator, UNetGenerator
-from normalgan.objectives import Wasserstein
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import SuggestiveContours
 

@@ -12,8 +12,9 @@ import numpy as np
 from machine import describe
 from numpy.typing import NDArray
 
-from normalgan.normals import Floats, normalize
-from normalgan.painting.heights.height import integrate
+from normalgan.arrays import Floats
+from normalgan.inference.heights.height import integrate
+from normalgan.normals import normalize
 
 SIDES = (256, 512, 1024)
 

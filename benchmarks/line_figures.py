@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve, gaussian_filter1d, label
 from skimage.morphology import skeletonize
 
-Marks = NDArray[np.bool_]
-Doubles = NDArray[np.float64]
+from normalgan.arrays import BoolMask, Doubles
+
 _AROUND = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
 _INK = 0.4  # from so dark on a pixel counts as ink
 _FINER = 3  # times enlarged
@@ -91,7 +91,7 @@ def measure(ink: NDArray[np.floating]) -> Figures:
     )
 
 
-def chains(bones: Marks) -> list[NDArray[np.intp]]:
+def chains(bones: BoolMask) -> list[NDArray[np.intp]]:
     """Return the pixels (P, 2), row and column, of each line of a skeleton, in order, between junctions."""
     labels, count = label(bones & ~_junctions(bones), np.ones((3, 3)))
     found = np.argwhere(labels)
@@ -118,13 +118,13 @@ def _walk(pixels: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.array(path)
 
 
-def thinned(ink: Marks) -> Marks:
+def thinned(ink: BoolMask) -> BoolMask:
     """Return the middle of the lines, a pixel wide."""
-    bones: Marks = skeletonize(ink)  # type: ignore[no-untyped-call]
+    bones: BoolMask = skeletonize(ink)  # type: ignore[no-untyped-call]
     return bones
 
 
-def without_spurs(bones: Marks, distance: NDArray[np.float32]) -> Marks:
+def without_spurs(bones: BoolMask, distance: NDArray[np.float32]) -> BoolMask:
     """Return a skeleton without the whiskers that thinning leaves on thick or rough lines.
 
     A whisker runs from an end to a junction, and is no longer than the line is wide there.
@@ -139,7 +139,7 @@ def without_spurs(bones: Marks, distance: NDArray[np.float32]) -> Marks:
     return thinned(kept)
 
 
-def bone_length(bones: Marks) -> float:
+def bone_length(bones: BoolMask) -> float:
     """Return the length of a skeleton in pixels: steps between neighbours, no diagonal beside a corner."""
     straight = (bones[1:] & bones[:-1]).sum() + (bones[:, 1:] & bones[:, :-1]).sum()
     a, b, c, d = bones[:-1, :-1], bones[:-1, 1:], bones[1:, :-1], bones[1:, 1:]
@@ -147,12 +147,12 @@ def bone_length(bones: Marks) -> float:
     return float(straight + np.sqrt(2) * diagonal)
 
 
-def _ends(bones: Marks) -> Marks:
-    ends: Marks = bones & (convolve(bones.astype(int), _AROUND, mode="constant") == 1)
+def _ends(bones: BoolMask) -> BoolMask:
+    ends: BoolMask = bones & (convolve(bones.astype(int), _AROUND, mode="constant") == 1)
     return ends
 
 
-def _junctions(bones: Marks) -> Marks:
+def _junctions(bones: BoolMask) -> BoolMask:
     """Return where three or more lines leave a pixel: paper and bone alternate so often around it."""
     padded = np.pad(bones, 1)
     height, width = bones.shape
@@ -161,7 +161,7 @@ def _junctions(bones: Marks) -> Marks:
     begins = sum(
         (~here & after).astype(int) for here, after in zip(around, around[1:] + around[:1], strict=True)
     )
-    junctions: Marks = bones & (begins >= 3)
+    junctions: BoolMask = bones & (begins >= 3)
     return junctions
 
 

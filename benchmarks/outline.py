@@ -11,7 +11,7 @@ import numpy as np
 from machine import describe
 
 from normalgan.animals import SPECIES, Animal
-from normalgan.painting.mask.outline_mask import fill_outline
+from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.rendering import EmbreeRenderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import SuggestiveContours

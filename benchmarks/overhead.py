@@ -30,9 +30,9 @@ from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.gan import NormalGAN
 from normalgan.hints import NoHints
+from normalgan.losses import CrossEntropy, L1AndHints
 from normalgan.models import PatchDiscriminator, UNetGenerator
 from normalgan.models.condition import make_condition
-from normalgan.objectives import CrossEntropy, L1AndHints
 from normalgan.rendering import EmbreeRenderer
 
 L1 = 100.0

@@ -19,12 +19,13 @@ from machine import describe
 from numpy.typing import NDArray
 from PIL import Image
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.normals import Floats, angles, encode, paint_flat
-from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.painter import Painter
-from normalgan.painting.reading.picture import fitted, read_picture
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.picture import fitted, read_picture
+from normalgan.normals import angles, encode, paint_flat
 
 MOVES = {"right": (1, 0), "down": (0, 1), "both": (1, 1)}
 STROKE, WIDTH, FAR = 1 / 12, 1 / 170, 1 / 4
@@ -65,16 +66,16 @@ def change(
     return angles(one.extended, normals), one.mask & mask
 
 
-def measure(painter: Painter, paper: NDArray[np.uint8]) -> tuple[dict[str, float], list[NormalMap]]:
+def measure(predictor: Predictor, paper: NDArray[np.uint8]) -> tuple[dict[str, float], list[NormalMap]]:
     """Return the mean changes of one drawing, and its maps as it is and with the stroke."""
-    first = painter(paper)
+    first = predictor(paper)
     found = {}
     for name, (right, down) in MOVES.items():
         moved = np.roll(paper, (down, right), (0, 1))
-        turned, both = change(first, painter(moved), (right, down))
+        turned, both = change(first, predictor(moved), (right, down))
         found[name] = float(turned[both].mean())
     marked, away = with_stroke(paper, first.mask)
-    second = painter(marked)
+    second = predictor(marked)
     turned, both = change(first, second)
     far = both & (away > FAR * max(paper.shape))
     found["stroke"] = float(turned[far].mean()) if far.any() else float("nan")
@@ -89,7 +90,7 @@ def main() -> None:
     parser.add_argument("--model", type=Path)
     parser.add_argument("--picture", type=Path, help="where each map goes, and below it that with the stroke")
     given = parser.parse_args()
-    painter = Painter(OnnxBackend(find_model(given.model), threads=1))
+    predictor = Predictor(OnnxBackend(find_model(given.model), threads=1))
     paths = sorted(Path(path) for pattern in given.drawings for path in glob.glob(pattern))
     report: dict[str, object] = {"drawings": len(paths)}
     columns = []
@@ -97,7 +98,7 @@ def main() -> None:
         each: dict[str, dict[str, float]] = {}
         for path in paths:
             try:
-                each[path.stem], maps = measure(painter, drawn(path, side))
+                each[path.stem], maps = measure(predictor, drawn(path, side))
             except InputError as error:
                 raise SystemExit(f"{path}: {error}") from None
             if side == given.sides[0]:

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.animals import herd
+from normalgan.animals import make_animals
+from normalgan.arrays import Floats
 from normalgan.rendering import Camera, PyrenderRenderer, Views
 from normalgan.rendering.lines import SuggestiveContours
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.strokes import Stroke, rasterise
 from normalgan.rendering.view import View
@@ -48,7 +48,7 @@ def compare(sketch: Floats, reference: Floats) -> tuple[float, float, float]:
 def main(animals: int = 20) -> None:
     """Print precision, recall and ink over all views."""
     rows = []
-    for number, animal in enumerate(herd(animals)):
+    for number, animal in enumerate(make_animals(animals)):
         mesh = animal.load()
         for index in range(VIEWS):
             camera = Views().camera(mesh, np.random.default_rng([number, index]))

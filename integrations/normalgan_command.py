@@ -48,7 +48,7 @@ def find_command(chosen: str = "") -> str:
     return found
 
 
-def paint(drawing: str | Path, output: str | Path, *settings: str, chosen: str = "") -> str:
+def predict(drawing: str | Path, output: str | Path, *settings: str, chosen: str = "") -> str:
     """Paint the normal map of one drawing.
 
     Args:

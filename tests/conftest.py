@@ -11,7 +11,7 @@ from hypothesis import settings
 
 from made_once import made_once
 from needs import SHARED_SKETCHES, not_tested
-from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.late_imports import gc_paused
 
 # Fixtures that several files share; a conftest in their folder would be a second module of this name.
 pytest_plugins = [
@@ -83,7 +83,7 @@ def shared_sketches() -> list[Path]:
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
     """Look for no garbage while tests are collected, which imports the package and all that it needs."""
-    with nothing_collected():
+    with gc_paused():
         return (yield)
 
 

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from normalgan.normals import Bits, Floats, Green, encode_exr, encode_png, flip_green, paint_flat, write_bytes
+from normalgan.arrays import Floats
+from normalgan.normals import Bits, Green, encode_exr, encode_png, flip_green, paint_flat, write_bytes
 
 SIZE = 64
 

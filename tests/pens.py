@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float32]
+from normalgan.arrays import Floats
+
 Pixels = NDArray[np.uint8]
 
 

@@ -32,7 +32,9 @@ def install(
 @pytest.fixture(name="site")
 def make_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder on the path; what is imported from it, and what registries learn, is forgotten afterwards."""
-    from normalgan.plugins import REGISTRIES  # here: every test run loads this module, and few need torch
+    from normalgan.cli.discovery import (
+        REGISTRIES,  # here: every test run loads this module, and few need torch
+    )
 
     site = tmp_path / "site"
     site.mkdir()

@@ -9,8 +9,8 @@ from lightning.pytorch import Trainer
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints
+from normalgan.losses import Wasserstein
 from normalgan.models import UNetDiscriminator, UNetGenerator
-from normalgan.objectives import Wasserstein
 from normalgan.rendering.lines.occluding import OccludingContours
 
 torch.set_num_threads(1)  # networks this small are slower with more

@@ -15,7 +15,7 @@ import yaml
 from torch import nn
 
 from normalgan.cli import training as cli
-from normalgan.objectives import AdversarialObjective
+from normalgan.losses import AdversarialObjective
 
 Settings = dict[str, Any]
 

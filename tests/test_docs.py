@@ -74,8 +74,8 @@ def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_sav
     monkeypatch.chdir(tmp_path)
     assert main(["export", "mine.ckpt", "-o", "model.safetensors", "--format", "safetensors"]) == 0
     sketch = str(ROOT / "examples" / "sketches" / "horse.png")
-    painting = ["predict", "--ckpt_path", "mine.ckpt", "--data.size", "32", "--data.sketches", sketch]
-    assert main([*painting, "--trainer.accelerator", "cpu", "--trainer.enable_progress_bar", "false"]) == 0
+    command = ["predict", "--ckpt_path", "mine.ckpt", "--data.size", "32", "--data.sketches", sketch]
+    assert main([*command, "--trainer.accelerator", "cpu", "--trainer.enable_progress_bar", "false"]) == 0
     assert list((tmp_path / "normals").glob("*_normal.png"))
     plan = {
         **{"name": "Ten lines", "images": 1, "gallery": 1},

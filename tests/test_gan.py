@@ -17,6 +17,14 @@ from torchmetrics import Metric
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import NoHints, UniformHints, WorstErrorHints
+from normalgan.losses import (
+    AngularLikelihood,
+    CrossEntropy,
+    L1AndHints,
+    Wasserstein,
+    WassersteinGradientPenalty,
+)
+from normalgan.losses.distractor_consistency import add_distractor_strokes, distractor_inconsistency
 from normalgan.metrics import angular_error
 from normalgan.models import (
     Discriminator,
@@ -26,14 +34,6 @@ from normalgan.models import (
     UNetGenerator,
 )
 from normalgan.models.condition import make_condition, paste_hints
-from normalgan.objectives import (
-    AngularLikelihood,
-    CrossEntropy,
-    L1AndHints,
-    Wasserstein,
-    WassersteinGradientPenalty,
-)
-from normalgan.objectives.steadiness import add_strays, unsteadiness
 from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from small import gan as make
 from small import trainer
@@ -166,7 +166,7 @@ def test_clipping_holds_after_training(tmp_path: Path) -> None:
         },
         {"discriminator": UNetDiscriminator(size=32, width=4, encoder_head=True)},
         {"discriminator": None},
-        {"steadiness": 1.0},
+        {"distractor_consistency": 1.0},
         {
             "generator": ResidualUNetGenerator((8, 8), (1, 1)),
             "discriminator": None,
@@ -209,18 +209,18 @@ def test_steadiness_holds_the_map_against_strokes_that_say_nothing(tmp_path: Pat
             discriminator=None,
             reconstruction=AngularLikelihood(angle_weight=3.0),
             generator_optimizer=partial(Adam, lr=3e-3),
-            steadiness=weight,
+            distractor_consistency=weight,
         )
         trainer(tmp_path / name, max_epochs=30).fit(model, loader(16, 32, 8))
         model.eval()
         torch.manual_seed(1)
         with torch.no_grad():
-            marked = add_strays(unseen["sketch"], unseen["mask"], 1.0)
+            marked = add_distractor_strokes(unseen["sketch"], unseen["mask"], 1.0)
             plain, other = (
                 model.generator.predict(make_condition(s, s.new_zeros(len(s), 4, 32, 32))).direction
                 for s in (unseen["sketch"], marked)
             )
-            turned.append(float(unsteadiness(plain, other, unseen["mask"])))
+            turned.append(float(distractor_inconsistency(plain, other, unseen["mask"])))
     assert turned[1] < 0.8 * turned[0]
 
 
@@ -284,7 +284,7 @@ def test_hinted_pixels_can_be_left_out_of_the_figures(tmp_path: Path) -> None:
 
 
 def test_noise_at_test_is_off_unless_asked(tmp_path: Path) -> None:
-    def paint(gan: NormalGAN) -> Tensor:
+    def predict(gan: NormalGAN) -> Tensor:
         run = trainer(tmp_path)
         pages = run.predict(gan, loader())
         assert pages is not None
@@ -314,7 +314,7 @@ def test_bf16_trains_and_measures_in_full_precision(tmp_path: Path) -> None:
     [
         ({"n_critic": 0}, "n_critic must be 1 or more, not 0"),
         ({"adversarial_weight": -1.0}, "adversarial_weight must be 0 or more"),
-        ({"steadiness": -1.0}, "steadiness must be 0 or more, not -1.0"),
+        ({"distractor_consistency": -1.0}, "distractor_consistency must be 0 or more, not -1.0"),
         ({"gradient_clip": 0.0}, "gradient_clip must be greater than 0, or null, not 0.0"),
         ({"objective": WassersteinGradientPenalty()}, "without batch norm"),
     ],
@@ -414,8 +414,8 @@ def test_a_checkpoint_made_in_python_names_what_it_is_made_of(tmp_path: Path) ->
     }
     assert settings["discriminator_optimizer"]["class_path"] == "torch.optim.sgd.SGD"
     assert settings["lr_scheduler"]["init_args"] == {"step_size": 2}
-    painted = checkpoint.weights(32).generator().state_dict()
-    assert all(torch.equal(tensor, painted[name]) for name, tensor in make().generator.state_dict().items())
+    predicted = checkpoint.weights(32).generator().state_dict()
+    assert all(torch.equal(tensor, predicted[name]) for name, tensor in make().generator.state_dict().items())
     again = NormalGAN.load_from_checkpoint(checkpoint.path, weights_only=True)
     assert again.hint_sampler == make().hint_sampler
 
@@ -456,7 +456,7 @@ def test_losses_are_read_while_backward_is_at_work(tmp_path: Path, monkeypatch: 
 
         return read
 
-    monkeypatch.setattr("normalgan.gan.read_behind", watched)
+    monkeypatch.setattr("normalgan.gan.async_to_cpu", watched)
     trainer(tmp_path).fit(gan, loader())
     assert reads == [True] * 8  # four batches, a step of each network
 
@@ -467,7 +467,7 @@ def test_figures_of_training_are_logged_from_the_cpu(tmp_path: Path, monkeypatch
     gan = make()
     monkeypatch.setattr(gan, "log", lambda name, value, **more: logged.update({name: value}))
     monkeypatch.setattr(gan, "log_dict", lambda values, **more: logged.update(values))
-    monkeypatch.setattr("normalgan.gan.read_behind", lambda values: lambda: [7.0] * len(values))
+    monkeypatch.setattr("normalgan.gan.async_to_cpu", lambda values: lambda: [7.0] * len(values))
     trainer(tmp_path, limit_train_batches=1).fit(gan, loader())
     assert {"train/discriminator", "train/l1", "train/adversarial", "l1"} <= logged.keys()
     assert {float(value) for value in logged.values()} == {7.0}  # what was read, not what is on the device
@@ -487,7 +487,7 @@ def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
         shown.add(gan.trainer.fit_loop.total_batch_idx)
         log(name, *args, **kwargs)
 
-    monkeypatch.setattr("normalgan.gan.read_behind", numbered)
+    monkeypatch.setattr("normalgan.gan.async_to_cpu", numbered)
     monkeypatch.setattr(gan, "log", counted)
     logger = CSVLogger(tmp_path)
     trainer(tmp_path, logger=logger, log_every_n_steps=5, limit_val_batches=0).fit(gan, loader(24))
@@ -513,7 +513,7 @@ def test_loggers_write_down_classes_and_settings_not_weights(tmp_path: Path) -> 
     logger = CSVLogger(tmp_path)
     trainer(tmp_path, logger=logger, limit_train_batches=1, limit_val_batches=0).fit(make(), loader())
     settings = yaml.safe_load((Path(logger.log_dir) / "hparams.yaml").read_text())
-    assert settings["generator"]["class_path"] == "normalgan.models.unet_generator.UNetGenerator"
+    assert settings["generator"]["class_path"] == "normalgan.models.unet.UNetGenerator"
     assert settings["generator"]["init_args"]["width"] == 4
     assert settings["n_critic"] == 1
 

@@ -11,7 +11,7 @@ from interpreter import loaded
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 LAYERS = (
     {"errors", "batch", "old_names"},
-    {"files", "registry", "line_widths", "plugin_outputs"},
+    {"files", "registry", "line_widths", "contracts"},
     {"metrics", "normals", "predictions", "seeds", "progress", "decoding", "warning_filters"},
     {"rendering", "hints", "models", "objectives", "gallery", "checkpoints"},
     {"animals"},
@@ -25,7 +25,7 @@ LAYERS = (
 )
 """The rooms of the package, from the cellar up; within a layer no one imports a neighbour."""
 PARTS = {
-    "painting": ("reading", "cleaning", "network", "mask", "jobs", "heights", "outputs", "sheets_and_layers"),
+    "painting": ("reading", "cleaning", "network", "mask", "jobs", "heights", "outputs", "composites"),
     "data": ("store", "jobs", "loading", "sources"),
 }
 """The parts of the large rooms, likewise; what lies loose beside them may be above or below any."""
@@ -34,7 +34,7 @@ LIGHT = (
     *("gallery", "cli", "painting", "studio"),
 )
 """Rooms that never import torch, but for the modules in `HEAVY`."""
-HEAVY = {"cli/parser.py", "cli/training.py", "painting/network/torch_backend.py"}
+HEAVY = {"cli/parser.py", "cli/training.py", "inference/network/torch_backend.py"}
 """The exceptions, which no light module imports until it needs them."""
 TRAINING = {"torch", "lightning", "torchmetrics", "kornia"}
 """The libraries that take seconds to import."""

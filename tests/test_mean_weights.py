@@ -11,8 +11,8 @@ import torch
 
 from normalgan.errors import InputError
 from normalgan.models import GENERATORS
+from normalgan.weights.class_spec import ClassSpec
 from normalgan.weights.file import SHIPPED, Weights, read_weights
-from normalgan.weights.part import Part
 
 TOOL = runpy.run_path(str(Path(__file__).parents[1] / "tools" / "mean_weights.py"))
 
@@ -47,7 +47,7 @@ def test_the_mean_with_what_a_network_has_grown_from_is_between_the_two() -> Non
     def network(*widths: int) -> Weights:
         torch.manual_seed(widths[0])
         settings: dict[str, Any] = {"widths": list(widths), "blocks": [1, 1], "patch": 2, "norm": "batch"}
-        part = Part("ResidualUNetGenerator", settings)
+        part = ClassSpec("ResidualUNetGenerator", settings)
         return Weights(
             replace(read_weights(SHIPPED).notes, generator=part), part.build(GENERATORS).state_dict()
         )
@@ -73,7 +73,7 @@ def test_what_has_no_mean_is_refused(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shipped = read_weights(SHIPPED)
-    part = Part("UNetGenerator", {"size": 32, "width": 4})
+    part = ClassSpec("UNetGenerator", {"size": 32, "width": 4})
     another = Weights(replace(shipped.notes, generator=part), part.build(GENERATORS).state_dict())
     with pytest.raises(InputError, match="different networks"):
         TOOL["mean_weights"](shipped, another, 0.5)

@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from normalgan import normals
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.normals import Bits
 
 angles = st.floats(-np.pi, np.pi)
 
 
-def hemisphere(size: int = 64) -> normals.Floats:
+def hemisphere(size: int = 64) -> Floats:
     y, x = (1 - 2 * np.mgrid[:size, :size][0] / (size - 1)), 2 * np.mgrid[:size, :size][1] / (size - 1) - 1
     z = np.sqrt(np.clip(1 - x**2 - y**2, 0, None))
     return normals.normalize(np.stack([x, y, z], -1))

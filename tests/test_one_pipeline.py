@@ -11,9 +11,9 @@ from studio_client import b64, serving
 
 import normalgan
 from normalgan.__main__ import main
-from normalgan.callbacks import NormalMapWriter
-from normalgan.painting.network.torch_backend import TorchBackend
-from normalgan.painting.painter import Painter
+from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.inference.network.torch_backend import TorchBackend
+from normalgan.inference.predictor import Predictor
 from pens import blob, outline
 from small import QUIET, data, gan, trainer
 
@@ -54,24 +54,24 @@ def test_predict_and_python_paint_the_same_bytes_by_torch(drawings: Path, tmp_pa
     module = data(drawings, tmp_path, sketches=str(drawings), hints=folder, mask=folder, batch_size=3)
     run = trainer(tmp_path, callbacks=[NormalMapWriter(str(tmp_path / "out"), alpha=True)])
     run.predict(model, module, return_predictions=False)
-    painter = Painter(TorchBackend(model.generator, 32))
+    predictor = Predictor(TorchBackend(model.generator, 32))
     for drawing in sorted(drawings.iterdir()):
-        painter(drawing, **given(drawing)).save(tmp_path / "python.png", alpha=True)
+        predictor(drawing, **given(drawing)).save(tmp_path / "python.png", alpha=True)
         written = (tmp_path / "out" / f"{drawing.stem}_normal.png").read_bytes()
         assert written == (tmp_path / "python.png").read_bytes(), drawing.stem
 
 
 def test_generate_studio_and_python_paint_the_same_bytes_by_onnx(drawings: Path, tmp_path: Path) -> None:
-    from normalgan.painting.network.onnx_backend import SHIPPED
+    from normalgan.inference.network.onnx_backend import SHIPPED
 
     out = tmp_path / "out"
     where = ("--hints", str(tmp_path), "--mask", str(tmp_path), "--bits", "16")
     assert main(["generate", str(drawings), "-o", str(out), *where]) == 0
-    painter = normalgan.load(SHIPPED)
+    predictor = normalgan.load(SHIPPED)
     with serving(SHIPPED, tmp_path / "projects") as client:
         for drawing in sorted(drawings.iterdir()):
             files = given(drawing)
-            painter(drawing, **files).save(tmp_path / "python.png", bits=16)
+            predictor(drawing, **files).save(tmp_path / "python.png", bits=16)
             written = (out / f"{drawing.stem}_normal.png").read_bytes()
             assert (tmp_path / "python.png").read_bytes() == written, drawing.stem
             request = {

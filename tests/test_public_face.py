@@ -16,8 +16,8 @@ GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
 
 def test_the_public_names() -> None:
     assert normalgan.__all__ == [
-        *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Painter", "Pairs", "__version__"),
-        *("hints", "load", "metrics", "models", "objectives"),
+        *("InputError", "MeshDataModule", "NormalGAN", "NormalMap", "Predictor", "Pairs", "__version__"),
+        *("hints", "load", "metrics", "models", "losses"),
     ]
     assert dir(normalgan) == sorted(normalgan.__all__)
     with pytest.raises(AttributeError, match="has no attribute 'lode'"):
@@ -30,7 +30,7 @@ def test_the_public_signatures() -> None:
 
     assert names(normalgan.load) == ["path_or_name", "size"]
     assert inspect.signature(normalgan.load).parameters["path_or_name"].default == "shipped"
-    assert names(normalgan.Painter.__call__) == ["self", "image", "hints", "mask", "size", "tile"]
+    assert names(normalgan.Predictor.__call__) == ["self", "image", "hints", "mask", "size", "tile"]
     assert names(normalgan.NormalMap.save) == ["self", "path", "bits", "y", "alpha"]
     public = {name for name in dir(normalgan.NormalMap) if not name.startswith("_")}
     fields = set(normalgan.NormalMap.__dataclass_fields__)

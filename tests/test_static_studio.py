@@ -21,13 +21,13 @@ import normalgan
 from chromium import browser
 from chromium import page as open_page
 from needs import NPM
+from normalgan.inference.composites.composition import compose
+from normalgan.inference.network.onnx_backend import SHIPPED
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.preparation import prepare
+from normalgan.inference.reading.picture import Picture, read_picture
+from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import Bits
-from normalgan.painting.network.onnx_backend import SHIPPED
-from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.preparation import prepare
-from normalgan.painting.reading.picture import Picture, read_picture
-from normalgan.painting.sheets_and_layers.composition import compose
-from normalgan.painting.suggestion import doubt, suggest
 from normalgan.studio.drawing import Drawing
 from pens import blob, outline
 from web_folder import serve
@@ -39,7 +39,7 @@ pytestmark = pytest.mark.slow  # downloads a package of npm
 ROOT = Path(__file__).parents[1]
 LARGEST = 22e6
 SIDE = 512
-ASK = """async ([grey, width, height, more, path = "/api/paint"]) => {
+ASK = """async ([grey, width, height, more, path = "/api/predict"]) => {
   const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));
   const planes = [{ name: "ink", width, height, channels: 1, box: [0, 0, width, height] }];
   const layer = { base: null, bytes: width * height, planes, hints: [], areas: [] };
@@ -126,8 +126,8 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
         np.rint(255 * (1 - outline(blob((SIDE, SIDE), middle, 120)))).astype(np.uint8)
         for middle in ((200, 256), (300, 280))
     ]
-    paint = normalgan.load(SHIPPED)
-    wanted = compose([paint(each) for each in drawn])
+    predict = normalgan.load(SHIPPED)
+    wanted = compose([predict(each) for each in drawn])
     found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
     assert_near(found, wanted, share=0.98, degrees=1)
     lines = np.full_like(drawn[0], 255)
@@ -148,12 +148,14 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
 )
 def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", area: dict[str, Any]) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
-    painted = normalgan.load(SHIPPED)(grey)
-    edited = Drawing(grey[..., None], [], None, None, [area]).edit(painted.extended, painted.mask, grey.shape)
-    turned = np.abs(edited - painted.extended).max(-1) > 0.1
+    predicted = normalgan.load(SHIPPED)(grey)
+    edited = Drawing(grey[..., None], [], None, None, [area]).edit(
+        predicted.extended, predicted.mask, grey.shape
+    )
+    turned = np.abs(edited - predicted.extended).max(-1) > 0.1
     assert turned.sum() > 1500  # or it would be no test
     found = decoded(studio.evaluate(ASK, [*encoded(grey), {"areas": [area]}]), grey.shape)
-    assert_near(found, replace(painted, extended=edited), share=0.98, degrees=1.5)
+    assert_near(found, replace(predicted, extended=edited), share=0.98, degrees=1.5)
 
 
 @pytest.mark.parametrize("down", [False, True])
@@ -179,7 +181,7 @@ def test_an_exported_png_of_16_bits_has_the_levels_that_python_writes(studio: "P
     normals[0, :2] = [[0, 0, 1], [1, 0, 0]]
     mask = chance.random((40, 56)) > 0.3
     alpha = np.rint(255 * np.where(mask, chance.random((40, 56)), 0)).astype(np.float32) / np.float32(255)
-    painted = NormalMap(normals, mask, alpha, np.zeros((8, 8), np.float32), None, "")
+    predicted = NormalMap(normals, mask, alpha, np.zeros((8, 8), np.float32), None, "")
     depths: tuple[Bits, Bits] = (8, 16)
     for bits, down, transparent in itertools.product(depths, (False, True), (False, True)):
         answer = studio.evaluate(
@@ -203,7 +205,7 @@ def test_an_exported_png_of_16_bits_has_the_levels_that_python_writes(studio: "P
                 bits,
             ],
         )
-        files = base64.b64decode(answer), painted.encode("png", bits, "down" if down else "up", transparent)
+        files = base64.b64decode(answer), predicted.encode("png", bits, "down" if down else "up", transparent)
         found, wanted = map(levels, files)
         assert found.dtype == (np.uint8 if bits == 8 else np.uint16)
         assert np.array_equal(found, wanted), (bits, down, transparent)
@@ -226,11 +228,11 @@ def test_a_map_is_exported_with_16_bits(studio: "Page") -> None:
 @pytest.mark.parametrize("count", [1, 6])
 def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: int) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
-    painted = normalgan.load(SHIPPED)(grey)
+    predicted = normalgan.load(SHIPPED)(grey)
     taken = [{"x": 170, "y": 90, "normal": [0, 0, 1]}]
-    assert painted.confidence is not None
+    assert predicted.confidence is not None
     # On the same map, the same points.
-    given = [painted.extended, painted.confidence]
+    given = [predicted.extended, predicted.confidence]
     found = studio.evaluate(
         """async ([normals, confidence, mask, width, height, taken, count]) => {
           const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -241,7 +243,7 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
         }""",
         [
             *(base64.b64encode(np.ascontiguousarray(each, np.float32).tobytes()).decode() for each in given),
-            base64.b64encode(painted.mask.astype(np.uint8).tobytes()).decode(),
+            base64.b64encode(predicted.mask.astype(np.uint8).tobytes()).decode(),
             grey.shape[1],
             grey.shape[0],
             taken,
@@ -249,7 +251,7 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
         ],
     )
     where = np.array([[170, 90]], np.float32)
-    wanted = suggest(painted.extended, painted.mask, painted.confidence, where, count)
+    wanted = suggest(predicted.extended, predicted.mask, predicted.confidence, where, count)
     assert len(found) == len(wanted) == count
     for one, other in zip(found, wanted, strict=True):
         assert np.hypot(one["x"] - other.x, one["y"] - other.y) < 3
@@ -259,7 +261,7 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
     answer = studio.evaluate(ASK, [*encoded(grey), {"count": count, "hints": taken}, "/api/suggest"])
     points = json.loads(base64.b64decode(answer["rgba"]))["points"]
     assert len(points) == count
-    assert all(painted.mask[int(each["y"]), int(each["x"])] for each in points)
+    assert all(predicted.mask[int(each["y"]), int(each["x"])] for each in points)
     assert points[0]["gain"] == max(each["gain"] for each in points)
 
 
@@ -277,13 +279,13 @@ def test_hints_off_the_object_are_told_as_python_tells_them(studio: "Page") -> N
 
 def test_where_the_model_is_unsure_is_told(studio: "Page") -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
-    answer = studio.evaluate(ASK, [*encoded(grey), {}, "/api/doubt"])
+    answer = studio.evaluate(ASK, [*encoded(grey), {}, "/api/uncertainty"])
     shares = np.frombuffer(base64.b64decode(answer["rgba"]), np.uint8).reshape(grey.shape)
-    painted = normalgan.load(SHIPPED)(grey)
-    assert painted.confidence is not None
-    wanted = np.where(painted.mask, 255 * doubt(painted.confidence), 0)
-    assert np.abs(shares - wanted)[painted.mask].mean() < 3
-    assert shares[painted.mask].std() > 1
+    predicted = normalgan.load(SHIPPED)(grey)
+    assert predicted.confidence is not None
+    wanted = np.where(predicted.mask, 255 * uncertainty(predicted.confidence), 0)
+    assert np.abs(shares - wanted)[predicted.mask].mean() < 3
+    assert shares[predicted.mask].std() > 1
 
 
 def test_painted_areas_have_their_outline(studio: "Page") -> None:
@@ -325,8 +327,8 @@ def random_drawing(kind: str, rng: np.random.Generator) -> NDArray[np.uint8]:
 
     thin, wide = int(rng.integers(1, 4)), int(side * rng.uniform(0.025, 0.05))
     if "areas" in kind:
-        paint = int(rng.integers(0, 140))
-        cv2.fillPoly(grey, [polygon(9, 0.3 * side)], (paint,), cv2.LINE_AA)
+        predict = int(rng.integers(0, 140))
+        cv2.fillPoly(grey, [polygon(9, 0.3 * side)], (predict,), cv2.LINE_AA)
     if "lines" in kind or kind == "blots":
         line = wide if "wide" in kind else thin
         cv2.polylines(grey, [polygon(12, 0.45 * side)], True, (0,), line, cv2.LINE_AA)

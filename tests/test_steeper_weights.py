@@ -11,15 +11,15 @@ import torch.nn.functional as F
 
 from normalgan.errors import InputError
 from normalgan.models import GENERATORS
+from normalgan.weights.class_spec import ClassSpec
 from normalgan.weights.file import SHIPPED, Weights, read_weights
-from normalgan.weights.part import Part
 
 TOOL = runpy.run_path(str(Path(__file__).parents[1] / "tools" / "steeper_weights.py"))
 
 
 def weights_of(name: str, **settings: object) -> Weights:
     torch.manual_seed(0)
-    part = Part(name, settings)
+    part = ClassSpec(name, settings)
     return Weights(replace(read_weights(SHIPPED).notes, generator=part), part.build(GENERATORS).state_dict())
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import zarr
 
-from normalgan import Painter, load
-from normalgan.painting.network.upsampling import Refiner
+from normalgan import Predictor, load
+from normalgan.inference.network.upsampling import Refiner
 from pens import blob, outline
 
 TOOL = runpy.run_path(str(Path(__file__).parents[1] / "tools" / "train_refiner.py"))
@@ -47,5 +47,5 @@ def test_from_samples_to_a_refiner(tmp_path: Path, capsys: pytest.CaptureFixture
     assert figures["steps"] > 10
     assert figures["mended"][0] < figures["enlarged"][0]
     sketch = 1 - outline(blob((SIDE, SIDE), (300, 300), 200), 5.0)
-    painter = Painter(load().backend, Refiner(out))
-    assert painter(sketch).normal.shape == (SIDE, SIDE, 3)
+    predictor = Predictor(load().backend, Refiner(out))
+    assert predictor(sketch).normal.shape == (SIDE, SIDE, 3)

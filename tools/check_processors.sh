@@ -12,4 +12,4 @@ case ${2:-old} in
     *) echo "'$2' is no processor known here: old or avx2" >&2; exit 2 ;;
 esac
 exec "$python" -m pytest -q --numprocesses=logical --maxprocesses=4 --dist=loadfile -m "not slow" \
-    src tests/painting tests/metrics tests/models tests/objectives tests/hints
+    src tests/inference tests/metrics tests/models tests/losses tests/hints

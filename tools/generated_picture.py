@@ -15,9 +15,9 @@ import numpy as np
 from PIL import Image
 
 from normalgan.__main__ import main as normalgan
+from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
+from normalgan.inference.reading.drawings import find_drawings
 from normalgan.normals import read_png
-from normalgan.painting.outputs.lighting import lamp_direction, shade, to_srgb
-from normalgan.painting.reading.drawings import find_drawings
 
 
 def square(picture: Image.Image, side: int) -> Image.Image:
@@ -30,7 +30,7 @@ def square(picture: Image.Image, side: int) -> Image.Image:
     return whole
 
 
-def painted(drawings: list[str], size: int, model: str) -> Iterator[tuple[Image.Image, Image.Image]]:
+def predicted(drawings: list[str], size: int, model: str) -> Iterator[tuple[Image.Image, Image.Image]]:
     """Yield the map of each drawing, and the same lit."""
     chosen = [] if model == "shipped" else ["--model", model]
     with TemporaryDirectory() as folder:
@@ -59,7 +59,7 @@ def main(arguments: list[str]) -> None:
         [square(Image.open(drawing), side)] for drawing in find_drawings(given.drawings, "_normal.png", ())
     ]
     for model in given.models:
-        for column, pictures in zip(columns, painted(given.drawings, given.painted, model), strict=True):
+        for column, pictures in zip(columns, predicted(given.drawings, given.predicted, model), strict=True):
             column += [square(each, side) for each in pictures]
     rows, pictures_each = -(-len(columns) // given.columns), len(columns[0])
     sheet = Image.new("RGB", (min(len(columns), given.columns) * side, rows * pictures_each * side), "white")

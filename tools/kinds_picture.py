@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.animals import GROUPS, Animal, herd
+from normalgan.animals import GROUPS, Animal, make_animals
 from normalgan.normals import encode, paint_flat
 from normalgan.rendering import EmbreeRenderer
 from normalgan.rendering.views import framed, look_at_origin
@@ -47,5 +47,5 @@ if __name__ == "__main__":
         sys.exit("usage: tools/kinds_picture.py FILE [SPECIES OR GROUP ...]")
     names = sys.argv[2:]
     path = Path(sys.argv[1])
-    sheet(herd(COUNT, seed=1, species=names) if names else assortment()).save(path, optimize=True)
+    sheet(make_animals(COUNT, seed=1, species=names) if names else assortment()).save(path, optimize=True)
     print(path, f"{path.stat().st_size // 1024} kB")

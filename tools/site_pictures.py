@@ -17,9 +17,9 @@ from PIL import Image
 from normalgan.animals import Animal
 from normalgan.files.writing import write_bytes
 from normalgan.hints import CurvatureHints
+from normalgan.inference.heights.height import integrate
+from normalgan.inference.outputs.preview import lit
 from normalgan.normals import decode, encode, flip_green, paint_flat
-from normalgan.painting.heights.height import integrate
-from normalgan.painting.outputs.preview import lit
 from normalgan.rendering import EmbreeRenderer, Maps, MeshFile
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.views import framed, look_at_origin

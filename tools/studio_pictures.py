@@ -81,8 +81,8 @@ def film(page: Page, path: Path) -> None:
             page.mouse.move(x + right * radius, y + down * radius, steps=3)
         page.mouse.up()
 
-    def shot(*, painted: bool = True) -> None:
-        if painted:
+    def shot(*, predicted: bool = True) -> None:
+        if predicted:
             page.wait_for_function(PAINTED)
         page.wait_for_timeout(1000)
         frames.append(Image.open(BytesIO(page.screenshot())).convert("RGB"))
@@ -113,7 +113,7 @@ def film(page: Page, path: Path) -> None:
     page.locator("#export").click()
     page.locator("#export-what").select_option("all")
     page.locator("#export-format").select_option("unity")
-    shot(painted=False)
+    shot(predicted=False)
     page.keyboard.press("Escape")
     # Maps have more colours than a palette, which would show bands in them.
     tiled(frames).save(path, optimize=True)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial import Voronoi
 
-from normalgan import Painter, load
-from normalgan.painting.network.tile import Tile
-from normalgan.painting.outputs.lighting import lamp_direction, shade, to_srgb
+from normalgan import Predictor, load
+from normalgan.inference.network.tile import Tile
+from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 
 SIDE, TIMES, GAP = 256, 3, 6
 SHOWN = 300
@@ -78,9 +78,9 @@ def _rounded(corners: Points) -> Points:
     return np.concatenate([line, line[:1]])
 
 
-def lit(painter: Painter, drawing: Pixels, tile: Tile | None) -> Pixels:
+def lit(predictor: Predictor, drawing: Pixels, tile: Tile | None) -> Pixels:
     """Return a map laid side by side and one above the other, as clay under a lamp."""
-    result = painter(drawing, tile=tile)
+    result = predictor(drawing, tile=tile)
     flat = np.array([0, 0, 1], np.float32)
     normals = np.where(result.mask[..., None], result.normal, flat)
     clay = to_srgb(shade(np.tile(normals, (TIMES, TIMES, 1)), lamp_direction(130, 40)))
@@ -89,13 +89,13 @@ def lit(painter: Painter, drawing: Pixels, tile: Tile | None) -> Pixels:
 
 def picture(makers: Sequence[Callable[[], Pixels]]) -> Pixels:
     """Return a row for each texture: the drawing, its tiles without and with --tile."""
-    painter = load()
+    predictor = load()
     rows = []
     for make in makers:
         drawing = make()
         tiles = cv2.cvtColor(np.tile(drawing, (TIMES, TIMES)), cv2.COLOR_GRAY2RGB)
         first = np.asarray(cv2.resize(tiles, (SHOWN, SHOWN), interpolation=cv2.INTER_AREA), np.uint8)
-        row = [first, lit(painter, drawing, None), lit(painter, drawing, "both")]
+        row = [first, lit(predictor, drawing, None), lit(predictor, drawing, "both")]
         beside = np.full((SHOWN, GAP, 3), 255, np.uint8)
         rows += [np.concatenate([row[0], beside, row[1], beside, row[2]], 1)]
         rows += [np.full((GAP, rows[0].shape[1], 3), 255, np.uint8)]

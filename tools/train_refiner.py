@@ -21,22 +21,21 @@ import cv2
 import numpy as np
 import torch
 import zarr
-from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.export import Dim
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.exporting.onnx_file import finish
-from normalgan.painting.network.extension import extend
-from normalgan.painting.network.framing import Frame
-from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.network.upsampling import CELL, RIM, planes
-from normalgan.painting.pipeline import coarse_of
-from normalgan.painting.preparation import prepare
-from normalgan.painting.reading.hint_files import Hints
-from normalgan.painting.reading.picture import Picture
+from normalgan.inference.network.extension import extend
+from normalgan.inference.network.framing import Frame
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.upsampling import CELL, RIM, planes
+from normalgan.inference.pipeline import coarse_of
+from normalgan.inference.preparation import prepare
+from normalgan.inference.reading.hint_files import Hints
+from normalgan.inference.reading.picture import Picture
 
-Floats = NDArray[np.float32]
 LICENCE = "MIT; trained on procedural shapes of normalgan and on CC0 meshes (docs/model_card.md)"
 CROP = 192
 BATCH = 12
@@ -86,13 +85,13 @@ def main(arguments: list[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     if given.stage == "paint":
         for split in given.splits:
-            paint(given.samples, split, given.out)
+            predict(given.samples, split, given.out)
     else:
         torch.manual_seed(0)
         train(given.sets, given.out, given.minutes, Refiner(given.width, given.blocks))
 
 
-def paint(samples: Path, split: str, out: Path) -> None:
+def predict(samples: Path, split: str, out: Path) -> None:
     """Paint the sketches of a split; write what the refiner learns from, a file each."""
     group = zarr.open_group(samples / "samples.zarr", mode="r")[split]
     network = OnnxBackend(find_model(), threads=1)
@@ -119,7 +118,7 @@ def paint(samples: Path, split: str, out: Path) -> None:
         if found and prepared.mask is not None:
             both, either = prepared.mask & object_, prepared.mask | object_
             mask = prepared.mask if both.sum() > 0.93 * either.sum() else object_
-        coarse = coarse_of(prepared, network.paint(prepared.seen, prepared.hints)[0], mask)
+        coarse = coarse_of(prepared, network.predict(prepared.seen, prepared.hints)[0], mask)
         if not coarse.known.any():
             continue
         normals = extend(coarse.normals, coarse.known, coarse.needed)

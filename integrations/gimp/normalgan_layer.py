@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from normalgan_command import CommandError, paint
+from normalgan_command import CommandError, predict
 
 NAME = b"plug-in-normalgan-layer"
 # The values of libgimp's enumerations, GimpPDBArgType, GimpPDBStatusType, GimpPDBProcType, GimpRunMode.
@@ -128,7 +128,7 @@ def normal_layer(image: int, drawable: int, strength: float) -> int:
         CommandError: with a sentence for the user.
     """
     with tempfile.TemporaryDirectory() as folder:
-        drawn, painted = (str(Path(folder) / name) for name in ("layer.png", "normals.png"))
+        drawn, predicted = (str(Path(folder) / name) for name in ("layer.png", "normals.png"))
         copy = gimp.gimp_image_new(gimp.gimp_drawable_width(drawable), gimp.gimp_drawable_height(drawable), 0)
         try:
             alone = checked(gimp.gimp_layer_new_from_drawable(drawable, copy))
@@ -140,10 +140,10 @@ def normal_layer(image: int, drawable: int, strength: float) -> int:
             checked(gimp.gimp_file_save(NONINTERACTIVE, copy, alone, path, path))
         finally:
             gimp.gimp_image_delete(copy)
-        warned = paint(drawn, painted, "--alpha", "--strength", f"{strength:g}")
+        warned = predict(drawn, predicted, "--alpha", "--strength", f"{strength:g}")
         if warned:
             gimp.gimp_message(warned.encode())
-        layer = checked(gimp.gimp_file_load_layer(NONINTERACTIVE, image, painted.encode()))
+        layer = checked(gimp.gimp_file_load_layer(NONINTERACTIVE, image, predicted.encode()))
     x, y = ctypes.c_int(), ctypes.c_int()
     gimp.gimp_drawable_offsets(drawable, ctypes.byref(x), ctypes.byref(y))
     gimp.gimp_image_undo_group_start(image)

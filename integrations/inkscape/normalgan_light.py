@@ -10,7 +10,7 @@ from pathlib import Path
 import inkex
 from inkex.command import inkscape
 from lxml import etree
-from normalgan_command import CommandError, paint
+from normalgan_command import CommandError, predict
 
 LAYER = "normalgan"
 
@@ -37,7 +37,7 @@ class NormalMapAndLight(inkex.EffectExtension):
         for former in self.svg.xpath(f"//svg:g[@inkscape:label='{LAYER}']"):
             former.delete()
         try:
-            picture, warned = self.painted()
+            picture, warned = self.predicted()
         except CommandError as error:
             raise inkex.AbortExtension(str(error)) from error
         if warned:
@@ -59,7 +59,7 @@ class NormalMapAndLight(inkex.EffectExtension):
         )
         self.svg.insert(first, layer)
 
-    def painted(self) -> tuple[bytes, str]:
+    def predicted(self) -> tuple[bytes, str]:
         """Return the map of the page as PNG, and what the command warned of."""
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
@@ -70,7 +70,7 @@ class NormalMapAndLight(inkex.EffectExtension):
             inkscape(str(page), export_type="png", export_filename=str(drawn), export_area_page=True, **size)
             # A dialogue gives the folder of the document for a path that was left empty.
             chosen = "" if Path(self.options.command).is_dir() else self.options.command
-            warned = paint(drawn, output, "--alpha", chosen=chosen)
+            warned = predict(drawn, output, "--alpha", chosen=chosen)
             return output.read_bytes(), warned
 
     def light(self) -> inkex.Filter:

@@ -1,24 +1,21 @@
 """normalgan: from a line sketch to a surface normal map.
 
-``normalgan.load()`` returns a painter: called with a drawing, it returns its normal map. What is named here
+``normalgan.load()`` returns a predictor: called with a drawing, it returns its normal map. What is named here
 is imported when it is asked for: ``import normalgan`` itself takes no time.
 """
 
-import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from normalgan.old_names import OldNames
-
 if TYPE_CHECKING:
-    from normalgan import hints, metrics, models, objectives
+    from normalgan import hints, losses, metrics, models
     from normalgan.data.datamodule import MeshDataModule
     from normalgan.data.sources import Pairs
     from normalgan.errors import InputError
     from normalgan.gan import NormalGAN
-    from normalgan.painting.normal_map import NormalMap
-    from normalgan.painting.painter import Painter
-    from normalgan.saved_model import load
+    from normalgan.inference.load import load
+    from normalgan.inference.normal_map import NormalMap
+    from normalgan.inference.predictor import Predictor
 
     __version__: str
 
@@ -27,38 +24,33 @@ __all__ = [
     "MeshDataModule",
     "NormalGAN",
     "NormalMap",
-    "Painter",
     "Pairs",
+    "Predictor",
     "__version__",
     "hints",
     "load",
+    "losses",
     "metrics",
     "models",
-    "objectives",
 ]
 
 _MODULES = {
     "InputError": "normalgan.errors",
     "MeshDataModule": "normalgan.data.datamodule",
     "NormalGAN": "normalgan.gan",
-    "NormalMap": "normalgan.painting.normal_map",
-    "Painter": "normalgan.painting.painter",
+    "NormalMap": "normalgan.inference.normal_map",
+    "Predictor": "normalgan.inference.predictor",
     "Pairs": "normalgan.data.sources",
-    "load": "normalgan.saved_model",
+    "load": "normalgan.inference.load",
 }
 """Where what is imported late comes from."""
-_PACKAGES = ("hints", "metrics", "models", "objectives")
+_PACKAGES = ("hints", "metrics", "models", "losses")
 """Packages that are imported late, each with what it offers."""
-
-
-sys.meta_path.append(OldNames())
 
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":  # looking it up takes as long as all else that ``normalgan --help`` does
-        from importlib.metadata import version
-
-        return version("normalgan")
+        return import_module("normalgan.version").__version__
     if name in _PACKAGES:
         return import_module(f"normalgan.{name}")
     if name in _MODULES:

@@ -11,7 +11,7 @@ from importlib import import_module
 
 import normalgan
 from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
-from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.training_help import asked_for, overview
 from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
 
@@ -35,13 +35,13 @@ def main(arguments: list[str] | None = None) -> int:
         return _fail(_unknown(arguments[0]), 2)
     try:
         if arguments[0] in OTHERS:
-            with nothing_collected():
+            with gc_paused():
                 command = import_module(OTHERS[arguments[0]])
             return int(command.run(arguments[1:]))
         if asked_for(arguments)[1] == "":
             print(overview(arguments[0]), end="")
             return 0
-        with nothing_collected():
+        with gc_paused():
             from normalgan.cli.training import run  # late: lightning takes seconds to import
         return run(arguments)
     except SystemExit as stop:  # --help ends so

@@ -4,7 +4,7 @@ import difflib
 import errno
 from collections.abc import Iterable
 
-__all__ = ["InputError", "RunError", "brief", "did_you_mean", "named", "one_line", "unwritable"]
+__all__ = ["InputError", "RunError", "brief", "did_you_mean", "one_line", "unwritable", "with_subject"]
 
 
 class InputError(ValueError):
@@ -27,7 +27,7 @@ def unwritable(sentence: str, error: OSError) -> InputError:
     return (RunError if error.errno in {errno.ENOSPC, errno.EDQUOT} else InputError)(sentence)
 
 
-def named(what: object, error: InputError) -> InputError:
+def with_subject(what: object, error: InputError) -> InputError:
     """Return an error that says what it is about, if it did not."""
     text = str(error)
     return type(error)(text if str(what) in text else f"{what}: {text}")

@@ -15,21 +15,21 @@ from torch.optim import Optimizer, RMSprop
 from torch.optim.lr_scheduler import LRScheduler
 
 from normalgan.batch import Batch, Sketches
+from normalgan.contracts import check_kinds, describe
 from normalgan.errors import InputError
 from normalgan.hints import ErrorHintSampler, HintSampler
 from normalgan.hints.draw import draw_hints, draw_hints_by_name
 from normalgan.hints.noise import turn_hints
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
+from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
+from normalgan.losses.checks import check_losses, check_terms
+from normalgan.losses.distractor_consistency import distractor_inconsistency, mark_some
+from normalgan.losses.finite import async_to_cpu, loss_error, not_finite
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
-from normalgan.models.base import check_painted, check_predictions, check_scores
+from normalgan.models.base import check_generated, check_predictions, check_scores
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
-from normalgan.objectives import AdversarialObjective, L1AndHints, Reconstruction, Term
-from normalgan.objectives.checks import check_losses, check_terms
-from normalgan.objectives.finite import loss_error, not_finite, read_behind
-from normalgan.objectives.steadiness import mark_some, unsteadiness
-from normalgan.plugin_outputs import check_kinds, shown
 from normalgan.seeds import derive_seed, seed_torch
 from normalgan.weights.checkpoint import settings_to_save
 
@@ -67,7 +67,7 @@ class NormalGAN(LightningModule):
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
         hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
-        steadiness: weight of how many radians the normals turn by where strokes are drawn that say nothing of
+        distractor_consistency: weight of how many radians the normals turn by where strokes are drawn that say nothing of
             the form: a quarter of each batch is painted twice, as it is and with these; with 0, none is.
         share_every: log how long the adversarial gradient is beside that of the reconstruction at every so
             many steps of the generator, as ``train/adversarial_share`` (at its weights) and
@@ -98,7 +98,7 @@ class NormalGAN(LightningModule):
         gradient_clip: float | None = None,
         n_critic: int = 5,
         hint_noise: float = 0.0,
-        steadiness: float = 0.0,
+        distractor_consistency: float = 0.0,
         share_every: int = 0,
         noise_at_test: bool = False,
         seed: int = 0,
@@ -116,8 +116,8 @@ class NormalGAN(LightningModule):
             raise InputError(f"adversarial_weight must be 0 or more, not {adversarial_weight}.")
         if not 0 <= hint_noise <= 90:
             raise InputError(f"hint_noise must be 0 to 90 degrees, not {hint_noise}.")
-        if steadiness < 0:
-            raise InputError(f"steadiness must be 0 or more, not {steadiness}.")
+        if distractor_consistency < 0:
+            raise InputError(f"distractor_consistency must be 0 or more, not {distractor_consistency}.")
         kinds: dict[str, tuple[object, type]] = {
             "generator": (generator, Generator),
             "discriminator": (discriminator, Discriminator),
@@ -133,7 +133,7 @@ class NormalGAN(LightningModule):
             if not callable(optimizer):
                 raise InputError(
                     f"{name} must make an optimiser of parameters, such as "
-                    f"partial(torch.optim.Adam, lr=1e-4), not be {shown(optimizer)}."
+                    f"partial(torch.optim.Adam, lr=1e-4), not be {describe(optimizer)}."
                 )
         if discriminator is not None:
             objective.check(discriminator)
@@ -154,7 +154,7 @@ class NormalGAN(LightningModule):
         self.gradient_clip = gradient_clip
         self.n_critic = n_critic
         self.hint_noise = hint_noise
-        self.steadiness = steadiness
+        self.distractor_consistency = distractor_consistency
         self.share_every = share_every
         self.noise_at_test = noise_at_test
         self.seed = seed
@@ -189,16 +189,16 @@ class NormalGAN(LightningModule):
         Returns:
             (N, 3, H, W) in [-1, 1], of about unit length on the object and of none off it.
         """
-        return self.paint_with_confidence(sketch, hints)[:, :3]
+        return self.predict_with_confidence(sketch, hints)[:, :3]
 
-    def paint_with_confidence(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
+    def predict_with_confidence(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
         """Return what `forward` does, (N, 3, H, W), or (N, 4, H, W) if the generator paints a confidence."""
         if hints is None:
             hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
         condition = make_condition(sketch, hints)
-        painted: Tensor = self.generator(condition)
-        check_painted(self.generator, painted, condition)
-        return painted
+        predicted: Tensor = self.generator(condition)
+        check_generated(self.generator, predicted, condition)
+        return predicted
 
     # --- training -------------------------------------------------------------------------------------
 
@@ -213,14 +213,14 @@ class NormalGAN(LightningModule):
         condition = make_condition(batch["sketch"], hints)
         generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
         given, count = condition, len(condition)
-        if generates and self.steadiness:
+        if generates and self.distractor_consistency:
             marked = mark_some(batch["sketch"], batch["mask"])
             # In one pass, so that batch norm has the same statistics for both.
             given = torch.cat([condition, make_condition(marked, hints[: len(marked)])])
         with torch.set_grad_enabled(generates):
             preds = self.generator.predict(given)
             check_predictions(self.generator, preds, given)
-        with_strays = preds.direction[count:]
+        with_distractors = preds.direction[count:]
         preds = preds if given is condition else preds.of(slice(count))
         fake: Tensor | None = None  # nothing is done with whole maps that nobody looks at
         if self.discriminator is not None:
@@ -231,9 +231,9 @@ class NormalGAN(LightningModule):
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
             check_terms(self.reconstruction, terms, alone=self.discriminator is None)
-            if self.steadiness:
-                turned = unsteadiness(preds.direction, with_strays, batch["mask"].float())
-                terms = {**terms, "unsteadiness": Term(turned, self.steadiness)}
+            if self.distractor_consistency:
+                turned = distractor_inconsistency(preds.direction, with_distractors, batch["mask"].float())
+                terms = {**terms, "distractor_inconsistency": Term(turned, self.distractor_consistency)}
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def training_hints(self, batch: Batch, seed: int) -> Tensor:
@@ -264,7 +264,7 @@ class NormalGAN(LightningModule):
             self.log("train/discriminator", values["discriminator"], prog_bar=True)
 
     def _step_generator(
-        self, condition: Tensor, terms: dict[str, Term], painted: Tensor, fake: Tensor | None, batch: Batch
+        self, condition: Tensor, terms: dict[str, Term], predicted: Tensor, fake: Tensor | None, batch: Batch
     ) -> None:
         optimizer = self._optimizers()[0]
         with self.toggled_optimizer(optimizer):
@@ -274,7 +274,7 @@ class NormalGAN(LightningModule):
                 check_losses(self.objective, {"generator_loss": score})
                 adversarial = Term(score, self.adversarial_weight)
                 if self._logs_share():
-                    self._log_share(_weighted(terms), _weighted({"": adversarial}), painted)
+                    self._log_share(_weighted(terms), _weighted({"": adversarial}), predicted)
                 terms = {**terms, "adversarial": adversarial}
             look = self._watch({name: term.value for name, term in terms.items()})
             optimizer.zero_grad()
@@ -300,9 +300,9 @@ class NormalGAN(LightningModule):
         step = self.trainer.fit_loop.total_batch_idx // self.n_critic
         return self.share_every > 0 and step % self.share_every == 0
 
-    def _log_share(self, reconstruction: Tensor, adversarial: Tensor, painted: Tensor) -> None:
+    def _log_share(self, reconstruction: Tensor, adversarial: Tensor, predicted: Tensor) -> None:
         """Log how long the gradient of one loss is beside that of the other, both weighted."""
-        for name, inputs in ((SHARE, list(self.generator.parameters())), (f"{SHARE}_output", [painted])):
+        for name, inputs in ((SHARE, list(self.generator.parameters())), (f"{SHARE}_output", [predicted])):
             lengths = [
                 torch.stack([g.float().square().sum() for g in gradients if g is not None]).sum().sqrt()
                 for gradients in (
@@ -323,7 +323,7 @@ class NormalGAN(LightningModule):
             total = values.clone()
             torch.distributed.all_reduce(total)  # Lightning's own reduction waits for all processes first
             values = torch.cat([values, total])
-        read = read_behind(values)
+        read = async_to_cpu(values)
 
         def look(batch: Batch) -> dict[str, Tensor]:
             numbers = read()
@@ -402,17 +402,17 @@ class NormalGAN(LightningModule):
             return None
         modes = {module: module.training for module in self.generator.modules()}
         self.generator.eval()
-        painted = self._paint(batch, None)
+        predicted = self._predict(batch, None)
         for module, training in modes.items():
             module.training = training
-        return angular_error(painted, batch["normal"])
+        return angular_error(predicted, batch["normal"])
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
         """Measure with the sampler's hints, the same ones every epoch, and with none."""
         target, mask = batch["normal"], batch["mask"]
         hints = self.measured_hints(batch)
-        self.val_metrics.update("hints", self._paint(batch, hints), target, mask)
-        self.val_metrics.update("no_hints", self._paint(batch, None), target, mask)
+        self.val_metrics.update("hints", self._predict(batch, hints), target, mask)
+        self.val_metrics.update("no_hints", self._predict(batch, None), target, mask)
 
     def on_validation_epoch_end(self) -> None:
         """Log the metrics of the validation split."""
@@ -426,14 +426,14 @@ class NormalGAN(LightningModule):
         """
         mask = batch["mask"]
         hints = self.measured_hints(batch)
-        preds = self._paint(batch, hints)
+        preds = self._predict(batch, hints)
         measured = {
             "hints": (preds, mask),
             "unhinted": (preds, without_hints(mask, hints[:, 3:])),
-            "no_hints": (self._paint(batch, None), mask),
+            "no_hints": (self._predict(batch, None), mask),
         }
-        for row, (painted, where) in measured.items():
-            self.test_metrics.update(row, painted, batch["normal"], where)
+        for row, (predicted, where) in measured.items():
+            self.test_metrics.update(row, predicted, batch["normal"], where)
         return measured
 
     def on_test_epoch_end(self) -> None:
@@ -452,14 +452,14 @@ class NormalGAN(LightningModule):
         hints = batch.get("hints")
         return torch.cat(
             [
-                self._paint({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
+                self._predict({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
                 for i, sketch in enumerate(batch["sketch"])
             ]
         )
 
-    def _paint(self, batch: Sketches, hints: Tensor | None) -> Tensor:
-        painted: Tensor = self(batch["sketch"], hints)
-        return painted.float()  # under bf16, figures and files are still made of full precision
+    def _predict(self, batch: Sketches, hints: Tensor | None) -> Tensor:
+        predicted: Tensor = self(batch["sketch"], hints)
+        return predicted.float()  # under bf16, figures and files are still made of full precision
 
     def on_test_model_eval(self) -> None:
         """Switch to evaluation, but keep the noise on if asked."""

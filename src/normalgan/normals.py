@@ -13,13 +13,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError, brief
 from normalgan.files.writing import write_bytes
 
 __all__ = [
     "LEAST_Z",
     "Bits",
-    "Floats",
     "Green",
     "angles",
     "decode",
@@ -44,7 +44,6 @@ __all__ = [
 Bits = Literal[8, 16]
 Green = Literal["up", "down"]
 """Which way of y a file holds as green: up as in OpenGL, down as in DirectX."""
-Floats = NDArray[np.float32]
 LEAST_Z = -0.02
 """A unit normal whose z is below this looks away from the viewer; above it may be the rounding of 8 bits."""
 _STRIP = 2**16

@@ -3,7 +3,7 @@ import pytest
 import trimesh
 from sound import check_closed, coarse
 
-from normalgan.animals import GROUPS, SPECIES, Animal, herd
+from normalgan.animals import GROUPS, SPECIES, Animal, make_animals
 from normalgan.errors import InputError
 from normalgan.rendering.mesh import Mesh
 
@@ -51,7 +51,7 @@ def test_folded_legs_stay_on(species: str, pose: str) -> None:
 
 @pytest.mark.slow
 def test_a_whole_herd_is_sound() -> None:
-    for animal in herd(75, seed=1):
+    for animal in make_animals(75, seed=1):
         body = solid(animal.load())
         assert body.is_watertight, animal.name
         assert body.body_count == 1, animal.name
@@ -103,22 +103,22 @@ def test_fingerprint_and_name_follow_species_seed_and_pose() -> None:
 
 
 def test_a_herd_rotates_through_the_species_and_never_repeats() -> None:
-    animals = herd(40, seed=3)
-    assert animals == herd(40, seed=3)
-    assert animals[:17] == herd(17, seed=3)
+    animals = make_animals(40, seed=3)
+    assert animals == make_animals(40, seed=3)
+    assert animals[:17] == make_animals(17, seed=3)
     assert len(set(animals)) == 40
     assert [animal.species for animal in animals[:15]] == list(GROUPS["quadrupeds"])
-    assert not set(animals) & set(herd(40, seed=4))
+    assert not set(animals) & set(make_animals(40, seed=4))
 
 
 def test_a_herd_takes_species_and_groups_in_rotation_and_each_once() -> None:
-    animals = herd(5, seed=2, species=["stag", "cat"])
+    animals = make_animals(5, seed=2, species=["stag", "cat"])
     assert [animal.species for animal in animals] == ["stag", "cat", "stag", "cat", "stag"]
     assert [animal.seed for animal in animals] == [20_000, 20_000, 20_001, 20_001, 20_002]
-    mixed = herd(15, species=["horse", "quadrupeds"])
+    mixed = make_animals(15, species=["horse", "quadrupeds"])
     assert mixed[0].species == "horse"
     assert len({animal.species for animal in mixed}) == 15
-    assert herd(15) == herd(15, species=["quadrupeds"])
+    assert make_animals(15) == make_animals(15, species=["quadrupeds"])
 
 
 def test_names_of_groups_and_species_are_told_apart() -> None:
@@ -134,10 +134,10 @@ def test_what_is_not_known_is_said_with_the_nearest_that_is() -> None:
     with pytest.raises(InputError, match="from 0 on, not -1"):
         Animal("horse", -1)
     with pytest.raises(InputError, match="at least one animal, not 0"):
-        herd(0)
+        make_animals(0)
     with pytest.raises(
         InputError, match=r"no species or group named 'quadruped'\. Did you mean quadrupeds\?"
     ):
-        herd(1, species=["quadruped"])
+        make_animals(1, species=["quadruped"])
     with pytest.raises(InputError, match="at least one species; known groups: quadrupeds"):
-        herd(1, species=[])
+        make_animals(1, species=[])

@@ -21,25 +21,25 @@ def samples() -> tuple[torch.Tensor, ...]:
     mask = torch.stack([radius < 24, radius < 15])[:, None].float()
     target = torch.nn.functional.normalize(torch.randn(2, 3, SIZE, SIZE, generator=rng), dim=1) * mask
     noise = torch.randn(2, 3, SIZE, SIZE, generator=rng)
-    painted = 0.9 * torch.nn.functional.normalize(target + 0.3 * noise, dim=1)
-    painted *= torch.stack([radius < 27, radius < 18])[:, None]
+    predicted = 0.9 * torch.nn.functional.normalize(target + 0.3 * noise, dim=1)
+    predicted *= torch.stack([radius < 27, radius < 18])[:, None]
     confidence = 1 + 9 * torch.rand(2, 1, SIZE, SIZE, generator=rng)
     where = (torch.rand(mask.shape, generator=rng) < 0.01) * mask
-    return torch.cat([painted, confidence], dim=1), target, mask, where
+    return torch.cat([predicted, confidence], dim=1), target, mask, where
 
 
 @pytest.fixture
 def accumulator(samples: tuple[torch.Tensor, ...]) -> Accumulator:
     accumulator = Accumulator(CPU)
     for i, name in enumerate(("a/0", "b/0")):
-        painted, target, mask, where = (each[i : i + 1] for each in samples)
-        accumulator.update(painted, target, mask, where, distance_from_contour(mask), [name])
+        predicted, target, mask, where = (each[i : i + 1] for each in samples)
+        accumulator.update(predicted, target, mask, where, distance_from_contour(mask), [name])
     return accumulator
 
 
 def by_numpy(samples: tuple[torch.Tensor, ...], views: list[int]) -> dict[str, float]:
-    painted, target, mask, where = (each.double().numpy()[views] for each in samples)
-    unit = painted[:, :3] / np.maximum(np.linalg.norm(painted[:, :3], axis=1, keepdims=True), 1e-12)
+    predicted, target, mask, where = (each.double().numpy()[views] for each in samples)
+    unit = predicted[:, :3] / np.maximum(np.linalg.norm(predicted[:, :3], axis=1, keepdims=True), 1e-12)
     counted = (mask[:, 0] > 0) & (where[:, 0] == 0)
     angle = np.degrees(np.arccos(np.clip((unit * target).sum(1), -1, 1)))
     nz = unit[:, 2] - target[:, 2]
@@ -54,7 +54,7 @@ def by_numpy(samples: tuple[torch.Tensor, ...], views: list[int]) -> dict[str, f
             step = np.linalg.norm(np.diff(normals, axis=axis + 1), axis=1)
             both = np.logical_and(*(np.take(counted, range(s, SIZE - 1 + s), axis) for s in (0, 1)))
             changes[k] += step[both].sum()
-    shown = np.linalg.norm(painted[:, :3], axis=1) > 0.5
+    shown = np.linalg.norm(predicted[:, :3], axis=1) > 0.5
     return {
         "angular_mean": angle[counted].mean(),
         "nz_bias": nz[counted].mean(),
@@ -102,7 +102,7 @@ def test_the_calibration_curve_is_that_of_the_confidence(
     assert error == pytest.approx(weighted / sum(point["pixels"] for point in curve))
     assert "calibration_error" not in accumulator.by_mesh()["a"]
     bare = Accumulator(CPU)
-    painted, target, mask, where = samples
-    bare.update(painted[:, :3], target, mask, where, distance_from_contour(mask), ["a/0", "b/0"])
+    predicted, target, mask, where = samples
+    bare.update(predicted[:, :3], target, mask, where, distance_from_contour(mask), ["a/0", "b/0"])
     assert bare.calibration() is None
     assert bare.figures().items() <= accumulator.figures().items()

@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 
 from normalgan.__main__ import main
+from normalgan.arrays import Doubles
 from normalgan.benchmark.human.command import find_drawings, tables
 from normalgan.benchmark.human.evaluation import measure_drawings, sample_of
 from normalgan.benchmark.human.registration import PlacedMesh, camera_of, fit_projection, read_placed_mesh
 from normalgan.errors import InputError
-from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.painter import Painter
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.predictor import Predictor
 
-Doubles = NDArray[np.float64]
 SIDE = 64
 CENTRE, RADIUS = np.array([3.0, -2.0, 5.0]), 2.0
 """Of a ball that lies anywhere in its file."""
@@ -174,7 +173,7 @@ def test_a_camera_is_fitted_to_points_and_says_how_far_it_is_off() -> None:
 
 
 def truth(picture: Any, hints: Any) -> NormalMap:
-    """A painter that knows the ball of `orthographic`, by its formula."""
+    """A predictor that knows the ball of `orthographic`, by its formula."""
     side = picture.shape[0]
     steps = (np.arange(side) + 0.5 - side / 2) / (side / 3)
     x, y = np.meshgrid(steps, -steps)
@@ -198,8 +197,8 @@ def test_the_truth_painted_by_its_formula_has_no_error(tmp_path: Path, write: An
         assert names == ["ball/ball_p7_traced", "ball/ball_p8_freehand"]
         assert "of 1 of 2 prompts cameras.json has no view, such as boat.png" in found.left_out[0]
         assert "boat.png" in found.left_out[0]
-    painter: Painter = truth  # type: ignore[assignment]
-    measured = measure_drawings(found.drawings[:1], painter, 0, 1, print)
+    predictor: Predictor = truth  # type: ignore[assignment]
+    measured = measure_drawings(found.drawings[:1], predictor, 0, 1, print)
     (one,) = measured.drawings
     assert one["figures"]["0"]["angular_mean"] < 0.5
     assert one["figures"]["0"]["mask_iou"] > 0.99

@@ -41,13 +41,13 @@ def test_hinted_pixels_count_for_no_method() -> None:
 def test_a_method_that_takes_none_is_given_none() -> None:
     given: list[Tensor | None] = []
 
-    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+    def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         given.append(hints)
         return copycat(batch, hints)
 
-    measure(Method(paint, NoHints()), [a_batch(["a"])], HintTests([0, 5]), CPU)
+    measure(Method(predict, NoHints()), [a_batch(["a"])], HintTests([0, 5]), CPU)
     assert given == [None]
-    measure(Method(paint, UniformHints()), [a_batch(["a"])], HintTests([0, 5]), CPU)
+    measure(Method(predict, UniformHints()), [a_batch(["a"])], HintTests([0, 5]), CPU)
     assert [None if hints is None else int(hints[:, 3].sum()) for hints in given[1:3]] == [None, 5]
 
 
@@ -63,10 +63,10 @@ def test_figures_are_those_of_the_pixels() -> None:
 
 def test_inflation_is_told_the_outline_and_nothing_else() -> None:
     batch = a_batch(["a"])
-    painted = inflation_method().paint(batch, None)
+    predicted = inflation_method().predict(batch, None)
     other: Batch = {**batch, "normal": batch["normal"].flip(1), "sketch": batch["sketch"] + 1}
-    assert torch.equal(inflation_method().paint(other, None), painted)
-    assert torch.equal(painted.norm(dim=1, keepdim=True) > 0.5, batch["mask"] > 0.5)
+    assert torch.equal(inflation_method().predict(other, None), predicted)
+    assert torch.equal(predicted.norm(dim=1, keepdim=True) > 0.5, batch["mask"] > 0.5)
 
 
 def test_a_map_that_is_not_finite_has_no_figure() -> None:
@@ -81,13 +81,13 @@ def test_a_map_that_is_not_finite_has_no_figure() -> None:
 def test_nothing_is_measured_in_tf32() -> None:
     allowed: list[bool] = []
 
-    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+    def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         allowed.append(torch.backends.cudnn.allow_tf32)
         return copycat(batch, hints)
 
     assert torch.backends.cudnn.allow_tf32  # PyTorch's default, with which a model is trained
-    measure(Method(paint), [a_batch(["a"])], HintTests([0]), CPU)
-    images_per_second(Method(paint), a_batch(["a"]), CPU, 0)
+    measure(Method(predict), [a_batch(["a"])], HintTests([0]), CPU)
+    images_per_second(Method(predict), a_batch(["a"]), CPU, 0)
     assert set(allowed) == {False}
     assert torch.backends.cudnn.allow_tf32
 

@@ -22,7 +22,7 @@ from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.plan import Plan, Row
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.table import FIGURES, markdown, mesh_table
-from normalgan.gallery import Row as Sample
+from normalgan.callbacks.gallery import Row as Sample
 from normalgan.gan import SHARE
 
 ROWS = [

@@ -13,11 +13,11 @@ from normalgan.benchmark.saved import saved_method
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints
+from normalgan.losses import Wasserstein
 from normalgan.models import UNetGenerator
-from normalgan.objectives import Wasserstein
+from normalgan.weights.class_spec import ClassSpec
 from normalgan.weights.file import SHIPPED, Weights, read_weights
-from normalgan.weights.notes import Notes
-from normalgan.weights.part import Part
+from normalgan.weights.metadata import ModelMetadata
 from onnx_models import write_model
 
 CPU = torch.device("cpu")
@@ -53,9 +53,9 @@ def test_the_shipped_files_measure_the_same() -> None:
 def test_noise_sampler_and_weights_come_from_the_file(tmp_path: Path) -> None:
     torch.manual_seed(0)
     generator, sampler = UNetGenerator(size=32, width=4), UniformHints(4, 4)
-    notes = Notes(
-        generator=Part("UNetGenerator", {"size": 32, "width": 4}),
-        hint_sampler=Part("UniformHints", {"minimum": 4, "maximum": 4}),
+    notes = ModelMetadata(
+        generator=ClassSpec("UNetGenerator", {"size": 32, "width": 4}),
+        hint_sampler=ClassSpec("UniformHints", {"minimum": 4, "maximum": 4}),
         size=32,
         noise_at_test=True,
     )

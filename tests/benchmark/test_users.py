@@ -79,14 +79,14 @@ def test_placements_are_measured_at_equal_counts() -> None:
 def test_noise_is_measured_on_the_hints_of_table_1() -> None:
     said: list[Tensor] = []
 
-    def paint(one: Batch, hints: Tensor | None) -> Tensor:
+    def predict(one: Batch, hints: Tensor | None) -> Tensor:
         if hints is not None:
             said.append(hints)
         return one["normal"]
 
     given = named()
     tests = HintTests([5], noise={"degrees-0": (0.0, 0.0), "degrees-20": (20.0, 0.0)}, noisy=5)
-    measure(Method(paint, UniformHints(2, 2)), [given], tests, CPU)
+    measure(Method(predict, UniformHints(2, 2)), [given], tests, CPU)
     right = hints_at(given["normal"], hint_points(given["mask"], given["name"], 0, 5))
     by_count = dict(zip(("5", "own", "degrees-0", "degrees-20"), said, strict=True))
     torch.testing.assert_close(by_count["5"], right)
@@ -102,7 +102,7 @@ def test_pins_come_one_by_one_and_the_curve_is_over_the_same_pixels(strategy: st
     numbers: list[int] = []
     places: list[Tensor] = []
 
-    def paint(one: Batch, hints: Tensor | None) -> Tensor:
+    def predict(one: Batch, hints: Tensor | None) -> Tensor:
         number = 0 if hints is None else int(hints[0, 3].sum())
         numbers.append(number)
         if hints is not None:
@@ -112,7 +112,7 @@ def test_pins_come_one_by_one_and_the_curve_is_over_the_same_pixels(strategy: st
         facing[:, 2] = 1
         return one["normal"] if number >= 3 else facing
 
-    sums = pin_one_by_one(Method(paint, UniformHints()), given, strategy, 4)  # type: ignore[arg-type]
+    sums = pin_one_by_one(Method(predict, UniformHints()), given, strategy, 4)  # type: ignore[arg-type]
     assert numbers == [0, 1, 2, 3, 4]
     assert all(((after - before) >= 0).all() for before, after in pairwise(places))
     assert sums[:, -1].tolist() == (given["mask"].sum((1, 2, 3)) - 4).tolist()

@@ -8,7 +8,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.utils._python_dispatch import TorchDispatchMode
 
 from normalgan.callbacks import WarmAverage
-from normalgan.checkpoints import LastCheckpoint
+from normalgan.callbacks.checkpoints import LastCheckpoint
 from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 

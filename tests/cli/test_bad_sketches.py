@@ -36,7 +36,7 @@ def save_text(path: Path) -> None:
     path.write_text("no image")
 
 
-# Each stops at another step; more in painting/reading/test_drawings.py, by the function that reads them.
+# Each stops at another step; more in inference/reading/test_drawings.py, by the function that reads them.
 BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (save_text, "is not an image that can be read"),
     "white": (Image.new("L", (40, 40), 255).save, "no line is seen in it"),
@@ -83,8 +83,8 @@ def test_a_sketch_of_any_mode_is_read_rightly(predict: Callable[..., Outcome], t
     truth, _ = read_png(tmp_path / "maps" / "grey_normal.png")
     assert np.ptp(truth, axis=(0, 1)).max() > 0.1
     for name in names:
-        painted, _ = read_png(tmp_path / "maps" / name)
-        np.testing.assert_array_equal(painted, truth, err_msg=name)
+        predicted, _ = read_png(tmp_path / "maps" / name)
+        np.testing.assert_array_equal(predicted, truth, err_msg=name)
 
 
 def test_sketches_that_are_not_there(predict: Callable[..., Outcome], tmp_path: Path) -> None:
@@ -100,7 +100,7 @@ def test_hints_that_cannot_be_used(predict: Callable[..., Outcome], tmp_path: Pa
     predict("--data.hints", hints).refused("there is no file or folder", "for the hints")
     hints.mkdir()
     predict("--data.hints", hints).refused("holds no hints for any sketch")
-    # What else they may not be is asked of what reads them, in painting/reading/test_drawings.py.
+    # What else they may not be is asked of what reads them, in inference/reading/test_drawings.py.
     Image.new("RGBA", (40, 40), (128, 128, 128, 255)).save(hints / "ring_hints.png")
     predict("--data.hints", hints).refused("ring_hints.png", "is no normal")
     assert not (tmp_path / "maps").exists()

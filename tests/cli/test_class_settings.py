@@ -12,8 +12,8 @@ import yaml
 
 from normalgan.__main__ import main
 from normalgan.cli.class_settings import OwnDefaultsParser, classes_first
+from normalgan.cli.discovery import REGISTRIES
 from normalgan.cli.sketch import build_parser
-from normalgan.plugins import REGISTRIES
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.strokes.stroke import Stroke
 

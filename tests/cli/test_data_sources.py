@@ -46,11 +46,11 @@ def test_fit_test_and_predict_on_pairs(tmp_path: Path) -> None:
     own = json.loads((tmp_path / "run" / "test" / "metrics.json").read_text())
     assert plain["no_hints"] == own["no_hints"]
     assert plain["hints"] != own["hints"]
-    painted = on_pairs(
+    predicted = on_pairs(
         *("predict", tmp_path, pairs, "--ckpt_path", last, "--data.sketches", pairs / "a0.png"),
         *("--output.folder", tmp_path / "out"),
     )
-    assert painted.code == 0, painted.err
+    assert predicted.code == 0, predicted.err
     assert (tmp_path / "out" / "a0_normal.png").is_file()
 
 

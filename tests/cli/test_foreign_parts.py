@@ -14,8 +14,8 @@ PARTS = {
     "model.hint_sampler": ("normalgan.hint_samplers", "hints", "UniformHints", "data"),
     "model.generator": ("normalgan.generators", "models", "UNetGenerator", "network"),
     "model.discriminator": ("normalgan.discriminators", "models", "UNetDiscriminator", "network"),
-    "model.objective": ("normalgan.adversarial_objectives", "objectives", "CrossEntropy", "data"),
-    "model.reconstruction": ("normalgan.reconstructions", "objectives", "L1AndHints", "data"),
+    "model.objective": ("normalgan.adversarial_objectives", "losses", "CrossEntropy", "data"),
+    "model.reconstruction": ("normalgan.reconstructions", "losses", "L1AndHints", "data"),
 }
 """For each setting: its group, and what a package of someone else's might begin with."""
 SOURCES = {

@@ -32,7 +32,7 @@ def generate(*arguments: str) -> int:
     return main(["generate", *arguments, "--model", "model.onnx"])
 
 
-def painted(path: str) -> NDArray[np.float32]:
+def predicted(path: str) -> NDArray[np.float32]:
     return read_png(path)[0]
 
 
@@ -71,7 +71,7 @@ def save(kind: str) -> str:
 )
 def test_every_format_gives_the_same_map(here: Path, kind: str) -> None:
     assert generate("fox.png", save(kind), "-o", "out") == 0
-    reference, other = painted("out/fox_normal.png"), painted("out/a_normal.png")
+    reference, other = predicted("out/fox_normal.png"), predicted("out/a_normal.png")
     assert overlap(on_object(other), on_object(reference)) > 0.97
     both = on_object(other) & on_object(reference)
     assert np.abs(other - reference)[both].mean() < 0.02
@@ -83,7 +83,7 @@ def test_an_svg_is_drawn_at_the_size_asked_for(here: Path) -> None:
     disc = np.hypot(x - 170, y - 90) < 61.5
     for size in (300, 1024):
         assert generate("ball.svg", "-o", "out", *(["--size", "300"] if size == 300 else [])) == 0
-        normals = painted("out/ball_normal.png")
+        normals = predicted("out/ball_normal.png")
         assert normals.shape[1] == size
         assert normals.shape[0] == pytest.approx(size / 1.5, rel=0.015)  # resvg rounds millimetres to pixels
         found = cv2.resize(on_object(normals).astype(np.uint8), (300, 200), interpolation=cv2.INTER_NEAREST)
@@ -142,7 +142,7 @@ def read_any(path: Path) -> tuple[NDArray[np.float32], int]:
 
 def test_green_can_point_down(here: Path) -> None:
     assert generate("fox.png", "-o", "up") == generate("fox.png", "-o", "down", "--y", "down") == 0
-    up, down = painted("up/fox_normal.png"), painted("down/fox_normal.png")
+    up, down = predicted("up/fox_normal.png"), predicted("down/fox_normal.png")
     assert np.abs(up * (1, -1, 1) - down).max() < 0.02
     assert up[40, 170, 1] > 0.1 > -0.1 > up[140, 170, 1]  # the ramp's y grows upwards
 
@@ -180,7 +180,7 @@ def test_masks_and_hints_go_with_their_drawings(here: Path) -> None:
     Image.fromarray(mask).save("extra/fox_mask.png")
     Path("extra/fox_hints.json").write_text(json.dumps([{"x": 150, "y": 100, "normal": [-0.8, 0, 0.6]}]))
     assert generate("fox.png", "-o", "out", "--mask", "extra", "--hints", "extra") == 0
-    normals = painted("out/fox_normal.png")
+    normals = predicted("out/fox_normal.png")
     # The ramp is (0, 0, 1) somewhere in the mask too.
     assert overlap(on_object(normals), mask) > 0.9
     assert normals[100, 150, 0] < -0.6
@@ -279,7 +279,7 @@ def test_what_cannot_be_used_is_told_in_a_sentence(
 def test_without_a_model_it_says_so(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("normalgan.painting.network.onnx_backend.SHIPPED", here / "none.onnx")
+    monkeypatch.setattr("normalgan.inference.network.onnx_backend.SHIPPED", here / "none.onnx")
     assert main(["generate", "fox.png"]) == 2
     assert "no model comes with this package" in capsys.readouterr().err
 
@@ -319,15 +319,15 @@ def test_previews_heights_and_reliefs_come_beside_the_map(here: Path) -> None:
 
 @pytest.mark.parametrize("tile", ["both", "x", "y"])
 def test_a_drawing_that_repeats_gives_maps_that_do(here: Path, tile: str) -> None:
-    # Rolled by half, what was the seam lies in the midst; by the painter's own tests that is the same.
+    # Rolled by half, what was the seam lies in the midst; by the predictor's own tests that is the same.
     Image.fromarray(GREY[:, :200]).save("stone.png")
     assert generate("stone.png", "-o", "out", "--tile", tile, "--height", "png", "--ao") == 0
     assert {path.name for path in Path("out").iterdir()} == {
         *("stone_normal.png", "stone_height.png", "stone_ao.png")
     }
     assert generate("stone.png", "-o", "plain") == 0
-    assert painted("out/stone_normal.png").shape == painted("plain/stone_normal.png").shape
-    assert not np.allclose(painted("out/stone_normal.png"), painted("plain/stone_normal.png"), atol=0.05)
+    assert predicted("out/stone_normal.png").shape == predicted("plain/stone_normal.png").shape
+    assert not np.allclose(predicted("out/stone_normal.png"), predicted("plain/stone_normal.png"), atol=0.05)
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer
-from normalgan.painting.outputs.outputs import Outputs
-from normalgan.painting.sheets_and_layers.layers import encode_layers
+from normalgan.inference.composites.layers import encode_layers
+from normalgan.inference.outputs.outputs import Outputs
 from pens import blob, outline
 
 GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
@@ -298,7 +298,7 @@ def watched(monkeypatch: pytest.MonkeyPatch, *steps: Callable[[], object]) -> No
     monkeypatch.setattr("time.sleep", wait)
 
 
-def painted(said: str) -> list[str]:
+def predicted(said: str) -> list[str]:
     return [Path(line).name.removesuffix("_normal.png") for line in said.split()]
 
 
@@ -310,7 +310,7 @@ def test_what_has_a_map_is_not_painted_by_a_watch_that_leaves_it_out(
     capsys.readouterr()
     watched(monkeypatch, lambda: None, lambda: os.utime("in/owl.png", ns=(1, 1)))
     assert generate("in", "--skip-existing", "--watch") == 1
-    assert painted(capsys.readouterr().out) == ["fox", "owl"]
+    assert predicted(capsys.readouterr().out) == ["fox", "owl"]
 
 
 def test_what_is_saved_while_others_are_painted_is_not_missed(
@@ -327,7 +327,7 @@ def test_what_is_saved_while_others_are_painted_is_not_missed(
     monkeypatch.setattr(Outputs, "write", write_and_save)
     watched(monkeypatch, lambda: None)
     assert generate("in", "--watch") == 1
-    assert painted(capsys.readouterr().out) == ["fox", "fox"]
+    assert predicted(capsys.readouterr().out) == ["fox", "fox"]
 
 
 def test_the_map_of_a_drawing_that_is_deleted_is_no_drawing(
@@ -336,7 +336,7 @@ def test_the_map_of_a_drawing_that_is_deleted_is_no_drawing(
     draw("in/fox.png")
     watched(monkeypatch, lambda: Path("in/fox.png").rename("in/owl.png"), lambda: None)
     assert generate("in", "--watch", "--ao", "-o", "in") == 1
-    assert painted(capsys.readouterr().out) == ["fox", "owl"]
+    assert predicted(capsys.readouterr().out) == ["fox", "owl"]
 
 
 def test_hints_masks_and_atlases_are_watched_too(
@@ -351,13 +351,13 @@ def test_hints_masks_and_atlases_are_watched_too(
     )
     Path("in/owl_hints.json").write_text('[{"x": 150, "y": 80, "normal": [0.6, 0, 0.8]}]')
     assert generate("in", "--watch", "--hints", "in", "--mask", "in") == 1
-    assert painted(capsys.readouterr().out) == ["fox", "owl", "fox", "owl"]
+    assert predicted(capsys.readouterr().out) == ["fox", "owl", "fox", "owl"]
     draw("in/fox.png")
     frame = {"frame": {"x": 0, "y": 0, "w": 300, "h": 200}}
     Path("in/fox.json").write_text(json.dumps({"frames": {"fox": frame}}))
     watched(monkeypatch, lambda: os.utime("in/fox.json", ns=(1, 1)))
     assert generate("in", "--watch", "--atlas", "in") == 1
-    assert painted(capsys.readouterr().out) == ["fox", "fox"]
+    assert predicted(capsys.readouterr().out) == ["fox", "fox"]
 
 
 def test_of_drawings_that_share_a_frame_all_are_painted_anew(
@@ -371,7 +371,7 @@ def test_of_drawings_that_share_a_frame_all_are_painted_anew(
     )
     assert generate("in", "--watch", "--frame", "shared") == 1
     said = capsys.readouterr()
-    assert painted(said.out) == ["walk_1", "walk_2", "walk_1", "walk_2"]
+    assert predicted(said.out) == ["walk_1", "walk_2", "walk_1", "walk_2"]
     assert "cannot share a frame" in said.err
     before = {name: Path("normals", name).read_bytes() for name in written("normals")}
     draw("in/walk_1.png")

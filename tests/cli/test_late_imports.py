@@ -3,17 +3,17 @@ import sys
 
 import pytest
 
-from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.late_imports import gc_paused
 
 
 def test_the_collector_is_as_before_whatever_happens() -> None:
     assert gc.isenabled()
-    with pytest.raises(ImportError), nothing_collected():
+    with pytest.raises(ImportError), gc_paused():
         import no_module_of_this_name  # type: ignore[import-not-found]  # noqa: F401
     assert gc.isenabled()
     gc.disable()
     try:
-        with nothing_collected():
+        with gc_paused():
             pass
         assert not gc.isenabled()
     finally:
@@ -22,10 +22,10 @@ def test_the_collector_is_as_before_whatever_happens() -> None:
 
 def test_what_was_imported_is_passed_over_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
     gc.unfreeze()
-    with nothing_collected():
+    with gc_paused():
         pass
     assert gc.get_freeze_count() == 0
-    with nothing_collected():
+    with gc_paused():
         monkeypatch.setitem(sys.modules, "a_new_module", sys)
     assert gc.get_freeze_count() > 0
     gc.unfreeze()

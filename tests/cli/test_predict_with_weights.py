@@ -37,7 +37,7 @@ def predict(tmp_path: Path) -> Callable[..., Outcome]:
     return predict
 
 
-def painted(folder: Path) -> NDArray[np.float32]:
+def predicted(folder: Path) -> NDArray[np.float32]:
     return read_png(folder / "maps" / "ring_normal.png")[0]
 
 
@@ -49,7 +49,7 @@ def test_predict_needs_nothing_but_a_drawing(predict: Callable[..., Outcome], tm
     )
     # What torch makes of the safetensors and ONNX Runtime of the ONNX file: sums in another order, no more.
     assert main(["generate", str(tmp_path / "ring.png"), "-o", str(tmp_path / "generated")]) == 0
-    preds, target = painted(tmp_path), read_png(tmp_path / "generated" / "ring_normal.png")[0]
+    preds, target = predicted(tmp_path), read_png(tmp_path / "generated" / "ring_normal.png")[0]
     sine = np.linalg.norm(np.cross(preds, target), axis=-1)
     degrees = np.rad2deg(np.arctan2(sine, (preds * target).sum(-1)))
     # Two levels of 8 bits; a few short vectors, where the weights are in doubt, turn more with the last bits.
@@ -65,7 +65,7 @@ def test_weights_paint_and_measure_as_their_checkpoint(
     maps, figures = [], []
     for path in (checkpoint, weights):
         assert predict("--ckpt_path", path, "--data.size", 32).code == 0
-        maps.append(painted(tmp_path))
+        maps.append(predicted(tmp_path))
         done = bench.run("test", tmp_path / "run", "--ckpt_path", path)
         assert done.code == 0, done.err
         figures.append(json.loads((tmp_path / "run" / "test" / "metrics.json").read_text()))

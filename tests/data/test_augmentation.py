@@ -205,7 +205,7 @@ def test_dropped_share_is_bounded() -> None:
 def test_strays_leave_the_form_as_it_is() -> None:
     batch = sphere()
     given: Any = {**STILL, **CLEAN}
-    plain, marked = (Augmentation(**given, strays=share)(batch, seed=0) for share in (0.0, 1.0))
+    plain, marked = (Augmentation(**given, distractor_strokes=share)(batch, seed=0) for share in (0.0, 1.0))
     assert torch.equal(plain["normal"], marked["normal"])
     assert (marked["sketch"] > plain["sketch"]).flatten(1).any(1).all()
 
@@ -249,7 +249,7 @@ def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
         ({"flip": 2.0}, "flip must be between 0 and 1, not 2.0"),
         ({"scale": (1.2, 0.8)}, "two positive numbers in order"),
         ({"rotation": -1.0}, "0 or more"),
-        ({"strays": 1.5}, "strays must be between 0 and 1, not 1.5"),
+        ({"distractor_strokes": 1.5}, "distractor_strokes must be between 0 and 1, not 1.5"),
         ({"shear": 60.0}, "shear must be between 0 and 45 degrees, not 60.0"),
     ],
 )

@@ -10,7 +10,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.utils.data import DataLoader
 
 from normalgan.batch import Batch
-from normalgan.checkpoints import LastCheckpoint
+from normalgan.callbacks.checkpoints import LastCheckpoint
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.items import Item

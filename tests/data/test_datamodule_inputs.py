@@ -58,10 +58,10 @@ def test_drawings_and_their_hints_are_served_in_order(meshes: Path, cache: Path,
 
 def test_predicting_renders_nothing(meshes: Path, tmp_path: Path) -> None:
     module = data(meshes, tmp_path / "cache", sketches=str(drawing(tmp_path)))
-    painted = trainer(tmp_path).predict(gan(), module)
-    assert painted is not None
-    assert isinstance(painted[0], torch.Tensor)
-    assert painted[0].shape == (1, 3, 32, 32)
+    predicted = trainer(tmp_path).predict(gan(), module)
+    assert predicted is not None
+    assert isinstance(predicted[0], torch.Tensor)
+    assert predicted[0].shape == (1, 3, 32, 32)
     assert not (tmp_path / "cache").exists()
 
 

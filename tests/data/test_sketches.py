@@ -6,7 +6,7 @@ from PIL import Image
 
 from normalgan.data.sketches import SketchDataset, collate_sketches
 from normalgan.errors import InputError
-from normalgan.painting.jobs.plan import find_files
+from normalgan.inference.jobs.plan import find_files
 
 
 def draw(path: Path, width: int = 60, height: int = 40) -> Path:

@@ -18,8 +18,8 @@ from PIL import Image, PngImagePlugin
 from hostile_pictures import LINE, SLOW, chunk, embedded, eps, hostile, secret_picture, svg, white_tiff
 from normalgan.decoding import decode, process
 from normalgan.errors import InputError, RunError
-from normalgan.painting.reading.drawings import read_drawing, read_pixels
-from normalgan.painting.reading.picture import read_picture
+from normalgan.inference.reading.drawings import read_drawing, read_pixels
+from normalgan.inference.reading.picture import read_picture
 from normalgan.studio.pictures import import_picture
 
 SIDES = (8, 8192)

@@ -39,7 +39,7 @@ def save(path: Path, kind: str) -> Generator:
                 "generator": {"class_path": f"normalgan.models.{kind}", "init_args": arguments},
                 "discriminator": None,
                 "hint_sampler": {"class_path": "normalgan.hints.UniformHints", "init_args": {}},
-                "objective": {"class_path": "normalgan.objectives.Wasserstein", "init_args": {}},
+                "objective": {"class_path": "normalgan.losses.Wasserstein", "init_args": {}},
                 "_instantiator": "lightning.pytorch.cli.instantiate_module",
             },
         },

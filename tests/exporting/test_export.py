@@ -19,9 +19,9 @@ from normalgan.errors import InputError
 from normalgan.exporting import comparison
 from normalgan.exporting.comparison import examples
 from normalgan.exporting.formats import FORMATS
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.models import Generator, UNetGenerator
 from normalgan.models.condition import make_condition
-from normalgan.painting.network.onnx_backend import OnnxBackend
 
 KINDS = ("UNetGenerator", "ResidualUNetGenerator")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "onnx_python" / "paint.py"
@@ -45,7 +45,7 @@ def exported(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return folder, generator
 
 
-def painted(generator: Generator, sketch: object, hints: object) -> Tensor:
+def predicted(generator: Generator, sketch: object, hints: object) -> Tensor:
     with torch.no_grad():
         result: Tensor = generator(make_condition(torch.as_tensor(sketch), torch.as_tensor(hints)))
     return result
@@ -57,7 +57,7 @@ def test_onnx_paints_what_torch_paints_in_any_batch(exported: Export) -> None:
     names = [output.name for output in session.get_outputs()]
     for count in (1, 5):
         sketch, hints = examples(count, 32, seed=7)
-        wanted = painted(generator, sketch, hints).numpy()
+        wanted = predicted(generator, sketch, hints).numpy()
         outputs = session.run(None, {"sketch": sketch, "hints": hints})
         np.testing.assert_allclose(outputs[0], wanted[:, :3], atol=1e-3)
         assert names == ["normal", "confidence"][: len(outputs)]
@@ -72,8 +72,8 @@ def test_generate_takes_the_file(exported: Export) -> None:
     folder, generator = exported
     model = OnnxBackend(folder / "m.onnx")
     sketch, hints = examples(1, 32, seed=3)
-    normal, confidence = model.paint(sketch[0, 0], hints[0])
-    wanted = painted(generator, sketch, hints)[0].numpy()
+    normal, confidence = model.predict(sketch[0, 0], hints[0])
+    wanted = predicted(generator, sketch, hints)[0].numpy()
     np.testing.assert_allclose(normal, wanted[:3].transpose(1, 2, 0), atol=1e-3)
     assert (confidence is None) == (len(wanted) == 3)
 
@@ -108,7 +108,7 @@ def test_half_precision_halves_the_file_and_keeps_the_normals(
     assert 0.9 * weights < whole - half < weights
     session = onnxruntime.InferenceSession(folder / "half.onnx")
     sketch, hints = examples(2, 32, seed=5)
-    wanted = painted(generator, sketch, hints).numpy()[:, :3]
+    wanted = predicted(generator, sketch, hints).numpy()[:, :3]
     error = np.abs(session.run(["normal"], {"sketch": sketch, "hints": hints})[0] - wanted)
     assert 0 < error.mean() < 5e-3
     assert {i.type for i in (*session.get_inputs(), *session.get_outputs())} == {"tensor(float)"}
@@ -127,7 +127,7 @@ def test_the_formats_of_torch_paint_the_same(exported: Export, tmp_path: Path, f
     for count in (1, 4):
         sketch, hints = examples(count, 32, seed=11)
         outputs = np.concatenate(run(sketch, hints), axis=1)
-        np.testing.assert_allclose(outputs, painted(generator, sketch, hints).numpy(), atol=1e-4)
+        np.testing.assert_allclose(outputs, predicted(generator, sketch, hints).numpy(), atol=1e-4)
 
 
 def test_the_example_paints_a_map(exported: Export, tmp_path: Path) -> None:
@@ -140,7 +140,7 @@ def test_the_example_paints_a_map(exported: Export, tmp_path: Path) -> None:
     sketch = 1 - paper.reshape(32, 2, 32, 2).mean((1, 3)).astype(np.float32)[None, None] / 255
     hints = np.zeros((1, 4, 32, 32), np.float32)
     hints[0, 2:, 16, 16] = 1
-    normal = painted(generator, sketch, hints)[0, :3].numpy().transpose(1, 2, 0)
+    normal = predicted(generator, sketch, hints)[0, :3].numpy().transpose(1, 2, 0)
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
     sure = np.abs(length[..., 0] - 0.5) > 0.01  # at the threshold the last bit decides
     wanted = np.where(length > 0.5, normal / length, [0, 0, 1])
@@ -159,7 +159,7 @@ def test_a_file_that_paints_otherwise_is_not_written(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     save(tmp_path / "last.ckpt", kind)
-    honest = comparison.paint
+    honest = comparison.predict
 
     def shifted(*given: object) -> list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]]:
         return [output + np.float32(2e-3) for output in honest(*given)]  # type: ignore[arg-type]

@@ -20,7 +20,7 @@ def export(checkpoint: Path, target: Path, *more: str) -> int:
     return main([*given, *more])
 
 
-def painted(generator: Generator) -> torch.Tensor:
+def predicted(generator: Generator) -> torch.Tensor:
     sketch, hints = examples(2, 32, seed=13)
     with torch.no_grad():
         result: torch.Tensor = generator(make_condition(torch.from_numpy(sketch), torch.from_numpy(hints)))
@@ -32,14 +32,14 @@ def test_weights_alone_build_the_generator(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
 ) -> None:
     generator = save(tmp_path / "last.ckpt", kind)
-    wanted = painted(generator)
+    wanted = predicted(generator)
     for more, most in (((), 0.0), (("--half",), 0.1)):
         target = tmp_path / f"m{len(more)}.safetensors"
         assert export(tmp_path / "last.ckpt", target, *more) == 0
         assert ("half precision turns" in capsys.readouterr().out) == bool(more)
         weights = read_weights(target)
         assert weights.notes.size == 32
-        error = (painted(weights.generator()) - wanted).abs()
+        error = (predicted(weights.generator()) - wanted).abs()
         assert error.mean() <= most
     small, large = ((tmp_path / f"m{n}.safetensors").stat().st_size for n in (1, 0))
     assert 0.4 < small / large < 0.75

@@ -76,8 +76,15 @@ def test_commands_start_without_fcntl(tmp_path: Path, meshes: Path) -> None:
         *("--trainer.default_root_dir", tmp_path / "run", "--trainer.limit_train_batches", 1),
     ]
     drawing = Path(__file__).parents[2] / "examples" / "sketches" / "horse.png"
-    paint = ["--data.sketches", drawing, "--trainer.accelerator", "cpu", "--output.folder", tmp_path / "maps"]
-    commands = [["render", *arguments], ["fit", *arguments], ["predict", *paint]]
+    predict = [
+        "--data.sketches",
+        drawing,
+        "--trainer.accelerator",
+        "cpu",
+        "--output.folder",
+        tmp_path / "maps",
+    ]
+    commands = [["render", *arguments], ["fit", *arguments], ["predict", *predict]]
     told = json.dumps([[str(word) for word in command] for command in commands])
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_FCNTL, told], capture_output=True, text=True, check=False

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from needs import BLENDER
-from normalgan.painting.outputs.engines import sidecar
+from normalgan.inference.outputs.engines import sidecar
 
 SCENE = """import math
 import os

@@ -54,10 +54,14 @@ def test_a_batch_becomes_normal_maps_and_masks(node: Any) -> None:
     assert maps.shape == (2, *drawing.shape)
     assert maps.dtype == masks.dtype == torch.float32
     assert torch.equal(maps[0], maps[1])
-    painted = normalgan.load()(drawing)
-    np.testing.assert_array_equal(masks[0].numpy() > 0.5, painted.mask)
-    np.testing.assert_allclose(maps[0].numpy()[painted.mask] * 2 - 1, painted.normal[painted.mask], atol=1e-5)
-    np.testing.assert_allclose(maps[0].numpy()[~painted.mask], [[0.5, 0.5, 1.0]] * int((~painted.mask).sum()))
+    predicted = normalgan.load()(drawing)
+    np.testing.assert_array_equal(masks[0].numpy() > 0.5, predicted.mask)
+    np.testing.assert_allclose(
+        maps[0].numpy()[predicted.mask] * 2 - 1, predicted.normal[predicted.mask], atol=1e-5
+    )
+    np.testing.assert_allclose(
+        maps[0].numpy()[~predicted.mask], [[0.5, 0.5, 1.0]] * int((~predicted.mask).sum())
+    )
 
 
 def test_green_down_and_a_mask(node: Any) -> None:

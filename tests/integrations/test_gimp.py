@@ -42,10 +42,10 @@ def test_the_map_is_a_layer_above_the_drawing_and_where_it_is(gimp: str, tmp_pat
     said = run(gimp, tmp_path, FOX)
     assert "Normal map at 30 20 of 2 place 0" in said
     with Image.open(tmp_path / "normals.png") as image:
-        painted = np.asarray(image)
-    assert_normal_map(painted)
+        predicted = np.asarray(image)
+    assert_normal_map(predicted)
     by_hand = painted_by_hand(tmp_path / "normalgan", FOX, tmp_path / "hand.png", "--alpha")
-    assert np.abs(painted.astype(int) - by_hand.astype(int)).max() <= 1
+    assert np.abs(predicted.astype(int) - by_hand.astype(int)).max() <= 1
 
 
 @pytest.mark.slow  # starts GIMP

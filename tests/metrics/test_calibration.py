@@ -3,8 +3,8 @@ import math
 import pytest
 import torch
 
+from normalgan.losses.angular_likelihood import angular_nll
 from normalgan.metrics.calibration import Calibration, expected_angle
-from normalgan.objectives.angular_likelihood import angular_nll
 
 
 @pytest.mark.parametrize("kappa", [0.01, 1.0, 3.0, 30.0])

@@ -9,18 +9,7 @@ import torch
 from torch import Tensor, nn
 from torch.utils._python_dispatch import TorchDispatchMode
 
-from normalgan.models import (
-    Discriminator,
-    Generator,
-    GlobalDiscriminator,
-    PatchDiscriminator,
-    ResidualUNetGenerator,
-    TiledGenerator,
-    UNetDiscriminator,
-    UNetGenerator,
-)
-from normalgan.models.condition import make_condition, paste_hints
-from normalgan.objectives import (
+from normalgan.losses import (
     ADVERSARIAL_OBJECTIVES,
     RECONSTRUCTIONS,
     AdversarialObjective,
@@ -32,6 +21,17 @@ from normalgan.objectives import (
     Wasserstein,
     WassersteinGradientPenalty,
 )
+from normalgan.models import (
+    Discriminator,
+    Generator,
+    GlobalDiscriminator,
+    PatchDiscriminator,
+    ResidualUNetGenerator,
+    TiledGenerator,
+    UNetDiscriminator,
+    UNetGenerator,
+)
+from normalgan.models.condition import make_condition, paste_hints
 from spheres import batch
 
 torch.set_num_threads(1)

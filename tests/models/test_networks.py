@@ -39,9 +39,9 @@ def test_parameter_counts_are_the_published_ones(build: type[torch.nn.Module], c
 @pytest.mark.parametrize("kernel", [4, 5])
 def test_generator_keeps_the_size_and_stays_in_range(size: int, kernel: int) -> None:
     generator = UNetGenerator(size=size, width=4, kernel=kernel)
-    painted = generator(torch.randn(1, 4, size, size))  # one sample: nothing may normalise a single value
-    assert painted.shape == (1, 3, size, size)
-    assert painted.abs().max() <= 1
+    predicted = generator(torch.randn(1, 4, size, size))  # one sample: nothing may normalise a single value
+    assert predicted.shape == (1, 3, size, size)
+    assert predicted.abs().max() <= 1
 
 
 def test_generator_has_sixteen_layers_at_256() -> None:

@@ -4,14 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 from mesh_shapes import as_mesh
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
-
-Doubles = NDArray[np.float64]
 
 
 def height_field(height: Callable[[Doubles, Doubles], Doubles], points: int = 72, half: float = 0.7) -> Mesh:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from grids import from_above, height_field, to_plane
 from mesh_shapes import as_mesh, ellipsoid
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.lines import LineDrawing, ObjectSpaceSuggestive, OccludingContours, RidgesAndValleys
 from normalgan.rendering.lines.apparent_ridges import apparent_curvature, extremes
@@ -17,8 +17,6 @@ from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
-
-Doubles = NDArray[np.float64]
 
 STYLES = [ObjectSpaceSuggestive(theta=0), RidgesAndValleys()]
 both_styles = pytest.mark.parametrize("style", STYLES, ids=lambda s: type(s).__name__)

@@ -5,9 +5,10 @@ import pytest
 from numpy.typing import NDArray
 from scenes import EYE, bumps, cube, ink, look, plane, sphere, still, view
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, OccludingContours, SuggestiveContours
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.maps import Maps
 
 WAVY = bumps(0.03)
 STYLES = [OccludingContours(), SuggestiveContours()]

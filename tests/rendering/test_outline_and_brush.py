@@ -6,6 +6,7 @@ from mesh_shapes import as_mesh, ellipsoid
 from numpy.typing import NDArray
 from scenes import ink, plane, sphere, view
 
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.lines import LINE_DRAWINGS, Brush, LineDrawing, Mixture, Silhouette
 from normalgan.rendering.lines.silhouette import borders
@@ -16,7 +17,6 @@ from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
 from normalgan.rendering.views import Views, framed, look_at_origin
 
-Doubles = NDArray[np.float64]
 RNG = np.random.default_rng(0)
 
 

@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
 from mesh_shapes import as_mesh, ellipsoid
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.lines.surface_curvature import shape_operators, smooth_normals
 from normalgan.rendering.mesh import Mesh
 
-Doubles = NDArray[np.float64]
 AXES = np.array([1.0, 0.7, 0.5])
 
 

@@ -195,7 +195,7 @@ class Studio:
         """
         if not begun:
             self.page.wait_for_function("() => document.getElementById('result').ariaBusy !== 'true'")
-        before = self.painted()
+        before = self.predicted()
         yield
         self.page.wait_for_function(
             "before => Number(document.getElementById('result').dataset.painted ?? 0) > before "
@@ -203,7 +203,7 @@ class Studio:
             arg=before,
         )
 
-    def painted(self) -> int:
+    def predicted(self) -> int:
         """Return how many maps were on show."""
         return int(self.page.locator("#result").get_attribute("data-painted") or 0)
 

@@ -9,7 +9,7 @@ import pytest
 from studio_page import SIDE, Server, Studio, open_studio, serving
 
 from normalgan.decoding import DecodedLayer
-from normalgan.painting.sheets_and_layers.layers import LayeredKind, encode_layers
+from normalgan.inference.composites.layers import LayeredKind, encode_layers
 from onnx_models import write_model
 from pens import blob, outline
 
@@ -170,7 +170,7 @@ def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio,
           const ask = window.fetch;
           window.fetch = async (path, options) => {
             const answer = await ask(path, options);
-            if (path === "/api/paint") {
+            if (path === "/api/predict") {
               const length = new DataView(options.body.buffer).getUint32(0, true);
               const text = new TextDecoder().decode(options.body.subarray(4, 4 + length));
               const { layers, longest } = JSON.parse(text);

@@ -28,7 +28,7 @@ def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
               window.sent = [];
               const ask = window.fetch;
               window.fetch = (path, options) => {
-                if (path === "/api/paint") {
+                if (path === "/api/predict") {
                   const length = new DataView(options.body.buffer).getUint32(0, true);
                   const text = new TextDecoder().decode(options.body.subarray(4, 4 + length));
                   const { layers } = JSON.parse(text);
@@ -188,7 +188,7 @@ def test_each_layer_says_for_itself_where_its_object_is(studio: Studio) -> None:
         """() => {
           const ask = window.fetch;
           window.fetch = (path, options) => {
-            if (path === "/api/paint") {
+            if (path === "/api/predict") {
               const length = new DataView(options.body.buffer).getUint32(0, true);
               const text = new TextDecoder().decode(options.body.subarray(4, 4 + length));
               asked.push(JSON.parse(text).layers.map(({ source }) => source));
@@ -262,10 +262,10 @@ def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
     with studio.repainting():
         page.locator("#layer-list .eye").first.click()
     page.keyboard.press("p")
-    before = studio.painted()
+    before = studio.predicted()
     with studio.saying("This layer is hidden"):
         studio.line((20, 20), (60, 20))
-    assert studio.painted() == before
+    assert studio.predicted() == before
     with studio.repainting():
         page.locator("#layer-list .eye").first.click()
     with studio.repainting():

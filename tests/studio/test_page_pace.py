@@ -27,7 +27,7 @@ def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
               window.holding = false;
               const ask = window.fetch;
               window.fetch = async (path, options) => {
-                if (path === "/api/paint") {
+                if (path === "/api/predict") {
                   const length = new DataView(options.body.buffer).getUint32(0, true);
                   const fields = JSON.parse(new TextDecoder().decode(options.body.subarray(4, 4 + length)));
                   const bytes = options.body.length - 4 - length;
@@ -75,7 +75,7 @@ def test_no_request_is_broken_off_and_only_what_changed_is_sent(studio: Studio) 
     assert requests
     assert not any(each["aborted"] for each in requests)
     assert all(each["base"] is not None and each["bytes"] < SIDE * SIDE / 4 for each in requests)
-    assert studio.painted() >= 2
+    assert studio.predicted() >= 2
 
 
 @pytest.mark.parametrize(("side", "coarse"), [(512, 256), (256, None)])
@@ -118,7 +118,7 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
           window.fetch = async (path, options) => {
             const asked = ask(path, options);
             // Asked now: the answer to a draft that was given up may come after the whole map was asked for.
-            const whole = path === "/api/paint" && !sent.at(-1).draft;
+            const whole = path === "/api/predict" && !sent.at(-1).draft;
             const answer = await asked;
             if (whole) time += took;
             return answer;

@@ -45,7 +45,7 @@ def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> N
         studio.pin(100, 110)
         with studio.repainting():
             studio.turn(0.6, -0.5)
-        painted = studio.shown(100, 110)
+        predicted = studio.shown(100, 110)
         studio.save_as("Füchslein 1")
         assert "Füchslein 1" in studio.page.title()
         studio.page.reload()
@@ -56,7 +56,7 @@ def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> N
         studio.new()
         open_project(studio, "Füchslein 1")
         assert studio.inked(MIDDLE + 80, MIDDLE)
-        np.testing.assert_allclose(studio.shown(100, 110), painted, atol=0.01)
+        np.testing.assert_allclose(studio.shown(100, 110), predicted, atol=0.01)
         assert studio.page.locator("#chips .chip").count() == 1
 
 
@@ -73,7 +73,7 @@ def test_a_drawing_named_on_the_command_line_is_opened_once_in_a_tab(
         studio.page.wait_for_function("() => document.getElementById('result').dataset.painted")
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
-        assert studio.painted() == 0
+        assert studio.predicted() == 0
 
 
 def test_two_tabs_do_not_overwrite_one_another(opened: "Browser", server: Server) -> None:
@@ -166,7 +166,7 @@ def test_a_picture_is_imported_to_draw_on_or_to_trace(
             studio.page.set_input_files("#import-file", files=file)
             studio.page.locator("#choose button[value=traced]").click()
         assert studio.page.locator("#pixels").inner_text().count("1024") == 1
-        assert studio.painted() == 0  # what is traced is never painted from
+        assert studio.predicted() == 0  # what is traced is never painted from
         with studio.repainting():
             studio.page.set_input_files("#import-file", files=file)
             studio.page.locator("#choose button[value=drawing]").click()

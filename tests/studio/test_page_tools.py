@@ -129,7 +129,7 @@ def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_pat
     page = studio.page
     with studio.repainting():
         studio.line((100, 100), (150, 100))
-    before = studio.painted()
+    before = studio.predicted()
     for name, colour in (("red", (220, 40, 40)), ("green", (40, 160, 60))):
         Image.new("RGB", (64, 64), colour).save(tmp_path / f"{name}.png")
         with studio.saying(name):
@@ -145,4 +145,4 @@ def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_pat
     page.keyboard.press("Escape")
     column, row = map(round, studio.on_board(-8, 200))
     np.testing.assert_allclose(studio.screen()[row, column], [40, 160, 60], atol=8)
-    assert studio.painted() == before  # what is looked at is never painted from
+    assert studio.predicted() == before  # what is looked at is never painted from

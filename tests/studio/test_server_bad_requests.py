@@ -108,7 +108,7 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
 def test_what_cannot_be_painted_is_told_in_a_sentence(
     client: TestClient, fields: dict[str, Any], sentence: str
 ) -> None:
-    for path in ("/api/paint", "/api/suggest", "/api/height"):
+    for path in ("/api/predict", "/api/suggest", "/api/height"):
         # By hand, as NaN is no JSON that a client would write.
         answer = client.post(path, content=json.dumps(asking(**fields)), headers=JSON)
         assert answer.status_code == 400
@@ -157,7 +157,7 @@ def test_a_count_of_points_is_from_1_to_20(client: TestClient, count: object) ->
     "body", [b"", b"{", b"[1]", b"\xff\xfe", b"[" * 100_000, b'{"number": ' + b"9" * 5000 + b"}"]
 )
 def test_what_is_no_json_is_refused(client: TestClient, body: bytes) -> None:
-    answer = client.post("/api/paint", content=body, headers=JSON)
+    answer = client.post("/api/predict", content=body, headers=JSON)
     assert answer.status_code == 400
     assert "the request is no" in answer.json()["error"]
 
@@ -166,7 +166,7 @@ def test_what_is_no_json_is_refused(client: TestClient, body: bytes) -> None:
     "kind", ["text/plain", "multipart/form-data", "application/x-www-form-urlencoded", ""]
 )
 def test_another_type_is_refused(client: TestClient, kind: str) -> None:
-    for method, path in (("POST", "/api/paint"), ("PUT", "/api/projects/fox"), ("POST", "/api/import")):
+    for method, path in (("POST", "/api/predict"), ("PUT", "/api/projects/fox"), ("POST", "/api/import")):
         answer = client.request(
             method, path, content=b"{}", headers={"Content-Type": kind, "If-None-Match": "*"}
         )
@@ -188,7 +188,7 @@ def test_where_there_is_nothing_it_says_so_in_json(client: TestClient) -> None:
         ("GET", "/nothing", 404),
         ("GET", "/api/nothing", 404),
         ("GET", "/page/nothing.js", 404),
-        ("GET", "/api/paint", 405),
+        ("GET", "/api/predict", 405),
         ("POST", "/api/about", 405),
         ("POST", "/page/text.js", 405),
         ("PATCH", "/api/projects/fox", 405),
@@ -208,7 +208,7 @@ def test_where_there_is_nothing_it_says_so_in_json(client: TestClient) -> None:
 def test_what_only_maps_are_asked_with_is_checked(
     client: TestClient, fields: dict[str, Any], sentence: str
 ) -> None:
-    answer = client.post("/api/paint", json=asking(**fields))
+    answer = client.post("/api/predict", json=asking(**fields))
     assert (answer.status_code, answer.json()) == (400, {"error": sentence})
 
 
@@ -218,8 +218,8 @@ def test_a_failure_of_ours_is_one_sentence_too(
     def fail(*_: object) -> None:
         raise RuntimeError("/secret/path\nlong story")
 
-    monkeypatch.setattr("normalgan.studio.painter.paint", fail)
-    answer = client.post("/api/paint", json=asking(10, hints=[{"x": 3, "y": 3, "normal": [0, 0, 1]}]))
+    monkeypatch.setattr("normalgan.studio.predictor.paint", fail)
+    answer = client.post("/api/predict", json=asking(10, hints=[{"x": 3, "y": 3, "normal": [0, 0, 1]}]))
     assert answer.status_code == 500
     assert answer.json() == {"error": "the server failed: RuntimeError; the terminal says more."}
     assert answer.headers["x-content-type-options"] == "nosniff"
@@ -257,4 +257,4 @@ def test_a_picture_that_crashes_its_decoder_is_told_and_the_studio_goes_on(clien
     refused = client.post("/api/import", content=bomb, headers={"Content-Type": "image/svg+xml"})
     assert refused.status_code == 400
     assert refused.json()["error"] == "the picture is nested more than 128 deep; a drawing is not."
-    assert client.post("/api/paint", json=asking(1, tab="after")).status_code == 200
+    assert client.post("/api/predict", json=asking(1, tab="after")).status_code == 200

@@ -21,7 +21,7 @@ PATHS = (
 
 def head(studio: Studio, length: str) -> bytes:
     """Return the head of a request that paints."""
-    lines = ("POST /api/paint HTTP/1.1", f"Host: 127.0.0.1:{studio.port}", "Content-Type: application/json")
+    lines = ("POST /api/predict HTTP/1.1", f"Host: 127.0.0.1:{studio.port}", "Content-Type: application/json")
     return "\r\n".join((*lines, length, "", "")).encode()
 
 
@@ -53,7 +53,7 @@ def test_of_a_tabs_requests_only_the_newest_is_answered(served: Studio) -> None:
     # Even the one that had begun: its answer would be older than what the tab knows by now.
     assert statuses == [204] * 6 + [200, 200]
     assert served.ask("POST", "/api/height", asking(3, tab="a"))[0] == 204
-    assert served.ask("POST", "/api/paint", asking(3, tab="a"))[0] == 200  # counted by themselves
+    assert served.ask("POST", "/api/predict", asking(3, tab="a"))[0] == 200  # counted by themselves
 
 
 def test_a_request_whose_tab_has_gone_is_not_worked_for(served: Studio) -> None:
@@ -110,7 +110,7 @@ def test_a_request_that_breaks_off_harms_nobody(served: Studio) -> None:
     with socket.create_connection(("127.0.0.1", served.port), timeout=60) as client:
         client.sendall(b"no HTTP at all\r\n\r\n")
         assert client.recv(100).startswith(b"HTTP/1.1 400")
-    assert served.ask("POST", "/api/paint", asking(1, tab="after"))[0] == 200
+    assert served.ask("POST", "/api/predict", asking(1, tab="after"))[0] == 200
 
 
 def test_heads_that_trickle_shut_nobody_out(served: Studio) -> None:
@@ -120,7 +120,7 @@ def test_heads_that_trickle_shut_nobody_out(served: Studio) -> None:
             client = clients.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=60))
             client.sendall(b"GET / HTTP/1.1\r\nHost: ")
             trickling.append(client)
-        assert served.ask("POST", "/api/paint", asking(1, tab="beside"))[0] == 200
+        assert served.ask("POST", "/api/predict", asking(1, tab="beside"))[0] == 200
         for client in trickling[: 200 - MOST_AT_ONCE]:  # those that were there first have made room
             try:
                 answer = client.recv(100)
@@ -144,4 +144,4 @@ def test_bodies_that_trickle_shut_nobody_out(served: Studio) -> None:
                 assert given_up.recv(100).startswith(b"HTTP/1.1 408")
                 read_on.remove(given_up)
         assert read_on == trickling[-bodies.MOST_AT_ONCE :]  # those that were there first have made room
-        assert served.ask("POST", "/api/paint", asking(1, tab="among"))[0] == 200
+        assert served.ask("POST", "/api/predict", asking(1, tab="among"))[0] == 200

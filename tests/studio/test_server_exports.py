@@ -12,7 +12,7 @@ from PIL import Image
 from starlette.testclient import TestClient
 from studio_client import CENTRE, HEIGHT, RADIUS, WIDTH, asking, away, b64, circle, png, serving
 
-from normalgan.painting.outputs.occlusion import occlusion
+from normalgan.inference.outputs.occlusion import occlusion
 
 
 def exported(client: TestClient, **fields: Any) -> tuple[str, bytes]:

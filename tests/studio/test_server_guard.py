@@ -8,7 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 from studio_client import PORT, asking, document, serving
 
-from normalgan.painting.outputs.lighting import Clay
+from normalgan.inference.outputs.lighting import Clay
 from normalgan.studio.app import PAGE
 from normalgan.studio.page_files import modules_of, version_of
 from normalgan.studio.rate_limit import TokenBucket
@@ -69,7 +69,7 @@ def test_another_host_is_refused(client: TestClient, path: str, host: str) -> No
 )
 def test_another_page_is_refused(client: TestClient, headers: dict[str, str]) -> None:
     for answer in (
-        client.post("/api/paint", json=asking(), headers=headers),
+        client.post("/api/predict", json=asking(), headers=headers),
         client.get("/api/projects", headers=headers),
         client.put("/api/autosave/a", json=document(), headers=headers),
     ):
@@ -162,7 +162,7 @@ def test_no_path_is_a_name(client: TestClient, folder: Path, store: str, name: s
 def test_too_much_is_not_read(client: TestClient) -> None:
     large = b" " * (20 * 2**20 + 1)
     headers = {"Content-Type": "application/json", "If-None-Match": "*"}
-    for method, path in (("POST", "/api/paint"), ("PUT", "/api/projects/fox"), ("POST", "/api/import")):
+    for method, path in (("POST", "/api/predict"), ("PUT", "/api/projects/fox"), ("POST", "/api/import")):
         kind = {"Content-Type": "image/png"} if path.endswith("import") else headers
         answer = client.request(method, path, content=large, headers=kind)
         assert answer.status_code == 413

@@ -15,12 +15,12 @@ from starlette.testclient import TestClient
 from studio_client import circle, png, serving
 
 from normalgan.decoding import DecodedLayer
-from normalgan.painting.sheets_and_layers.layers import LayeredKind, encode_layers
+from normalgan.inference.composites.layers import LayeredKind, encode_layers
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import find_opened
 
 SHAPE = (120, 160)
-KRITA = Path(__file__).parents[1] / "painting" / "sheets_and_layers" / "layered"
+KRITA = Path(__file__).parents[1] / "inference" / "composites" / "layered"
 PAPER = DecodedLayer("paper", (), 255, 0, 0, 0, 0, np.full((*SHAPE, 4), 255, np.uint8))
 
 

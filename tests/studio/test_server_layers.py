@@ -14,7 +14,7 @@ from PIL import Image
 from starlette.testclient import TestClient
 from studio_client import HEIGHT, WIDTH, Pixels, asking, b64, png, serving
 
-from normalgan.painting.pipeline import paint
+from normalgan.inference.pipeline import predict
 from normalgan.studio.layers import MOST_LAYERS
 from normalgan.studio.planes import CONTENT_TYPE
 
@@ -51,7 +51,7 @@ def sent(client: TestClient, number: int, layers: list[tuple[dict[str, Any], byt
     asked = ask(number, *({**fields, "bytes": len(own)} for fields, own in layers), **more)
     text = json.dumps(asked).encode()
     body = struct.pack("<I", len(text)) + text + b"".join(own for _, own in layers)
-    return client.post("/api/paint", content=body, headers={"Content-Type": CONTENT_TYPE})
+    return client.post("/api/predict", content=body, headers={"Content-Type": CONTENT_TYPE})
 
 
 def raw(number: int, name: str, base: int | None, drawn: Pixels | None) -> tuple[dict[str, Any], bytes]:
@@ -65,12 +65,14 @@ def raw(number: int, name: str, base: int | None, drawn: Pixels | None) -> tuple
 def test_each_is_painted_for_itself_and_the_front_hides_the_back(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path) as client:
         back, front = (
-            pixels(client.post("/api/paint", json=asking(number, picture=b64(png(drawn)))))
+            pixels(client.post("/api/predict", json=asking(number, picture=b64(png(drawn)))))
             for number, drawn in ((1, BACK), (2, FRONT))
         )
-        both = pixels(client.post("/api/paint", json=ask(3, layer(1, "Body", BACK), layer(2, "Head", FRONT))))
+        both = pixels(
+            client.post("/api/predict", json=ask(3, layer(1, "Body", BACK), layer(2, "Head", FRONT)))
+        )
         turned = pixels(
-            client.post("/api/paint", json=ask(4, layer(2, "Head", FRONT), layer(1, "Body", BACK)))
+            client.post("/api/predict", json=ask(4, layer(2, "Head", FRONT), layer(1, "Body", BACK)))
         )
     assert np.array_equal(both[..., 3], np.maximum(back[..., 3], front[..., 3]))
     # Away from the soft edges of both.
@@ -85,7 +87,7 @@ def test_each_is_painted_for_itself_and_the_front_hides_the_back(model: Path, tm
 
 def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: Path) -> None:
     def mask(client: TestClient, number: int, *layers: dict[str, Any], **more: Any) -> Any:
-        return pixels(client.post("/api/paint", json=ask(number, *layers, **more)))[..., 3]
+        return pixels(client.post("/api/predict", json=ask(number, *layers, **more)))[..., 3]
 
     with serving(model, tmp_path) as client:
         sources = ("outline", "model")
@@ -102,24 +104,24 @@ def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: P
 def test_only_the_layer_that_changed_is_painted_again(
     model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    painted: list[int] = []
+    predicted: list[int] = []
 
     def counted(*given: Any) -> Any:
-        painted.append(1)
-        return paint(*given)
+        predicted.append(1)
+        return predict(*given)
 
-    monkeypatch.setattr("normalgan.studio.painter.paint", counted)
+    monkeypatch.setattr("normalgan.studio.predictor.paint", counted)
     with serving(model, tmp_path) as client:
         first = sent(client, 1, [raw(1, "a", None, BACK), raw(2, "b", None, FRONT)])
         assert first.status_code == 200, first.text
-        assert len(painted) == 2
+        assert len(predicted) == 2
         moved = ring(90, 50)
         second = sent(client, 2, [raw(1, "a", 1, None), raw(2, "b", 1, moved)])
-        assert len(painted) == 3
+        assert len(predicted) == 3
         assert second.content != first.content
         hidden = sent(client, 3, [raw(1, "a", 2, None)])
-        assert len(painted) == 3  # what was painted is remembered
-        alone = client.post("/api/paint", json=asking(4, picture=b64(png(BACK))))
+        assert len(predicted) == 3  # what was painted is remembered
+        alone = client.post("/api/predict", json=asking(4, picture=b64(png(BACK))))
         assert hidden.content == alone.content
         assert sent(client, 5, [raw(1, "a", 2, None), raw(2, "b", 3, None)]).status_code == 409
 
@@ -127,8 +129,8 @@ def test_only_the_layer_that_changed_is_painted_again(
 def test_a_layer_that_cannot_be_painted_leaves_the_others(model: Path, tmp_path: Path) -> None:
     blank = np.full_like(BACK, 255)
     with serving(model, tmp_path) as client:
-        alone = client.post("/api/paint", json=asking(1, picture=b64(png(BACK))))
-        found = client.post("/api/paint", json=ask(2, layer(1, "Body", BACK), layer(2, "Head", blank)))
+        alone = client.post("/api/predict", json=asking(1, picture=b64(png(BACK))))
+        found = client.post("/api/predict", json=ask(2, layer(1, "Body", BACK), layer(2, "Head", blank)))
         assert np.array_equal(pixels(found), pixels(alone))
         assert unquote(found.headers["x-warning"]).startswith("Head: ")
         none = sent(client, 3, [raw(1, "Body", None, blank), raw(2, "Head", None, blank)])
@@ -139,7 +141,7 @@ def test_a_layer_that_cannot_be_painted_leaves_the_others(model: Path, tmp_path:
 def test_exports_and_heights_are_of_all_layers(model: Path, tmp_path: Path) -> None:
     layers = layer(1, "Body", BACK), layer(2, "Head", FRONT)
     with serving(model, tmp_path) as client:
-        shown = pixels(client.post("/api/paint", json=ask(1, *layers)))
+        shown = pixels(client.post("/api/predict", json=ask(1, *layers)))
         file = client.post("/api/export", json=ask(2, *layers, what="map", format="png8", name="fox"))
         found = np.asarray(Image.open(io.BytesIO(file.content)))
         inside = shown[..., 3] > 0
@@ -165,7 +167,7 @@ def test_layers_that_cannot_be_used_are_told_so(
     model: Path, tmp_path: Path, layers: list[Any], sentence: str
 ) -> None:
     with serving(model, tmp_path) as client:
-        answer = client.post("/api/paint", json=ask(1, *layers))
+        answer = client.post("/api/predict", json=ask(1, *layers))
         assert answer.status_code == 400
         assert sentence in answer.json()["error"]
 

@@ -51,7 +51,7 @@ def test_a_server_killed_while_it_saves_leaves_a_whole_project(model: Path, tmp_
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 0), (signal.SIGINT, 130)])
 def test_a_signal_ends_it_once_all_is_answered(model: Path, tmp_path: Path, number: int, code: int) -> None:
     with running(model, tmp_path) as studio:
-        connection = send(studio, "/api/paint", asking(1, **slow()))
+        connection = send(studio, "/api/predict", asking(1, **slow()))
         until(lambda: studio.ask("GET", "/api/about")[0] == 200)
         studio.process.send_signal(number)
         assert connection.getresponse().status == 200

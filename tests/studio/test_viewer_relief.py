@@ -10,7 +10,7 @@ from scipy import ndimage
 from viewer_page import Viewer, open_viewer
 
 from chromium import browser
-from normalgan.painting.outputs.lighting import shade, to_srgb
+from normalgan.inference.outputs.lighting import shade, to_srgb
 
 SIDE = 120
 BACKGROUND = (60, 70, 80)

@@ -13,7 +13,7 @@ from PIL import Image
 
 import normalgan
 from chromium import page as open_page
-from normalgan.painting.outputs.lighting import CLAY_FILE
+from normalgan.inference.outputs.lighting import CLAY_FILE
 from web_folder import serve
 
 if TYPE_CHECKING:

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
+from normalgan.inference.outputs.lighting import shade, to_srgb
 from normalgan.normals import decode, encode, paint_flat
-from normalgan.painting.outputs.lighting import shade, to_srgb
 
 Vector = tuple[float, float, float]
-Floats = NDArray[np.float64]
 
 
 def ball(side: int, radius: float = 0.9) -> NDArray[np.uint8]:
@@ -25,7 +25,7 @@ def lit(rgba: NDArray[np.uint8], light: Vector) -> NDArray[np.uint8]:
     return to_srgb(shade(decode(rgba[..., :3]), light))
 
 
-def flat(rgba: NDArray[np.uint8], light: Vector) -> Floats:
+def flat(rgba: NDArray[np.uint8], light: Vector) -> Doubles:
     """Return the cel view (H, W, 3): paints from dark to bright by Lambert's cosine, then a glint."""
     normals, towards = decode(rgba[..., :3]), _unit(light)
     halfway = _unit((towards[0], towards[1], towards[2] + 1))
@@ -74,12 +74,12 @@ def silhouette(heights: NDArray[np.float32], yaw: float, pitch: float, side: int
     return drawn
 
 
-def _unit(vector: Vector) -> Floats:
-    along: Floats = np.array(vector) / np.linalg.norm(vector)
+def _unit(vector: Vector) -> Doubles:
+    along: Doubles = np.array(vector) / np.linalg.norm(vector)
     return along
 
 
-def _smoothstep(low: float, high: float, value: Floats) -> Floats:
+def _smoothstep(low: float, high: float, value: Doubles) -> Doubles:
     t = np.clip((value - low) / (high - low), 0, 1)
-    smooth: Floats = t * t * (3 - 2 * t)
+    smooth: Doubles = t * t * (3 - 2 * t)
     return smooth

@@ -5,7 +5,7 @@ import pytest
 import torch
 from torch import Tensor, nn
 
-from normalgan.objectives import AdversarialObjective, Critic, Predictions, Reconstruction, Scores, Term
+from normalgan.losses import AdversarialObjective, Critic, Predictions, Reconstruction, Scores, Term
 from normalgan.testing import ConformanceError, check_objective, check_reconstruction
 
 

@@ -11,7 +11,7 @@ from normalgan.testing import ConformanceError, check_discriminator, check_gener
 torch.set_num_threads(1)
 
 
-class Painter(Generator):
+class Predictor(Generator):
     """A convolution, as a generator should be."""
 
     def __init__(self) -> None:
@@ -22,50 +22,50 @@ class Painter(Generator):
         return torch.tanh(self.conv(condition))
 
 
-class TwoChannels(Painter):
+class TwoChannels(Predictor):
     """Forgets z."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(condition)[:, :2]
 
 
-class Doubles(Painter):
+class Doubles(Predictor):
     """Answers in float64."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(condition).double()
 
 
-class Loud(Painter):
+class Loud(Predictor):
     """Forgets the tanh."""
 
     def forward(self, condition: Tensor) -> Any:
         return self.conv(condition)
 
 
-class Unsure(Painter):
+class Unsure(Predictor):
     """Has a confidence that may be below 0."""
 
     def forward(self, condition: Tensor) -> Any:
-        painted = super().forward(condition)
-        return torch.cat([painted, painted[:, :1] - 2], dim=1)
+        predicted = super().forward(condition)
+        return torch.cat([predicted, predicted[:, :1] - 2], dim=1)
 
 
-class Explodes(Painter):
+class Explodes(Predictor):
     """Divides by what may be nothing."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(condition) / (condition[:, 3:] * 0)
 
 
-class Lonely(Painter):
+class Lonely(Predictor):
     """Takes no batch of three."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(condition).view(min(len(condition), 2), 3, *condition.shape[2:])
 
 
-class Spare(Painter):
+class Spare(Predictor):
     """Has a layer that it never asks."""
 
     def __init__(self) -> None:
@@ -73,35 +73,35 @@ class Spare(Painter):
         self.spare = nn.Linear(1, 1)
 
 
-class Cut(Painter):
+class Cut(Predictor):
     """Cuts the gradient off."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(condition).detach() + 0 * sum(p.sum() for p in self.parameters())
 
 
-class Blind(Painter):
+class Blind(Predictor):
     """Paints the same whatever is drawn."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(0 * condition)
 
 
-class Noisy(Painter):
+class Noisy(Predictor):
     """Draws noise in evaluation too."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(condition + torch.randn_like(condition))
 
 
-class Mixes(Painter):
+class Mixes(Predictor):
     """Norms over the batch in evaluation too."""
 
     def forward(self, condition: Tensor) -> Any:
         return super().forward(condition - condition.mean(0))
 
 
-class Writes(Painter):
+class Writes(Predictor):
     """Writes into what it is given."""
 
     def forward(self, condition: Tensor) -> Any:
@@ -110,7 +110,7 @@ class Writes(Painter):
         return super().forward(condition)
 
 
-class Forgets(Painter):
+class Forgets(Predictor):
     """Keeps a weight where no checkpoint finds it."""
 
     def __init__(self) -> None:
@@ -121,28 +121,28 @@ class Forgets(Painter):
         return torch.tanh(self.conv(condition) * self.gain)
 
 
-class TrainsAnother(Painter):
+class TrainsAnother(Predictor):
     """Gives the losses something else than it paints."""
 
     def predict(self, condition: Tensor) -> Any:
         return Predictions(-self(condition).float())
 
 
-class PlainTuple(Painter):
+class PlainTuple(Predictor):
     """Predicts a bare tensor."""
 
     def predict(self, condition: Tensor) -> Any:
         return self(condition)
 
 
-class Rounds(Painter):
+class Rounds(Predictor):
     """Hands bfloat16 to the losses."""
 
     def predict(self, condition: Tensor) -> Any:
         return Predictions(self(condition))
 
 
-class Saturates(Painter):
+class Saturates(Predictor):
     """Is so sure that bfloat16 rounds it to 1, where tanh has no slope."""
 
     def forward(self, condition: Tensor) -> Any:
@@ -252,5 +252,5 @@ class Spectral(Discriminator):
 
 def test_those_without_a_fault_pass() -> None:
     check_discriminator(Spectral())
-    check_generator(Painter())
+    check_generator(Predictor())
     check_discriminator(Judge())

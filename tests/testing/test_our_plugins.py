@@ -16,6 +16,16 @@ from normalgan.hints import (
     UniformHints,
     WorstErrorHints,
 )
+from normalgan.losses import (
+    ADVERSARIAL_OBJECTIVES,
+    RECONSTRUCTIONS,
+    AngularLikelihood,
+    CosineAndL2,
+    CrossEntropy,
+    L1AndHints,
+    Wasserstein,
+    WassersteinGradientPenalty,
+)
 from normalgan.metrics import (
     METRICS,
     MeanAngularError,
@@ -35,16 +45,6 @@ from normalgan.models import (
     TiledGenerator,
     UNetDiscriminator,
     UNetGenerator,
-)
-from normalgan.objectives import (
-    ADVERSARIAL_OBJECTIVES,
-    RECONSTRUCTIONS,
-    AngularLikelihood,
-    CosineAndL2,
-    CrossEntropy,
-    L1AndHints,
-    Wasserstein,
-    WassersteinGradientPenalty,
 )
 from normalgan.registry import Registry
 from normalgan.rendering.lines import (

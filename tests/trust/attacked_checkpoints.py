@@ -44,7 +44,7 @@ def sound() -> Tree:
             },
             "hint_sampler": {"class_path": "normalgan.hints.UniformHints", "init_args": {"minimum": 3}},
             "objective": {
-                "class_path": "normalgan.objectives.Wasserstein",
+                "class_path": "normalgan.losses.Wasserstein",
                 "init_args": {"weight_clip": 0.01},
             },
             "generator_optimizer": optimizer,
@@ -54,7 +54,7 @@ def sound() -> Tree:
                 "init_args": {"T_max": 30},
             },
             "reconstruction": {
-                "class_path": "normalgan.objectives.L1AndHints",
+                "class_path": "normalgan.losses.L1AndHints",
                 "init_args": {"l1_weight": 50000.0},
             },
             "adversarial_weight": 1.0,
@@ -213,7 +213,7 @@ TRAINING: dict[str, tuple[Callable[[Tree], object], str]] = {
         "no AdversarialObjective named",
     ),
     "the loss": (
-        part("reconstruction", class_path="normalgan.objectives.L1AndHints", init_args={"l1_weight": SYMPY}),
+        part("reconstruction", class_path="normalgan.losses.L1AndHints", init_args={"l1_weight": SYMPY}),
         "settings that a model brings",
     ),
     "another model": (

@@ -39,7 +39,7 @@ def configuration(path: Path) -> None:
 
 def drawing(path: Path) -> None:
     """Read a drawing."""
-    from normalgan.painting.reading.drawings import read_drawing
+    from normalgan.inference.reading.drawings import read_drawing
 
     read_drawing(path)
 
@@ -48,15 +48,15 @@ def model(path: Path) -> None:
     """Paint nothing with a model as ONNX."""
     import numpy as np
 
-    from normalgan.painting.network.onnx_backend import OnnxBackend
+    from normalgan.inference.network.onnx_backend import OnnxBackend
 
     loaded = OnnxBackend(path, threads=1)
-    loaded.paint(np.zeros((loaded.size, loaded.size), np.float32))
+    loaded.predict(np.zeros((loaded.size, loaded.size), np.float32))
 
 
 def hints(path: Path) -> None:
     """Read hints for a drawing of 32 × 32 pixels."""
-    from normalgan.painting.reading.hint_files import load_hints
+    from normalgan.inference.reading.hint_files import load_hints
 
     load_hints(path, (32, 32))
 
@@ -155,7 +155,7 @@ def main(name: str, memory: int, seconds: float) -> None:
         import normalgan.rendering.rigs.posing
         import normalgan.rendering.rigs.reading
     if name == "model":
-        import normalgan.painting.network.onnx_backend  # threads map stacks
+        import normalgan.inference.network.onnx_backend  # threads map stacks
     if name == "plan":
         import normalgan.benchmark.plan  # noqa: F401 -- the same
     mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

@@ -49,8 +49,8 @@ def sound() -> dict[str, dict[str, bytes]]:
     }
     shape = b'<path d="M2 2L30 30" stroke="#000"/>'
     drawings["line.svg"] = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">' + shape + b"</svg>"
-    painted = np.zeros((32, 32, 4), np.uint8)
-    painted[8, 8] = (128, 128, 255, 255)
+    predicted = np.zeros((32, 32, 4), np.uint8)
+    predicted[8, 8] = (128, 128, 255, 255)
     listed = json.dumps(
         [{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}, {"x": 1.5, "y": 0, "normal": [0, 0, 1]}]
     )
@@ -58,7 +58,7 @@ def sound() -> dict[str, dict[str, bytes]]:
     return {
         "mesh": meshes,
         "drawing": drawings,
-        "hints": {"hints.png": _picture(painted, "png"), "hints.json": listed.encode()},
+        "hints": {"hints.png": _picture(predicted, "png"), "hints.json": listed.encode()},
         "configuration": {"resume.yaml": CONFIGURATION.read_bytes()},
         "orientation": {"turned.json": turned.encode()},
         "split": {"split.json": json.dumps({"train": ["a"], "val": ["b"], "test": ["c"]}).encode()},

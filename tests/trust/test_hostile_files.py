@@ -6,7 +6,7 @@ from hostile import CLUSTERS, CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, gltf,
 from limited import SECONDS, read_limited
 
 from normalgan.errors import InputError
-from normalgan.files.limits import MOST_BYTES, MOST_NODES, yaml_excess
+from normalgan.files.limits import MOST_BYTES, MOST_NODES, yaml_limit_error
 from normalgan.rendering.mesh_files import MeshFile
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")
@@ -63,8 +63,8 @@ def test_aliases_are_counted_as_if_written_out() -> None:
     text = "a: &a [{}]\nb: [{}]\n"
     enough = text.format("1, " * 900 + "1", "*a, " * 100 + "*a")
     too_many = text.format("1, " * 900 + "1", "*a, " * 111 + "*a")
-    assert yaml_excess(enough) is None
-    assert yaml_excess(too_many) == f"stands for more than {MOST_NODES} values"
+    assert yaml_limit_error(enough) is None
+    assert yaml_limit_error(too_many) == f"stands for more than {MOST_NODES} values"
 
 
 @pytest.mark.slow  # imports torch

@@ -14,7 +14,7 @@ from command import CONF, Bench, left_in
 
 from normalgan.errors import InputError
 from normalgan.files.run_lock import one_run_in
-from normalgan.objectives.finite import loss_error, not_finite
+from normalgan.losses.finite import loss_error, not_finite
 
 MORE = ("--config", CONF / "resume.yaml", "--trainer.max_epochs", 2)
 

@@ -3,9 +3,9 @@
 import torch
 
 from normalgan.models import UNetGenerator
+from normalgan.weights.class_spec import ClassSpec
 from normalgan.weights.file import Weights
-from normalgan.weights.notes import Notes
-from normalgan.weights.part import Part
+from normalgan.weights.metadata import ModelMetadata
 
 torch.set_num_threads(1)
 
@@ -24,9 +24,9 @@ def make_generator() -> UNetGenerator:
 
 def make_weights(generator: UNetGenerator | None = None) -> Weights:
     """The weights of a generator, and notes on it."""
-    notes = Notes(
-        generator=Part("UNetGenerator", SETTINGS),
-        hint_sampler=Part("UniformHints", {"minimum": 2, "maximum": 9, "none": 0.25}),
+    notes = ModelMetadata(
+        generator=ClassSpec("UNetGenerator", SETTINGS),
+        hint_sampler=ClassSpec("UniformHints", {"minimum": 2, "maximum": 9, "none": 0.25}),
         size=32,
         noise_at_test=True,
         seed=7,

@@ -10,11 +10,11 @@ from safetensors import safe_open
 from safetensors.torch import load_file
 from small_weights import make_generator, make_weights
 
-from normalgan import __version__
 from normalgan.hints import HINT_SAMPLERS, UniformHints
 from normalgan.models import UNetGenerator
+from normalgan.version import __version__
 from normalgan.weights.file import SHIPPED, parse_weights, read_weights
-from normalgan.weights.notes import Notes
+from normalgan.weights.metadata import ModelMetadata
 from plugin_packages import install
 
 
@@ -80,7 +80,7 @@ def test_a_plug_in_is_found_by_its_entry_point(site: Path) -> None:
     weights = make_weights()
     said = weights.notes.metadata()
     said["generator"] = said["generator"].replace("UNetGenerator", "Borrowed")
-    content = type(weights)(Notes.parse(said), weights.tensors).to_bytes()
+    content = type(weights)(ModelMetadata.parse(said), weights.tensors).to_bytes()
     built = parse_weights(content).generator()
     assert type(built).__name__ == "Borrowed"
     assert type(built).__module__ == "lent"

@@ -11,7 +11,7 @@ with harness.instrumented("PIL"):
     import PIL.WebPImagePlugin  # noqa: F401
 
     from normalgan.decoding.worker import DURATION, MODES, PARTS, REPLY, RefusedError, send_frames
-    from normalgan.painting.sheets_and_layers.animation import moving_kind
+    from normalgan.inference.composites.animation import moving_kind
 
 LEAST, MOST = 8, 256
 

@@ -4,14 +4,14 @@ import harness
 import numpy as np
 
 with harness.instrumented():
-    from normalgan.painting.network.onnx_backend import OnnxBackend
+    from normalgan.inference.network.onnx_backend import OnnxBackend
 
 
 def read(data: bytes) -> None:
     """Paint with a model."""
     with harness.refusals():
         model = OnnxBackend(harness.as_file(data, "model.onnx"), threads=1)
-        normals, _ = model.paint(np.zeros((model.size, model.size), np.float32))
+        normals, _ = model.predict(np.zeros((model.size, model.size), np.float32))
         assert normals.shape == (model.size, model.size, 3)
         assert np.isfinite(normals).all()
 

@@ -5,9 +5,9 @@ from pyexpat import ParserCreate
 import harness
 
 with harness.instrumented():
-    from normalgan.decoding.worker import MOST_DEPTH, RefusedError, harmless
+    from normalgan.decoding.worker import MOST_DEPTH, RefusedError, sanitize_svg
     from normalgan.errors import InputError
-    from normalgan.painting.reading.drawings import read_drawing
+    from normalgan.inference.reading.drawings import read_drawing
 
 MOST = 1024
 
@@ -19,11 +19,11 @@ def read(data: bytes) -> None:
         AssertionError: if it leads out of the file, is nested too deeply, or ends the child.
     """
     try:
-        text = harmless(data, MOST)
+        text = sanitize_svg(data, MOST)
     except (RefusedError, MemoryError):
         return
     look_at(text)
-    assert harmless(text.encode(), MOST) == text
+    assert sanitize_svg(text.encode(), MOST) == text
     try:
         read_drawing(harness.as_file(data, "drawing.svg"))
     except InputError as error:

@@ -70,7 +70,7 @@ def _layers(_: str) -> Iterable[tuple[str, bytes]]:
     import numpy as np
 
     from normalgan.decoding import DecodedLayer
-    from normalgan.painting.sheets_and_layers.layers import LayeredKind, encode_layers
+    from normalgan.inference.composites.layers import LayeredKind, encode_layers
 
     pixels = np.zeros((12, 10, 4), np.uint8)
     pixels[2:9, 3:7] = 200
@@ -84,7 +84,7 @@ def _layers(_: str) -> Iterable[tuple[str, bytes]]:
         yield from {f"sound.{kind}": content, f"cut.{kind}": content[: len(content) // 2]}.items()
     moving = [*layers, DecodedLayer("arm", ("limbs", "left"), 64, 6, 3, 1, 1, pixels)]
     yield "moving.aseprite", encode_layers("aseprite", (16, 24), moving, [80, 90])
-    for path in sorted((TESTS / "painting" / "sheets_and_layers" / "layered").iterdir()):
+    for path in sorted((TESTS / "inference" / "composites" / "layered").iterdir()):
         yield path.name, path.read_bytes()
 
 
@@ -92,7 +92,7 @@ def _animations(_: str) -> Iterable[tuple[str, bytes]]:
     """Return animations of three frames, and cut ones."""
     import numpy as np
 
-    from normalgan.painting.sheets_and_layers.animation import Kind, encode_animation
+    from normalgan.inference.composites.animation import Kind, encode_animation
 
     frames = [np.full((16, 24, 4), 255, np.uint8) for _ in range(3)]
     for number, frame in enumerate(frames):

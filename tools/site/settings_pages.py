@@ -9,7 +9,7 @@ from mkdocs.structure.files import File, Files
 from settings_tables import class_table, table
 
 from normalgan.__main__ import OTHERS, USAGE
-from normalgan.plugins import REGISTRIES, SETTINGS
+from normalgan.cli.discovery import REGISTRIES, SETTINGS
 from normalgan.registry import summary
 
 GROUPS = {

@@ -17,13 +17,13 @@ from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 
-from normalgan.painting.network.onnx_backend import OnnxBackend
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.studio.page_files import markup
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "src" / "normalgan" / "studio" / "page"
 BACKEND = ROOT / "tools" / "static_studio"
-CLAY = ROOT / "src" / "normalgan" / "painting" / "outputs" / "clay.json"
+CLAY = ROOT / "src" / "normalgan" / "inference" / "outputs" / "clay.json"
 WEIGHTS = ROOT / "src" / "normalgan" / "weights"
 MODELS = (WEIGHTS / "ours.onnx", WEIGHTS / "refiner.onnx")
 LOCK = ROOT / "examples" / "onnx_web" / "package-lock.json"

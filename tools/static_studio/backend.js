@@ -100,7 +100,7 @@ async function drawing(path, body) {
     if (!ink) return refused("send all of the drawing", 409);
     layers.push({ name, ink, strokes, hints, areas, source });
   }
-  if (path === "/api/paint") {
+  if (path === "/api/predict") {
     try {
       const { rgba, width, height, warning } = await painted(layers, fields.longest ?? null);
       const headers = { "X-Width": String(width), "X-Height": String(height), "X-Warning": encodeURIComponent(warning) };
@@ -117,7 +117,7 @@ async function drawing(path, body) {
     return new Response(file, { headers: { "Content-Disposition": `attachment; filename*=UTF-8''${name}` } });
   }
   if (path === "/api/suggest") return json({ points: (await painted(layers, null, "points", fields.count ?? 5)).points });
-  if (path === "/api/doubt") {
+  if (path === "/api/uncertainty") {
     const { shares, width, height } = await painted(layers, null, "doubt");
     return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (shares), { headers: { "X-Width": String(width), "X-Height": String(height) } });
   }
@@ -126,7 +126,7 @@ async function drawing(path, body) {
 
 /** Returns a map as a file. @param {Painted} map @param {8 | 16} bits @param {boolean} down whether green is turned over @param {boolean} transparent */
 function png({ width, height, normals = new Float32Array(), mask = new Uint8Array() }, bits, down, transparent) {
-  // The staircase of the mask becomes an edge of a pixel, as normalgan.painting.pipeline has it.
+  // The staircase of the mask becomes an edge of a pixel, as normalgan.inference.pipeline has it.
   const alpha = transparent ? blurred(mask, width, height, 1).map((value) => Math.round(255 * Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5))) / 255) : null;
   return encodePng(levelsOf(normals, mask, alpha, down, bits), width, height, bits);
 }

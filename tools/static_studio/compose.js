@@ -1,4 +1,4 @@
-/** Compose: maps of layers that were painted each for itself, one over the other, as normalgan.painting.sheets_and_layers.composition does it. */
+/** Compose: maps of layers that were painted each for itself, one over the other, as normalgan.inference.composites.composition does it. */
 
 import { distance, where } from "./raster.js";
 

@@ -1,4 +1,4 @@
-/** Finish: what the network painted at the drawing's size and place, as normalgan.painting does it in Python. */
+/** Finish: what the network painted at the drawing's size and place, as normalgan.inference does it in Python. */
 
 import { Unpaintable, shrunk } from "./prepare.js";
 import { boxOf, distance, extreme, part, quantile, resized, where } from "./raster.js";

@@ -1,4 +1,4 @@
-/** Hold: a painted map held to what a hand says of it, as normalgan.painting.edits does it in Python. */
+/** Hold: a painted map held to what a hand says of it, as normalgan.inference.edits does it in Python. */
 
 /** @typedef {import("./document.js").Hint} Hint @typedef {import("./document.js").Area} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */

@@ -1,4 +1,4 @@
-/** Outline: what the lines of a drawing enclose, past gaps, as normalgan.painting.mask.filling does it in Python. */
+/** Outline: what the lines of a drawing enclose, past gaps, as normalgan.inference.mask.filling does it in Python. */
 
 import { lineWidth } from "./prepare.js";
 import { boxOf, components, enclosedBy, resized, thicker, where } from "./raster.js";

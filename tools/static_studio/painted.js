@@ -1,4 +1,4 @@
-/** Painted: what is wide and dark in a drawing is no line, as normalgan.painting's paper and painted areas have it for grey. */
+/** Painted: what is wide and dark in a drawing is no line, as normalgan.inference's paper and painted areas have it for grey. */
 
 import { components, extreme, median, quantile, where } from "./raster.js";
 

@@ -1,4 +1,4 @@
-/** Prepare: a drawing as far as it gets without the network, as normalgan.painting does it in Python. */
+/** Prepare: a drawing as far as it gets without the network, as normalgan.inference does it in Python. */
 
 import { fillOutline } from "./outline.js";
 import { paintedAreas, sheetLevel, surroundings } from "./painted.js";

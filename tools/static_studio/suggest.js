@@ -1,4 +1,4 @@
-/** Suggest: where a point would help most, and how unsure the model is, as normalgan.painting.suggestion has it. */
+/** Suggest: where a point would help most, and how unsure the model is, as normalgan.inference.suggestion has it. */
 
 import { blurred, boxOf, distance, resized, where } from "./raster.js";
 

@@ -8,7 +8,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from .normalgan_command import CommandError, paint
+from .normalgan_command import CommandError, predict
 
 bl_info = {
     "name": "normalgan: drawing to lit material",
@@ -68,9 +68,9 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
         chosen = bpy.path.abspath(add_on.preferences.command) if add_on else ""
         try:
             with tempfile.TemporaryDirectory() as folder:
-                painted = Path(folder) / f"{drawing.stem}_normal.png"
-                warned = paint(drawing, painted, "--bits", "16", "--alpha", chosen=chosen)
-                normals = bpy.data.images.load(str(painted))
+                predicted = Path(folder) / f"{drawing.stem}_normal.png"
+                warned = predict(drawing, predicted, "--bits", "16", "--alpha", chosen=chosen)
+                normals = bpy.data.images.load(str(predicted))
                 set_non_color(normals)  # before it is packed, which reads it
                 normals.pack()
         except CommandError as error:

@@ -36,7 +36,7 @@ class NormalganNormalMap:
             },
         }
 
-    def paint(self, image: Any, green: str = "up", mask: Any = None, model: str = "") -> tuple[Any, Any]:
+    def predict(self, image: Any, green: str = "up", mask: Any = None, model: str = "") -> tuple[Any, Any]:
         """Paint.
 
         Args:
@@ -59,12 +59,12 @@ class NormalganNormalMap:
             raise RuntimeError(MISSING) from error
         maps, objects = [], []
         try:
-            painter = normalgan.load(model or "shipped")
+            predictor = normalgan.load(model or "shipped")
             for number, drawing in enumerate(image.cpu().numpy()):
                 given = None if mask is None else mask[min(number, len(mask) - 1)].cpu().numpy() > 0.5
-                painted = painter(drawing[..., :3].clip(0, 1), mask=given)
-                normals = torch.from_numpy(painted.normal.copy())
-                object_ = torch.from_numpy(painted.mask.copy())
+                predicted = predictor(drawing[..., :3].clip(0, 1), mask=given)
+                normals = torch.from_numpy(predicted.normal.copy())
+                object_ = torch.from_numpy(predicted.mask.copy())
                 normals[~object_] = torch.tensor([0.0, 0.0, 1.0])  # flat
                 if green == "down":
                     normals[..., 1] *= -1

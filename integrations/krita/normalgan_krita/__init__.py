@@ -9,7 +9,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QImage
 from PyQt5.QtWidgets import QApplication, QMessageBox
 
-from .normalgan_command import CommandError, paint
+from .normalgan_command import CommandError, predict
 
 NAME = "Normal map"
 SRGB = "sRGB-elle-V2-srgbtrc.icc"
@@ -32,11 +32,11 @@ def normal_layer(document: Any, node: Any, *settings: str) -> tuple[Any, str]:
     if document.colorModel() != "RGBA":
         raise CommandError("A normal map needs an RGB document: Image > Convert Image Color Space.")
     with tempfile.TemporaryDirectory() as folder:
-        drawn, painted = Path(folder) / "layer.png", Path(folder) / "normals.png"
+        drawn, predicted = Path(folder) / "layer.png", Path(folder) / "normals.png"
         if not layer_picture(document, node).save(str(drawn)):
             raise CommandError(f"Krita could not write the layer {node.name()} as a picture.")
-        warned = paint(drawn, painted, "--alpha", *settings)
-        image = QImage(str(painted)).convertToFormat(QImage.Format_ARGB32)
+        warned = predict(drawn, predicted, "--alpha", *settings)
+        image = QImage(str(predicted)).convertToFormat(QImage.Format_ARGB32)
     if image.isNull():
         raise CommandError("Krita could not read the normal map.")
     bits = image.constBits()
@@ -76,9 +76,9 @@ class NormalMapOfLayer(Extension):
         action = window.createAction(
             "normalgan_layer", "Normal map of the layer (normalgan)", "tools/scripts"
         )
-        action.triggered.connect(self.paint)
+        action.triggered.connect(self.predict)
 
-    def paint(self) -> None:
+    def predict(self) -> None:
         """Paint the map of the active layer, and show what went wrong."""
         document = Krita.instance().activeDocument()
         if document is None:

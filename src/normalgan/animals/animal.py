@@ -9,7 +9,7 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.mesh import Mesh
 from normalgan.seeds import rng_of
 
-__all__ = ["VERSION", "Animal", "herd", "members"]
+__all__ = ["VERSION", "Animal", "make_animals", "members"]
 
 VERSION = 2  # to be raised whenever the same species and seed give another shape
 
@@ -61,7 +61,7 @@ class Animal:
         return to_mesh(self.name, SPECIES[self.species].grow(self.pose, rng))
 
 
-def herd(count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",)) -> list[Animal]:
+def make_animals(count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",)) -> list[Animal]:
     """Return ``count`` animals, the species in rotation; the same for the same seed and species.
 
     Animals of different herd seeds differ, and a longer herd begins with the shorter one.
@@ -75,9 +75,9 @@ def herd(count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",)) ->
         InputError: if there is no animal, no species, or a name is not known.
 
     Example:
-        >>> [animal.species for animal in herd(3, seed=0)]
+        >>> [animal.species for animal in make_animals(3, seed=0)]
         ['bear', 'camel', 'cat']
-        >>> [animal.species for animal in herd(3, species=["horse", "cat"])]
+        >>> [animal.species for animal in make_animals(3, species=["horse", "cat"])]
         ['horse', 'cat', 'horse']
     """
     if count < 1:

@@ -9,10 +9,11 @@ import numpy as np
 
 from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
-from normalgan.animals.frames import Floats, Frame, bend, pitch, roll, spanned, unit, yaw
+from normalgan.animals.frames import Frame, bend, pitch, roll, spanned, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
 from normalgan.animals.plan import BONE, Between, PosedPlan, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
+from normalgan.arrays import Doubles
 
 __all__ = ["STANCES", "Biped", "Flesh", "Girth", "Measures", "Robot", "Skeleton", "Stance", "skeleton"]
 
@@ -88,7 +89,7 @@ class _Limb:
         end: frame of the hand or foot: its -y runs on along the forearm; a foot's x to the toes.
     """
 
-    points: Floats
+    points: Doubles
     end: Frame
 
 
@@ -105,8 +106,8 @@ class Skeleton:
         arms: right and left, the left one as if it were right, in the frame of the chest.
     """
 
-    spine: Floats
-    turns: Floats
+    spine: Doubles
+    turns: Doubles
     chest: Frame
     skull: Frame
     legs: tuple[_Limb, ...]
@@ -498,7 +499,7 @@ def _claw(limb: _Limb, measures: Measures) -> list[Shape]:
     return [shape.placed(limb.end, size) for shape in jaws]
 
 
-def _upright(axis: Floats) -> Floats:
+def _upright(axis: Doubles) -> Doubles:
     """Return a rotation whose second column lies along ``axis`` and whose first points ahead."""
     up = unit(axis)
     aside = np.array([0.0, 1.0, 0.0] if 1 - up[2] ** 2 < 0.3**2 else [0.0, 0.0, 1.0])

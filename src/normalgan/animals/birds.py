@@ -10,11 +10,12 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.frames import Floats, Frame, about, bend, hinge, pitch, roll, yaw
+from normalgan.animals.frames import Frame, about, bend, hinge, pitch, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, pair, tube
 from normalgan.animals.plan import BONE, Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
 __all__ = ["Bird", "Legs", "Tail", "Wing"]
@@ -344,7 +345,7 @@ def _folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]
     return parts
 
 
-def _on_body(body: Profile, x: Floats, high: Floats) -> tuple[Floats, Floats]:
+def _on_body(body: Profile, x: Doubles, high: Doubles) -> tuple[Doubles, Doubles]:
     """Return y and z of points on the right side of the body, ``high`` from -1, its belly, to 1."""
     top, bottom, wide = body.at(x)
     y = (top + bottom) / 2 + high * (top - bottom) / 2
@@ -372,12 +373,12 @@ def _opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rn
     return [placed([*outer, *feathers[wing.primaries :]], 0.0), placed(_arm(wing, bones), 0.02)]
 
 
-def _bones(span: float) -> Floats:
+def _bones(span: float) -> Doubles:
     """Return shoulder, elbow, wrist and the end of the hand, (4, 3), the wing spread to the right."""
     return span * np.array([[0, 0, 0], [-0.05, 0.012, 0.26], [0.075, 0.018, 0.50], [0.045, 0.01, 0.66]])
 
 
-def _arm(wing: Wing, bones: Floats) -> list[Sweep]:
+def _arm(wing: Wing, bones: Doubles) -> list[Sweep]:
     """Return the arm with the short feathers that cover it, thick before and thin behind."""
     back = np.array([[-0.42], [-0.34], [-0.26], [-0.12]]) * wing.chord * [1.0, 0.0, 0.0]
     wide = np.array([0.50, 0.42, 0.34, 0.16]) * wing.chord
@@ -386,11 +387,11 @@ def _arm(wing: Wing, bones: Floats) -> list[Sweep]:
     return [cover, bone]
 
 
-def _feathers(wing: Wing, bones: Floats, span: float) -> list[Sweep]:
+def _feathers(wing: Wing, bones: Doubles, span: float) -> list[Sweep]:
     """Return the flight feathers of the right wing, those of the hand first, from the tip inwards."""
     half = wing.width * 0.075 * span
 
-    def feather(base: Floats, degrees: float, length: float, number: int) -> Sweep:
+    def feather(base: Doubles, degrees: float, length: float, number: int) -> Sweep:
         angle = np.deg2rad(degrees)
         over = np.array([0.0, _STEP * (number % 2), 0.0])
         end = base + np.array([-np.sin(angle), 0, np.cos(angle)]) * (length - half)
@@ -430,7 +431,7 @@ def _fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Part]:
     return [fuse(*feathers, blend=0.01), fuse(rump, blend=0.08)]
 
 
-def _toes(shape: Legs, foot: Floats, heading: float, flat: bool, rng: Rng) -> list[Sweep]:
+def _toes(shape: Legs, foot: Doubles, heading: float, flat: bool, rng: Rng) -> list[Sweep]:
     toes = []
     for angle in _TOES:
         length = shape.toe * {0.0: 1.0, 180.0: 0.55}.get(angle, 0.88)
@@ -445,7 +446,7 @@ def _toes(shape: Legs, foot: Floats, heading: float, flat: bool, rng: Rng) -> li
     return toes
 
 
-def _web(shape: Legs, foot: Floats, heading: float, flat: bool) -> Plate:
+def _web(shape: Legs, foot: Doubles, heading: float, flat: bool) -> Plate:
     reach = 0.95 * shape.toe
     tips = [(reach * np.cos(a), reach * np.sin(a)) for a in np.deg2rad([-36, -18, 0, 18, 36])]
     dents = [(0.9 * x, 0.9 * y) if i in {1, 3} else (x, y) for i, (x, y) in enumerate(tips)]

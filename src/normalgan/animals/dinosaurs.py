@@ -10,11 +10,12 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.birds import Legs
-from normalgan.animals.frames import Floats, Frame, about, bend, pitch, spanned, unit, way_along, yaw
+from normalgan.animals.frames import Frame, about, bend, pitch, spanned, unit, way_along, yaw
 from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
 __all__ = ["Arm", "Armour", "Theropod"]
@@ -200,7 +201,7 @@ class Armour:
         return parts
 
 
-def _back(neck: Sweep, torso: Sweep, tail: Sweep) -> Floats:
+def _back(neck: Sweep, torso: Sweep, tail: Sweep) -> Doubles:
     """Return the line of the back from behind the head to the tip of the tail, (n, 3)."""
     fine = [each.smoothed(8) for each in (neck, torso, tail)]
     tops = [each.points + np.outer(each.radii, [0.0, 1.0, 0.0]) for each in fine]
@@ -209,7 +210,7 @@ def _back(neck: Sweep, torso: Sweep, tail: Sweep) -> Floats:
     return np.vstack([ahead, tops[1][::-1], behind])
 
 
-def _rows(line: Floats, count: int, size: float) -> list[Part]:
+def _rows(line: Doubles, count: int, size: float) -> list[Part]:
     plates = []
     for i in range(count):
         t = (i + 0.6) / count
@@ -219,7 +220,7 @@ def _rows(line: Floats, count: int, size: float) -> list[Part]:
     return [fuse(*plates[0::2], blend=0.03), fuse(*plates[1::2], blend=0.03)]
 
 
-def _plate(line: Floats, share: float, tall: float, side: float) -> Plate:
+def _plate(line: Doubles, share: float, tall: float, side: float) -> Plate:
     steps = way_along(line)
     before, at, after = (
         np.array([np.interp(share * steps[-1] + far, steps, column) for column in line.T])

@@ -6,11 +6,12 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.frames import Floats, spanned, unit
+from normalgan.animals.frames import spanned, unit
 from normalgan.animals.parts import Part, ball, fuse, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
 from normalgan.animals.shapes import MIRROR, Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
 __all__ = ["Fin", "Fish", "Gills"]
@@ -164,7 +165,7 @@ def _spine(pose: str, wave: float, rng: Rng) -> Spine:
     return Spine(xs, turns - turns[-1])
 
 
-def _moved(fin: Fin, stretch: Floats) -> Fin:
+def _moved(fin: Fin, stretch: Doubles) -> Fin:
     """Return a fin moved out with the back, belly or flank it stands on."""
     if fin.root is not None:
         x, y, z = np.array(fin.root) * stretch
@@ -193,12 +194,12 @@ _LID = np.array([(0.05, 0.50, -0.022), (0.012, 0.34, -0.008), (0.0, 0.0, 0.0), (
                  (0.07, -0.55, -0.03)])  # fmt: skip
 
 
-def _grooves(kind: Fish, spine: Spine, stretch: Floats) -> list[Part]:
+def _grooves(kind: Fish, spine: Spine, stretch: Doubles) -> list[Part]:
     """Return mouth and gills, to dig."""
     gills = kind.gills
     height = gills.height
 
-    def grooves(line: Floats, radius: float) -> list[Sweep]:
+    def grooves(line: Doubles, radius: float) -> list[Sweep]:
         return [tube(spine.place(half), radius) for half in _halves(line)]
 
     lines = grooves(np.array(kind.mouth) * stretch, 0.008)
@@ -212,7 +213,7 @@ def _grooves(kind: Fish, spine: Spine, stretch: Floats) -> list[Part]:
     return [*parts, fuse(*slits, blend=0.006, carve=True)] if slits else parts
 
 
-def _halves(points: Floats) -> tuple[Floats, Floats]:
+def _halves(points: Doubles) -> tuple[Doubles, Doubles]:
     return points, points * MIRROR
 
 

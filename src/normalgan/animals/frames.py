@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from normalgan.arrays import Doubles
+
 __all__ = [
     "Axes",
-    "Floats",
     "Frame",
     "Volume",
     "about",
@@ -24,14 +25,13 @@ __all__ = [
     "yaw",
 ]
 
-Floats = NDArray[np.float64]
 Volume = NDArray[np.float32]
 """Values on a grid."""
 Axes = tuple[Volume, Volume, Volume]
 """Coordinates x, y, z of an open grid, (nx, 1, 1), (1, ny, 1) and (1, 1, nz), or of any that broadcast."""
 
 
-def pitch(degrees: float) -> Floats:
+def pitch(degrees: float) -> Doubles:
     """Return the (3, 3) rotation about z that turns +x towards +y.
 
     >>> (pitch(90) @ [1, 0, 0]).round(6).tolist()
@@ -41,7 +41,7 @@ def pitch(degrees: float) -> Floats:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def yaw(degrees: float) -> Floats:
+def yaw(degrees: float) -> Doubles:
     """Return the (3, 3) rotation about y that turns +x towards -z, the animal's left.
 
     >>> (yaw(90) @ [1, 0, 0]).round(6).tolist()
@@ -51,7 +51,7 @@ def yaw(degrees: float) -> Floats:
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
-def roll(degrees: float) -> Floats:
+def roll(degrees: float) -> Doubles:
     """Return the (3, 3) rotation about x that lifts what hangs down towards +z, the animal's right.
 
     >>> bool(np.allclose(roll(90) @ [0, -1, 0], [0, 0, 1]))
@@ -61,7 +61,7 @@ def roll(degrees: float) -> Floats:
     return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
 
-def ray(azimuth: float, elevation: float) -> Floats:
+def ray(azimuth: float, elevation: float) -> Doubles:
     """Return the direction (3,) so many radians to the right of +x and above the level.
 
     >>> ray(0.0, np.pi / 2).round(6).tolist()
@@ -71,7 +71,7 @@ def ray(azimuth: float, elevation: float) -> Floats:
     return np.array([np.cos(azimuth) * level, np.sin(elevation), np.sin(azimuth) * level])
 
 
-def unit(vector: Floats) -> Floats:
+def unit(vector: Doubles) -> Doubles:
     """Return the vector (3,) of length 1 along another.
 
     >>> unit(np.array([3.0, 4.0, 0.0])).tolist()
@@ -89,10 +89,10 @@ class Frame:
         rotation: (3, 3)
     """
 
-    origin: Floats
-    rotation: Floats
+    origin: Doubles
+    rotation: Doubles
 
-    def place(self, points: ArrayLike) -> Floats:
+    def place(self, points: ArrayLike) -> Doubles:
         """Return a local point (3,), or (n, 3) of them, in the world."""
         return self.origin + np.asarray(points, float) @ self.rotation.T
 
@@ -101,7 +101,7 @@ class Frame:
         return Frame(frame.place(self.origin * size), frame.rotation @ self.rotation)
 
 
-def spanned(origin: Floats, first: Floats, second: Floats) -> Frame:
+def spanned(origin: Doubles, first: Doubles, second: Doubles) -> Frame:
     """Return the frame whose second axis is as near to a direction as its first one allows.
 
     Args:
@@ -116,7 +116,7 @@ def spanned(origin: Floats, first: Floats, second: Floats) -> Frame:
     return Frame(origin, np.column_stack([first, second, np.cross(first, second)]))
 
 
-def bend(points: Floats, up: float, left: float) -> tuple[Floats, Floats]:
+def bend(points: Doubles, up: float, left: float) -> tuple[Doubles, Doubles]:
     """Bend a curve evenly along its length, its first point fixed.
 
     Args:
@@ -133,7 +133,7 @@ def bend(points: Floats, up: float, left: float) -> tuple[Floats, Floats]:
     return np.cumsum([points[0], *steps], axis=0), np.array([turns[0], *turns])
 
 
-def fold(points: Floats, joints: tuple[int, ...], angles: tuple[float, ...]) -> Floats:
+def fold(points: Doubles, joints: tuple[int, ...], angles: tuple[float, ...]) -> Doubles:
     """Rotate all that follows each joint about it, from the root on, in the sagittal plane.
 
     Args:
@@ -147,7 +147,7 @@ def fold(points: Floats, joints: tuple[int, ...], angles: tuple[float, ...]) -> 
     return moved
 
 
-def way_along(points: Floats) -> Floats:
+def way_along(points: Doubles) -> Doubles:
     """Return how far each of (n, 3) points is along the line through them, (n,), from 0.
 
     >>> way_along(np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [3.0, 4.0, 1.0]])).tolist()
@@ -156,15 +156,15 @@ def way_along(points: Floats) -> Floats:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
-def about(pivot: Sequence[float] | Floats, rotation: Floats) -> Frame:
+def about(pivot: Sequence[float] | Doubles, rotation: Doubles) -> Frame:
     """Return the frame that turns the world about a point."""
     fixed = np.array(pivot, dtype=np.float64)
     return Frame(fixed - rotation @ fixed, rotation)
 
 
 def hinge(
-    start: Floats, end: Floats, upper: float, lower: float, bend: Sequence[float] = (-1.0, 0.0, 0.0)
-) -> Floats:
+    start: Doubles, end: Doubles, upper: float, lower: float, bend: Sequence[float] = (-1.0, 0.0, 0.0)
+) -> Doubles:
     """Return the joint (3,) between two bones that run from ``start`` to ``end``, bent towards ``bend``.
 
     Bones too short to reach lie straight, the joint dividing the way as their lengths do.

@@ -6,10 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame, hinge, pitch, ray, roll, yaw
+from normalgan.animals.frames import Frame, hinge, pitch, ray, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, on_side, pair, tube
 from normalgan.animals.plan import BodyPlan, Form, Range, Rng, around
 from normalgan.animals.shapes import Plate, Shape, Sweep
+from normalgan.arrays import Doubles
 
 __all__ = ["INSECTS", "LegRow", "legs", "wing"]
 
@@ -86,7 +87,7 @@ def legs(
     return fuse(*shapes, blend=0.6 * thick)
 
 
-def _leg(hip: Floats, knee: Floats, foot: Floats, toe: Floats, thick: float) -> Sweep:
+def _leg(hip: Doubles, knee: Doubles, foot: Doubles, toe: Doubles, thick: float) -> Sweep:
     inner = hip * np.array([1.0, 1.0, 0.4])
     points = [inner, hip, (hip + knee) / 2, knee, (knee + foot) / 2, foot, toe]
     return tube(points, np.array([1.1, 1.05, 1.15, 0.85, 0.7, 0.55, 0.5]) * thick)

@@ -7,9 +7,10 @@ import numpy as np
 from scipy import ndimage
 from skimage.measure import marching_cubes, mesh_surface_area
 
-from normalgan.animals.frames import Axes, Floats, Volume
+from normalgan.animals.frames import Axes, Volume
 from normalgan.animals.parts import Part, Ripple
 from normalgan.animals.shapes import Sweep, smooth_minimum
+from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 
 __all__ = ["Grid", "Window", "drop_crumbs", "fill_voids", "sample", "to_mesh", "unit_sphere"]
@@ -91,7 +92,7 @@ def drop_crumbs(field: Volume) -> Volume:
     return field
 
 
-def unit_sphere(points: Floats) -> Floats:
+def unit_sphere(points: Doubles) -> Doubles:
     """Return the points moved and scaled so that their bounding sphere is the unit sphere.
 
     The centre walks towards the farthest point by shrinking steps (Bădoiu and Clarkson, "Smaller core-sets
@@ -103,7 +104,7 @@ def unit_sphere(points: Floats) -> Floats:
         farthest = points[np.argmax(np.einsum("ij,ij->i", offsets, offsets))]
         centre = centre + (farthest - centre) / step
     offsets = points - centre
-    scaled: Floats = offsets / np.sqrt(np.max(np.einsum("ij,ij->i", offsets, offsets)))
+    scaled: Doubles = offsets / np.sqrt(np.max(np.einsum("ij,ij->i", offsets, offsets)))
     return scaled
 
 
@@ -117,11 +118,11 @@ class Grid:
         shape: number of samples along x, y, z.
     """
 
-    origin: Floats
+    origin: Doubles
     spacing: float
     shape: tuple[int, int, int]
 
-    def window(self, low: Floats, high: Floats) -> Window:
+    def window(self, low: Doubles, high: Doubles) -> Window:
         """Return the slices of the samples in a box."""
         first = np.clip(np.floor((low - self.origin) / self.spacing), 0, self.shape).astype(int)
         last = np.clip(np.ceil((high - self.origin) / self.spacing) + 1, 0, self.shape).astype(int)

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.animals.frames import Floats, pitch, ray, roll, unit, yaw
+from normalgan.animals.frames import pitch, ray, roll, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, by, fuse, pair, ring, tube
 from normalgan.animals.plan import BodyPlan, Form, Rng, around
 from normalgan.animals.shapes import Shape
+from normalgan.arrays import Doubles
 
 __all__ = ["BLOBS", "turned"]
 
@@ -399,7 +400,7 @@ def _mushroom(pose: str, rng: Rng) -> list[Part]:
     return parts
 
 
-def _one_mushroom(rng: Rng, at: Floats, size: float, blend: float, lean: float = 0.0) -> list[Part]:
+def _one_mushroom(rng: Rng, at: Doubles, size: float, blend: float, lean: float = 0.0) -> list[Part]:
     tall, stem, wide, high = (size * length for length in around(rng, 0.22, 0.62, 0.10, 0.38, 0.30))
     away = at * lean * 8 + rng.uniform(-0.05, 0.05, 3) * [1, 0, 1]
     top = by(at, 0, tall, 0) + away
@@ -428,7 +429,7 @@ class _Piece:
     """A solid, and points (n, 3) inside it that others can be rooted in."""
 
     shape: Shape
-    roots: Floats
+    roots: Doubles
 
 
 def _blob(pose: str, rng: Rng) -> list[Part]:
@@ -483,7 +484,7 @@ def _dents(core: _Piece, both_sides: bool, rng: Rng) -> Part:
     return fuse(*(both(*dents) if both_sides else dents), blend=0.06, carve=True)
 
 
-def _grow_piece(kind: str, root: Floats, size: float, middle: bool, rng: Rng) -> _Piece:
+def _grow_piece(kind: str, root: Doubles, size: float, middle: bool, rng: Rng) -> _Piece:
     """Return a piece that holds its root and grows out of it in some direction."""
     way = rng.normal(size=3)
     if middle:

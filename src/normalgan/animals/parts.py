@@ -7,8 +7,9 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame, unit
+from normalgan.animals.frames import Frame, unit
 from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
+from normalgan.arrays import Doubles
 
 __all__ = [
     "Part",
@@ -57,7 +58,7 @@ class Part:
     carve: bool = False
     ripple: Ripple | None = None
 
-    def reach(self) -> tuple[Floats, Floats]:
+    def reach(self) -> tuple[Doubles, Doubles]:
         """Return the lowest and highest corner, (3,) each, of a box that holds it."""
         boxes = [shape.reach() for shape in self.shapes]
         return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
@@ -73,17 +74,17 @@ class Part:
         return replace(self, shapes=shapes, blend=self.blend * size, ripple=ripple)
 
 
-def by(start: Floats, x: float, y: float, z: float) -> Floats:
+def by(start: Doubles, x: float, y: float, z: float) -> Doubles:
     """Return the point so far from another.
 
     >>> by(np.array([1.0, 2.0, 3.0]), 0.5, 0, 0).tolist()
     [1.5, 2.0, 3.0]
     """
-    moved_on: Floats = start + np.array([x, y, z])
+    moved_on: Doubles = start + np.array([x, y, z])
     return moved_on
 
 
-def in_space(points: ArrayLike) -> Floats:
+def in_space(points: ArrayLike) -> Doubles:
     """Return points (..., 3); those given by x and y alone lie in the middle plane, z = 0.
 
     >>> in_space((1, 2)).tolist()
@@ -93,18 +94,18 @@ def in_space(points: ArrayLike) -> Floats:
     return given if given.shape[-1] == 3 else np.insert(given, 2, 0.0, axis=-1)
 
 
-def ball(at: ArrayLike, radii: ArrayLike, turn: Floats | None = None) -> Ellipsoid:
+def ball(at: ArrayLike, radii: ArrayLike, turn: Doubles | None = None) -> Ellipsoid:
     """Return a sphere, or an ellipsoid if three radii are given."""
     return Ellipsoid(_frame(at, turn), np.broadcast_to(np.array(radii, float), 3).copy())
 
 
-def block(at: ArrayLike, half: ArrayLike, rounding: float, turn: Floats | None = None) -> Box:
+def block(at: ArrayLike, half: ArrayLike, rounding: float, turn: Doubles | None = None) -> Box:
     """Return a box with rounded edges; ``half`` its lengths halved."""
     sides = np.array(half, float)
     return Box(_frame(at, turn), sides, min(rounding, float(sides.min())))
 
 
-def ring(at: ArrayLike, major: float, minor: float, turn: Floats | None = None) -> Ring:
+def ring(at: ArrayLike, major: float, minor: float, turn: Doubles | None = None) -> Ring:
     """Return a torus, flat on the ground unless turned."""
     return Ring(_frame(at, turn), major, minor)
 
@@ -163,5 +164,5 @@ def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part
     return [part.placed(frame, size) for part in parts]
 
 
-def _frame(at: ArrayLike, turn: Floats | None) -> Frame:
+def _frame(at: ArrayLike, turn: Doubles | None) -> Frame:
     return Frame(in_space(at), np.eye(3) if turn is None else turn)

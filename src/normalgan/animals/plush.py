@@ -5,11 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame, pitch, ray, roll, unit, yaw
+from normalgan.animals.frames import Frame, pitch, ray, roll, unit, yaw
 from normalgan.animals.insects import wing
 from normalgan.animals.parts import Part, ball, block, by, carried, fuse, in_space, pair, tube
 from normalgan.animals.plan import BodyPlan, Form, Point, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
+from normalgan.arrays import Doubles
 
 __all__ = ["HABITS", "PLUSH", "SKULL", "on_skull"]
 
@@ -66,7 +67,7 @@ def _seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
     return tube(in_space(at) + 1.01 * ring * np.array(radii, float), 0.008)
 
 
-def on_skull(aside: float, up: float, out: float = 1.0) -> Floats:
+def on_skull(aside: float, up: float, out: float = 1.0) -> Doubles:
     """Return the point (3,) of the head ``aside`` degrees to the right and ``up`` above its middle."""
     way = ray(np.deg2rad(aside), np.deg2rad(up))
     return way / np.linalg.norm(way / SKULL) * out
@@ -106,7 +107,7 @@ def _leg(depth: float, half: float, width: float, thick: float, sits: bool, rng:
 
 
 def _arm(
-    belly: Floats, thick: float, arms: float, long: float, hands: bool, pose: str, rng: Rng
+    belly: Doubles, thick: float, arms: float, long: float, hands: bool, pose: str, rng: Rng
 ) -> list[Shape]:
     shoulder = belly * [0.05, 1.62, 0.66]
     jitter = rng.uniform(-0.05, 0.05, 3)

@@ -7,12 +7,13 @@ from typing import Annotated
 import numpy as np
 
 from normalgan.animals.dinosaurs import Armour
-from normalgan.animals.frames import Floats, Frame, bend, fold, pitch, unit, yaw
+from normalgan.animals.frames import Frame, bend, fold, pitch, unit, yaw
 from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
 from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
 from normalgan.animals.quadrupeds_poses import POSES, Pose
 from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
 __all__ = ["Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Ornament", "Quadruped"]
@@ -376,7 +377,7 @@ def _neck(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> tuple[S
     return sweep, Frame(placed[-1], rotation)
 
 
-def _lowered(species: Quadruped, build: _Build, points: Floats, body: Frame) -> tuple[float, float]:
+def _lowered(species: Quadruped, build: _Build, points: Doubles, body: Frame) -> tuple[float, float]:
     """Return pitch of neck and head, in degrees, that bring the muzzle near the ground, by bisection."""
     skull = species.head.skull
     tip = np.array([_stretch(skull.x[-1:], build["muzzle"])[0], skull.bottom[-1], 0.0])
@@ -422,7 +423,7 @@ def _ground(build: _Build) -> float:
     return _BELOW_BELLY * (1 - build["legs"])
 
 
-def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Floats:
+def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Doubles:
     """Return the folded stations, (n + 1, 3), from the uppermost joint; the last one is the sole."""
     rows = limb.template.stations
     length = limb.y - _ground(build)
@@ -460,7 +461,7 @@ def _shoulder_blade(limb: Limb, build: _Build, body: Frame) -> Sweep:
     return tube(points, radii, widths).placed(body)
 
 
-def _stretch(x: Floats, muzzle: float) -> Floats:
+def _stretch(x: Doubles, muzzle: float) -> Doubles:
     """Return positions along the head with the face in front of the eyes stretched."""
     return x + (muzzle - 1) * np.maximum(x - _FACE, 0)
 
@@ -490,7 +491,7 @@ def _ornament(
     return fuse(*sweeps, blend=item.blend, carve=item.carve, ripple=item.ripple)
 
 
-def _on_skull(head: Head, x: float, degrees: float) -> Floats:
+def _on_skull(head: Head, x: float, degrees: float) -> Doubles:
     """Return the point (3,) on the right half of the skull, in units of its length, seen from its axis.
 
     The skull is the union of ellipsoids about all stations, so where it tapers steeply its surface lies
@@ -531,7 +532,7 @@ def _face(head: Head, muzzle: float, frame: Frame, size: float) -> list[Part]:
     return parts
 
 
-def _lips(head: Head, mouth: Mouth) -> Floats:
+def _lips(head: Head, mouth: Mouth) -> Doubles:
     """Return the points (7, 3) between the lips, from the right corner to the middle in front."""
     end = float(head.skull.x[-1])
     along = zip(np.linspace(mouth.x, end, 5), np.linspace(mouth.angle - 12, mouth.angle, 5), strict=True)

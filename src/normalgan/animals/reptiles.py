@@ -6,11 +6,12 @@ from typing import Annotated
 
 import numpy as np
 
-from normalgan.animals.frames import Floats, Frame, about, bend, pitch, spanned, way_along, yaw
+from normalgan.animals.frames import Frame, about, bend, pitch, spanned, way_along, yaw
 from normalgan.animals.parts import Part, ball, by, carried, fuse, in_space, on_side, pair, tube
 from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, around, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
+from normalgan.arrays import Doubles
 
 __all__ = ["Crawler", "Snake", "Turtle"]
 
@@ -268,21 +269,21 @@ _CORNERS = [(-0.86, 0.16), (-0.62, 0.34), (-0.42, 0.24), (-0.22, 0.36), (-0.01, 
             (0.40, 0.24), (0.58, 0.32), (0.82, 0.14)]  # fmt: skip
 
 
-def _slab(rim: float, radii: Floats) -> Sweep:
+def _slab(rim: float, radii: Doubles) -> Sweep:
     """Return what lies below the rim of the dome, to be taken away."""
     deep = float(radii[1]) + 0.1
     points = [(-0.8, rim - deep - 0.01), (0.8, rim - deep - 0.01)]
     return tube(points, deep, 8.0)
 
 
-def _on(radii: Floats, rim: float, x: float, z: float, out: float = 0.0) -> Floats:
+def _on(radii: Doubles, rim: float, x: float, z: float, out: float = 0.0) -> Doubles:
     """Return the point of the dome over (x, z), each a share of its half length or width."""
     y = np.sqrt(max(1 - x * x - z * z, 0.0))
-    point: Floats = np.array([0.0, rim, 0.0]) + radii * np.array([x, y, z]) * (1 + out)
+    point: Doubles = np.array([0.0, rim, 0.0]) + radii * np.array([x, y, z]) * (1 + out)
     return point
 
 
-def _scutes(radii: Floats, rim: float, bumpy: float) -> list[Sweep]:
+def _scutes(radii: Doubles, rim: float, bumpy: float) -> list[Sweep]:
     """Return bulges in the middle of the scutes."""
     middles = [(x, 0.0) for x, _ in _CORNERS[1::2]]
     middles += [(x, z) for x in (-0.50, -0.02, 0.44) for z in (0.56, -0.56)]
@@ -293,7 +294,7 @@ def _scutes(radii: Floats, rim: float, bumpy: float) -> list[Sweep]:
     return bulges
 
 
-def _grooves(radii: Floats, rim: float) -> list[Sweep]:
+def _grooves(radii: Doubles, rim: float) -> list[Sweep]:
     """Return the lines between the scutes: a middle row of hexagons between two rows along the flanks."""
     lines = []
     for sign in (1, -1):
@@ -306,7 +307,7 @@ def _grooves(radii: Floats, rim: float) -> list[Sweep]:
     return [tube(line, 0.010) for line in lines]
 
 
-def _turtle_legs(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
+def _turtle_legs(radii: Doubles, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
     legs, toes = [], []
     for x, fore in ((0.30, True), (-0.32, False)):
         for sign in (1.0, -1.0):
@@ -328,7 +329,7 @@ _FORE_FLIPPER = [(0.0, 0.08), (0.20, 0.11), (0.42, 0.0), (0.66, -0.24), (0.68, -
 _HIND_FLIPPER = [(0.0, 0.06), (0.16, 0.05), (0.28, -0.06), (0.26, -0.12), (0.12, -0.10), (0.0, -0.06)]
 
 
-def _flippers(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
+def _flippers(radii: Doubles, rim: float, factor: float, pose: str, rng: Rng) -> list[Part]:
     parts = []
     lift = rng.uniform(-28, 34) if pose == "swim" else rng.uniform(-8, 6)
     for corners, x, sweep, up in (
@@ -342,7 +343,7 @@ def _flippers(radii: Floats, rim: float, factor: float, pose: str, rng: Rng) -> 
     return parts
 
 
-def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng: Rng) -> Floats:
+def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng: Rng) -> Doubles:
     """Return a flat coil from the tip of the tail, outside, inwards.
 
     Args:
@@ -361,21 +362,21 @@ def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng
     return np.column_stack([radius * np.cos(phase), height, side * radius * np.sin(phase)])
 
 
-def _with_neck(spiral: Floats, neck: list[tuple[float, float]], tall: float) -> Floats:
+def _with_neck(spiral: Doubles, neck: list[tuple[float, float]], tall: float) -> Doubles:
     """Return a coil that goes on along the points of a neck, (x, share of ``tall``), to the middle plane."""
     end = spiral[-1]
     raised = end[:2] + np.array(neck) * [1.0, tall]
     return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0.0, len(neck) + 1)[1:]])])
 
 
-def _coil(fat: float, rng: Rng) -> Floats:
+def _coil(fat: float, rng: Rng) -> Doubles:
     """Return a coil with the head raised in the middle."""
     spiral = _spiral(fat, rng.uniform(2.2, 3.0), 0.16, 0.75, -np.pi / 2, rng)
     neck = [(0.12, 0.05), (0.16, 0.45), (0.04, 0.9), (0.10, 1.15), (0.26, 1.18)]
     return _with_neck(spiral, neck, rng.uniform(0.10, 0.30) + 0.08)
 
 
-def _wind(fat: float, rng: Rng) -> Floats:
+def _wind(fat: float, rng: Rng) -> Doubles:
     """Return a line that winds over the ground, to a head held a little high."""
     x = np.linspace(-1.0, 0.72, 40)
     waves, size = rng.uniform(1.4, 2.3), rng.uniform(0.16, 0.26)
@@ -385,14 +386,14 @@ def _wind(fat: float, rng: Rng) -> Floats:
     return np.column_stack([x, y, z])
 
 
-def _rear(fat: float, rng: Rng) -> Floats:
+def _rear(fat: float, rng: Rng) -> Doubles:
     """Return a coil from which the front third stands up."""
     spiral = _spiral(fat, rng.uniform(1.3, 1.9), 0.20, 0.5, -0.75 * np.pi, rng)
     neck = [(0.15, 0.06), (0.20, 0.26), (0.14, 0.52), (0.10, 0.78), (0.13, 0.94), (0.24, 1.0)]
     return _with_neck(spiral, neck, rng.uniform(0.55, 0.85))
 
 
-def _hood(line: Floats, fat: float, side: Floats, rng: Rng) -> Sweep:
+def _hood(line: Doubles, fat: float, side: Doubles, rng: Rng) -> Sweep:
     """Return the spread neck of a cobra."""
     upper = line[-5:]
     wide = fat * rng.uniform(2.2, 2.9) * np.array([0.35, 0.72, 1.0, 0.80, 0.35])

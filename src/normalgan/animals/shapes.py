@@ -8,7 +8,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from normalgan.animals.frames import Axes, Floats, Frame, Volume
+from normalgan.animals.frames import Axes, Frame, Volume
+from normalgan.arrays import Doubles
 
 __all__ = [
     "MIRROR",
@@ -40,8 +41,8 @@ class Piece(NamedTuple):
         distance: of points to it; see `Solid.distance`.
     """
 
-    low: Floats
-    high: Floats
+    low: Doubles
+    high: Doubles
     distance: Callable[[Axes], Volume]
 
 
@@ -49,7 +50,7 @@ class Shape(ABC):
     """A closed body that knows about how far any point is from it."""
 
     @abstractmethod
-    def reach(self) -> tuple[Floats, Floats]:
+    def reach(self) -> tuple[Doubles, Doubles]:
         """Return the lowest and highest corner, (3,) each, of a box that holds it."""
 
     @abstractmethod
@@ -81,8 +82,8 @@ class Cut(NamedTuple):
         normal: (3,) outwards, of unit length.
     """
 
-    point: Floats
-    normal: Floats
+    point: Doubles
+    normal: Doubles
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,13 +99,13 @@ class Sweep(Shape):
             as that of a folded leg does.
     """
 
-    points: Floats
-    radii: Floats
-    widths: Floats
-    sides: Floats
+    points: Doubles
+    radii: Doubles
+    widths: Doubles
+    sides: Doubles
     cut: Cut | None = None
 
-    def reach(self) -> tuple[Floats, Floats]:
+    def reach(self) -> tuple[Doubles, Doubles]:
         """Return the corners of a box that holds it."""
         fat = np.maximum(self.radii, self.widths)[:, None]
         return (self.points - fat).min(axis=0), (self.points + fat).max(axis=0)
@@ -257,9 +258,9 @@ class Ellipsoid(Solid):
         radii: (3,) along these.
     """
 
-    radii: Floats
+    radii: Doubles
 
-    def reach(self) -> tuple[Floats, Floats]:
+    def reach(self) -> tuple[Doubles, Doubles]:
         """Return the corners of a box that holds it."""
         half = np.linalg.norm(self.frame.rotation * self.radii, axis=1)
         return self.frame.origin - half, self.frame.origin + half
@@ -296,10 +297,10 @@ class Box(Solid):
         rounding: radius of its edges, at most the least of ``half``.
     """
 
-    half: Floats
+    half: Doubles
     rounding: float
 
-    def reach(self) -> tuple[Floats, Floats]:
+    def reach(self) -> tuple[Doubles, Doubles]:
         """Return the corners of a box that holds it."""
         half = np.abs(self.frame.rotation) @ (self.half - self.rounding) + self.rounding
         return self.frame.origin - half, self.frame.origin + half
@@ -338,7 +339,7 @@ class Ring(Solid):
     major: float
     minor: float
 
-    def reach(self) -> tuple[Floats, Floats]:
+    def reach(self) -> tuple[Doubles, Doubles]:
         """Return the corners of a box that holds it."""
         half = self.major * np.sqrt(np.maximum(1 - self.frame.rotation[:, 1] ** 2, 0)) + self.minor
         return self.frame.origin - half, self.frame.origin + half
@@ -374,13 +375,13 @@ class Plate(Solid):
         bow: curvature along the first and second axis; positive bends towards the third.
     """
 
-    outline: Floats
+    outline: Doubles
     rim: float
     swell: float = 0.0
     most: float = np.inf
     bow: tuple[float, float] = (0.0, 0.0)
 
-    def reach(self) -> tuple[Floats, Floats]:
+    def reach(self) -> tuple[Doubles, Doubles]:
         """Return the corners of a box that holds it."""
         # Where it is bowed, it may reach farther between the corners than at any of them.
         after = np.roll(self.outline, -1, axis=0)
@@ -432,12 +433,12 @@ class Plate(Solid):
         distance[near] = outside + np.minimum(np.maximum(beside, above), 0) - np.float32(self.rim)
         return distance
 
-    def _bowed(self, flat: Floats) -> Floats:
+    def _bowed(self, flat: Doubles) -> Doubles:
         across = (flat**2 @ np.array(self.bow)) / 2
         return np.column_stack([flat, across])
 
 
-def outline_distance(outline: Floats, u: Volume, v: Volume) -> Volume:
+def outline_distance(outline: Doubles, u: Volume, v: Volume) -> Volume:
     """Return the signed distance of points to a closed polygon, negative inside.
 
     The least distance to an edge, its sign by the number of edges crossed (Quilez, "2D distance functions").
@@ -457,7 +458,7 @@ def outline_distance(outline: Floats, u: Volume, v: Volume) -> Volume:
     return np.where(inside, -np.sqrt(square), np.sqrt(square))
 
 
-def rounded(corners: Sequence[tuple[float, float]], times: int = 2) -> Floats:
+def rounded(corners: Sequence[tuple[float, float]], times: int = 2) -> Doubles:
     """Return a closed outline with its corners cut (Chaikin, 1974); a corner given twice stays sharper."""
     points = np.array(corners, dtype=np.float64)
     for _ in range(times):

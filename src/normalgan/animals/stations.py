@@ -5,9 +5,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from normalgan.animals.frames import Floats, Frame, about, pitch, yaw
+from normalgan.animals.frames import Frame, about, pitch, yaw
 from normalgan.animals.parts import in_space, tube
 from normalgan.animals.shapes import Sweep
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
 __all__ = ["Profile", "Spine", "Stations"]
@@ -28,11 +29,11 @@ class Stations:
         InputError: if the columns are not of one length, or a section has no size.
     """
 
-    x: Floats
-    y: Floats
-    radius: Floats
-    z: Floats | None = None
-    half_width: Floats | None = None
+    x: Doubles
+    y: Doubles
+    radius: Doubles
+    z: Doubles | None = None
+    half_width: Doubles | None = None
 
     def __post_init__(self) -> None:
         """Check the columns."""
@@ -41,12 +42,12 @@ class Stations:
             raise InputError("radius and half_width are greater than 0.")
 
     @property
-    def points(self) -> Floats:
+    def points(self) -> Doubles:
         """The middles, (n, 3)."""
         return np.column_stack([self.x, self.y, np.zeros(len(self.x)) if self.z is None else self.z])
 
     @property
-    def widths(self) -> Floats:
+    def widths(self) -> Doubles:
         """The half widths, (n,), whether round or not."""
         return self.radius if self.half_width is None else self.half_width
 
@@ -65,10 +66,10 @@ class Profile:
         InputError: if the columns are not of one length, or a section has no size.
     """
 
-    x: Floats
-    top: Floats
-    bottom: Floats
-    half_width: Floats
+    x: Doubles
+    top: Doubles
+    bottom: Doubles
+    half_width: Doubles
 
     def __post_init__(self) -> None:
         """Check the columns."""
@@ -86,7 +87,7 @@ class Profile:
         """Return it with all widths multiplied."""
         return replace(self, half_width=self.half_width * factor)
 
-    def at(self, x: float | Floats) -> tuple[Floats, Floats, Floats]:
+    def at(self, x: float | Doubles) -> tuple[Doubles, Doubles, Doubles]:
         """Return top, bottom and half width at a position between the stations, or at (n,) of them."""
         columns = (self.top, self.bottom, self.half_width)
         top, bottom, half = (np.asarray(np.interp(x, self.x, column)) for column in columns)
@@ -111,7 +112,7 @@ class Spine:
         turns: (n,) degrees by which it is turned to its left at each.
     """
 
-    def __init__(self, xs: Floats, turns: Floats) -> None:
+    def __init__(self, xs: Doubles, turns: Doubles) -> None:
         self.xs, self.turns = xs, np.deg2rad(turns)
         steps = np.diff(xs)
         middle = (self.turns[1:] + self.turns[:-1]) / 2
@@ -127,7 +128,7 @@ class Spine:
         origin = np.array([along + over * np.cos(angle), 0.0, aside - over * np.sin(angle)])
         return Frame(origin, yaw(float(np.rad2deg(angle))))
 
-    def place(self, points: ArrayLike) -> Floats:
+    def place(self, points: ArrayLike) -> Doubles:
         """Return (n, 3) or (n, 2) points of the straight body where the bent one has them, (n, 3)."""
         return np.array([self.frame(float(x)).place([0.0, y, z]) for x, y, z in in_space(points)])
 

@@ -59,7 +59,7 @@ class Accumulator:
 
     def update(
         self,
-        painted: Tensor,
+        predicted: Tensor,
         target: Tensor,
         mask: Tensor,
         where: Tensor,
@@ -69,14 +69,14 @@ class Accumulator:
         """Count a batch.
 
         Args:
-            painted: (N, 3 or 4, H, W) normals, as long as an object is probable, and perhaps confidence.
+            predicted: (N, 3 or 4, H, W) normals, as long as an object is probable, and perhaps confidence.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 on the object.
             where: (N, 1, H, W), 1 at the hints, which do not count.
             distance: (N, 1, H, W) pixels from the contour.
             names: of the samples, ``mesh/view``.
         """
-        preds, counted = painted[:, :3], without_hints(mask, where)
+        preds, counted = predicted[:, :3], without_hints(mask, where)
         self._all.update(preds, target, counted)
         meshes = [mesh_of(name) for name in names]
         for mesh in dict.fromkeys(meshes):
@@ -84,9 +84,9 @@ class Accumulator:
             metrics = self._by_mesh.setdefault(mesh, self._metrics())
             metrics.update(preds[rows], target[rows], counted[rows])
         angle = angular_error(preds, target)
-        if painted.shape[1] > 3:
+        if predicted.shape[1] > 3:
             self._calibration = self._calibration or Calibration()
-            self._calibration.update(expected_angle(painted[:, 3:4]), angle, counted)
+            self._calibration.update(expected_angle(predicted[:, 3:4]), angle, counted)
         self.names += names
         for name, sums in _view_sums(preds, target, mask, counted, angle, distance).items():
             self._sums.setdefault(name, []).append(sums)
@@ -162,7 +162,7 @@ def _view_sums(
 ) -> Sums:
     """Return sums over the pixels of each view, (N,), and over those of each bin of distance, (N, bins)."""
     inside, nz = counted > 0.5, depth_difference(preds, target)
-    painted = preds.square().sum(1, keepdim=True).sqrt() > _BACKGROUND
+    predicted = preds.square().sum(1, keepdim=True).sqrt() > _BACKGROUND
     there = mask > 0.5
     of_all = {
         "pixels": inside.double(),
@@ -177,8 +177,8 @@ def _view_sums(
         sums |= {f"{part}_{name}": (values * chosen).sum((1, 2, 3)) for name, values in of_all.items()}
     sums["variation"] = total_variation(preds, counted)
     sums["true_variation"] = total_variation(target, counted)
-    sums["intersection"] = (painted & there).sum((1, 2, 3))
-    sums["union"] = (painted | there).sum((1, 2, 3))
+    sums["intersection"] = (predicted & there).sum((1, 2, 3))
+    sums["union"] = (predicted | there).sum((1, 2, 3))
     plain = {name: values.double().cpu().numpy() for name, values in sums.items()}
     values = {name: summed.cpu().numpy() for name, summed in of_all.items()}
     for name_of_unit, length in (("pixels", 1.0), ("170ths", unit)):

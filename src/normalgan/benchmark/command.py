@@ -199,9 +199,9 @@ def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> in
 
     submission = read_submission(folder)
     counts = list(submission.counts)
-    painted = replace(plan, hint_counts=counts, hints=max(counts) or plan.hints, pins=0)
-    painted = replace(painted, placements=[], placement_counts=[], noise_degrees=[], noise_pixels=[])
-    evaluation = Evaluation(painted, shared_settings(plan, scale), test_alone=True)
+    predicted = replace(plan, hint_counts=counts, hints=max(counts) or plan.hints, pins=0)
+    predicted = replace(predicted, placements=[], placement_counts=[], noise_degrees=[], noise_pixels=[])
+    evaluation = Evaluation(predicted, shared_settings(plan, scale), test_alone=True)
     _tell(evaluation, scale, submission.name, submission.method(), out)
     return 0
 

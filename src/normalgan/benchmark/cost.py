@@ -49,14 +49,14 @@ def images_per_second(method: Method, batch: Batch, device: torch.device, second
     """
     here = moved(batch, device)
     with true_float32():
-        method.paint(here, None)
+        method.predict(here, None)
         _wait(device)
         start = perf_counter()
-        for painted in count(len(batch["sketch"]), len(batch["sketch"])):
-            method.paint(here, None)
+        for predicted in count(len(batch["sketch"]), len(batch["sketch"])):
+            method.predict(here, None)
             _wait(device)
             if (spent := perf_counter() - start) >= seconds:
-                return painted / spent
+                return predicted / spent
     raise AssertionError("the clock went on for ever")
 
 

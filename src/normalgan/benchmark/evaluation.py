@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import torch
 
+from normalgan.arrays import Floats
 from normalgan.batch import Batch
 from normalgan.benchmark.cost import flops, images_per_second, parameters
 from normalgan.benchmark.machine import commit, describe_machine, describe_versions
@@ -37,7 +38,6 @@ from normalgan.data.loading.order import spread
 from normalgan.files.writing import write_bytes
 from normalgan.gan import SHARE
 from normalgan.hints import hints_at
-from normalgan.normals import Floats
 from normalgan.weights.checkpoint import read_checkpoint
 
 __all__ = ["Evaluation", "maps_of", "read_curve"]
@@ -110,7 +110,7 @@ class Evaluation:
             curve = read_curve(run.folder)
             result |= {"checkpoint": checkpoint.name, "curve": curve, "images": curve[-1]["images"]}
         maps = BytesIO()
-        np.savez_compressed(maps, preds=self.paint_shown(method).astype(np.float16))
+        np.savez_compressed(maps, preds=self.predict_shown(method).astype(np.float16))
         write_bytes(run.folder / "maps.npz", maps.getbuffer())
         return {**result, **self.of_method(method)}
 
@@ -153,15 +153,15 @@ class Evaluation:
         trained = build_data(self.shared, **shared)
         return specify(build_data(self.shared, **shared, **other) if other else trained, self.tests, trained)
 
-    def paint_shown(self, method: Method) -> Floats:
+    def predict_shown(self, method: Method) -> Floats:
         """Return what a method paints of the gallery's samples with the hints of table 1, (K, 3, H, W)."""
         batch = moved(self.shown, self.device)
         hints = None
         if method.takes_hints:
             where = hint_points(batch["mask"], batch["name"], self.plan.hint_seed, self.plan.hints)
             hints = hints_at(batch["normal"], where)
-        painted: Floats = method.paint(batch, hints)[:, :3].cpu().numpy()
-        return painted
+        predicted: Floats = method.predict(batch, hints)[:, :3].cpu().numpy()
+        return predicted
 
     def batches(self) -> Iterator[Batch]:
         """Yield the test split in order."""

@@ -7,15 +7,15 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
-from normalgan.normals import Floats, normalize
+from normalgan.arrays import BoolMask, Floats
+from normalgan.normals import normalize
 
-__all__ = ["Mask", "inflate", "inflated_normals"]
+__all__ = ["inflate", "inflated_normals"]
 
-Mask = NDArray[np.bool_]
 _SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))  # (rows, columns) to the four neighbours
 
 
-def inflate(mask: Mask) -> NDArray[np.float64]:
+def inflate(mask: BoolMask) -> NDArray[np.float64]:
     """Return the squared height of an inflated silhouette, in pixels², (H, W), 0 off it.
 
     It solves Δh = -4 on the object with h = 0 on its outline, which runs between pixels. Of a disc of
@@ -51,7 +51,7 @@ def inflate(mask: Mask) -> NDArray[np.float64]:
     return height
 
 
-def inflated_normals(mask: Mask) -> Floats:
+def inflated_normals(mask: BoolMask) -> Floats:
     """Return the normals of an inflated silhouette, (H, W, 3), x right, y up, z to the viewer; 0 off it.
 
     Args:

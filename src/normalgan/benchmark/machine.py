@@ -8,7 +8,7 @@ from pathlib import Path
 
 import torch
 
-from normalgan import __version__
+from normalgan.version import __version__
 
 __all__ = ["commit", "describe_machine", "describe_versions"]
 

@@ -103,13 +103,13 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
             here = moved(batch, device)
             target, mask, names = here["normal"], here["mask"], here["name"]
             distance = distance_from_contour(batch["mask"])
-            bare = method.paint(here, None)
+            bare = method.predict(here, None)
             error = angular_error(bare[:, :3], target).cpu()
             for given, told in _hints(method.sampler, batch, error, tests):
                 hints, where = told.to(device), told[:, 3:].to(device)
-                paints = method.takes_hints and bool(where.any())
-                painted = method.paint(here, hints) if paints else bare
-                gathered[given].update(painted, target, mask, where, distance, names)
+                predicts = method.takes_hints and bool(where.any())
+                predicted = method.predict(here, hints) if predicts else bare
+                gathered[given].update(predicted, target, mask, where, distance, names)
                 if given == OWN:
                     hints_given += int(where.sum())
             samples += len(names)

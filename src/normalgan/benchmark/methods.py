@@ -10,7 +10,7 @@ from normalgan.batch import Batch
 from normalgan.benchmark.inflation import inflated_normals
 from normalgan.gan import NormalGAN
 from normalgan.hints import HINT_SAMPLERS, HintSampler, NoHints
-from normalgan.objectives import Wasserstein
+from normalgan.losses import Wasserstein
 from normalgan.seeds import derive_seed
 from normalgan.weights.file import Weights
 
@@ -33,14 +33,14 @@ class Method:
     """What paints, and what is said of it.
 
     Args:
-        paint: paints a batch; it must not look at the truth, but for what is told of a classical method.
+        predict: paints a batch; it must not look at the truth, but for what is told of a classical method.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
         timed: whether it paints here, so that its speed can be measured; what another program painted is
             only read.
     """
 
-    paint: Paint
+    predict: Paint
     sampler: HintSampler = NoHints()  # noqa: RUF009  # frozen
     generator: nn.Module | None = None
     timed: bool = True
@@ -65,12 +65,12 @@ def mean_method(mean_map: Tensor) -> Method:
 def inflation_method() -> Method:
     """Return the method that inflates the silhouette, which is told: the true mask, which no other sees."""
 
-    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+    def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         masks = batch["mask"][:, 0].cpu().numpy() > 0.5
         normals = [torch.from_numpy(inflated_normals(mask)).permute(2, 0, 1) for mask in masks]
         return torch.stack(normals).to(batch["normal"])
 
-    return Method(paint)
+    return Method(predict)
 
 
 def weights_method(weights: Weights, device: torch.device) -> Method:
@@ -95,11 +95,11 @@ def model_method(model: NormalGAN) -> Method:
             if isinstance(module, nn.Dropout):
                 module.train()
 
-    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+    def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         devices = [] if batch["sketch"].device.type == "cpu" else [batch["sketch"].device]
         with torch.random.fork_rng(devices), torch.no_grad():
             torch.manual_seed(derive_seed("noise", *batch["name"]))
-            painted = model.paint_with_confidence(batch["sketch"], hints)
-        return painted.float()
+            predicted = model.predict_with_confidence(batch["sketch"], hints)
+        return predicted.float()
 
-    return Method(paint, model.hint_sampler, model.generator)
+    return Method(predict, model.hint_sampler, model.generator)

@@ -5,7 +5,7 @@ from typing import Any
 
 from normalgan.metrics import METRICS, MapMetric
 from normalgan.metrics.collection import check_names
-from normalgan.weights.part import ANY_NUMBER, Part
+from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec
 
 __all__ = ["more_metrics"]
 
@@ -20,6 +20,6 @@ def more_metrics(named: Sequence[str | dict[str, Any]]) -> list[MapMetric]:
         InputError: if there is no such metric, it does not take its settings, or two have the same name.
     """
     given = [{"class_path": each} if isinstance(each, str) else each for each in named]
-    metrics = [Part.of(each, ANY_NUMBER).build(METRICS) for each in given]
+    metrics = [ClassSpec.of(each, ANY_NUMBER).build(METRICS) for each in given]
     check_names(metrics)
     return metrics

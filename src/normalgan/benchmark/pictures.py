@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
-from normalgan.gallery import MAX_ERROR, Row, colours
+from normalgan.callbacks.gallery import MAX_ERROR, Row, colours
 from normalgan.normals import encode
 
 __all__ = ["Line", "Picture", "draw_methods"]
 
 _CELL, _GAP, _HEAD, _LABEL, _DPI = 112, 4, 40, 190, 100  # pixels
-_NEUTRAL = (0.72, 0.72, 0.72)  # off the object, as in `normalgan.gallery`
+_NEUTRAL = (0.72, 0.72, 0.72)  # off the object, as in `normalgan.callbacks.gallery`
 
 Picture = NDArray[np.generic]
 

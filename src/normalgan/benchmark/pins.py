@@ -11,8 +11,8 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.benchmark.methods import Method
 from normalgan.hints import hints_at
+from normalgan.inference.suggestion import suggest
 from normalgan.metrics import angular_error, without_hints
-from normalgan.painting.suggestion import suggest
 
 __all__ = ["STRATEGIES", "Strategy", "pin_curve", "pin_one_by_one"]
 
@@ -42,11 +42,11 @@ def pin_one_by_one(method: Method, batch: Batch, strategy: Strategy, count: int)
     where = torch.zeros_like(mask)
     angles = []
     for number in range(count + 1):
-        painted = method.paint(batch, hints_at(target, where) if number else None)
-        angle = angular_error(painted[:, :3], target)
+        predicted = method.predict(batch, hints_at(target, where) if number else None)
+        angle = angular_error(predicted[:, :3], target)
         angles.append(angle)
         if number < count:
-            where = torch.maximum(where, _next(painted, angle, mask, where, strategy))
+            where = torch.maximum(where, _next(predicted, angle, mask, where, strategy))
     inside = without_hints(mask, where) > 0.5
     sums = [torch.where(inside, angle, 0.0).double().sum((1, 2, 3)) for angle in angles]
     return torch.stack([*sums, inside.double().sum((1, 2, 3))], dim=1).cpu()
@@ -58,7 +58,7 @@ def pin_curve(sums: Sequence[Tensor]) -> list[float]:
     return [round(float(value), 4) for value in total[:-1] / total[-1]]
 
 
-def _next(painted: Tensor, angle: Tensor, mask: Tensor, where: Tensor, strategy: Strategy) -> Tensor:
+def _next(predicted: Tensor, angle: Tensor, mask: Tensor, where: Tensor, strategy: Strategy) -> Tensor:
     """Return where the next pin of each sample goes, (N, 1, H, W)."""
     chosen = torch.zeros_like(mask)
     free = (mask > 0.5) & (where <= 0.5)
@@ -69,15 +69,15 @@ def _next(painted: Tensor, angle: Tensor, mask: Tensor, where: Tensor, strategy:
         best, pixels = torch.where(free, seen, -1.0).flatten(1).max(1, keepdim=True)
         return chosen.flatten(1).scatter(1, pixels, (best >= 0).to(chosen)).view_as(mask)
     for i in range(len(mask)):
-        row, column = _suggested(painted[i], mask[i, 0] > 0.5, free[i, 0], where[i, 0])
+        row, column = _suggested(predicted[i], mask[i, 0] > 0.5, free[i, 0], where[i, 0])
         if free[i, 0, row, column]:
             chosen[i, 0, row, column] = 1
     return chosen
 
 
-def _suggested(painted: Tensor, inside: Tensor, free: Tensor, where: Tensor) -> tuple[int, int]:
-    normals = F.normalize(painted[:3], dim=0).permute(1, 2, 0).cpu().numpy()
-    confidence = painted[3].cpu().numpy() if len(painted) > 3 else None
+def _suggested(predicted: Tensor, inside: Tensor, free: Tensor, where: Tensor) -> tuple[int, int]:
+    normals = F.normalize(predicted[:3], dim=0).permute(1, 2, 0).cpu().numpy()
+    confidence = predicted[3].cpu().numpy() if len(predicted) > 3 else None
     taken = np.argwhere(where.cpu().numpy() > 0.5)[:, ::-1].astype(np.float32) + 0.5
     points = suggest(normals, inside.cpu().numpy(), confidence, taken, 1)
     if points:

@@ -5,16 +5,16 @@ from pathlib import Path
 import torch
 from torch import Tensor
 
+from normalgan.arrays import Floats
 from normalgan.batch import Batch
 from normalgan.benchmark.methods import Method, weights_method
-from normalgan.checkpoints import check_size
+from normalgan.callbacks.checkpoints import check_size
 from normalgan.errors import InputError
 from normalgan.hints import HINT_SAMPLERS
-from normalgan.normals import Floats
-from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
 from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.class_spec import ClassSpec
 from normalgan.weights.file import SUFFIX, find_weights, read_weights
-from normalgan.weights.part import Part
 
 __all__ = ["saved_method"]
 
@@ -48,15 +48,15 @@ def _onnx_method(path: Path, size: int) -> Method:
     check_size(path, model.size, size)
     if "hint_sampler" not in model.notes:
         raise InputError(f"{path} does not say what hints it was trained for; export it anew.")
-    sampler = Part.from_json(model.notes["hint_sampler"]).build(HINT_SAMPLERS)
+    sampler = ClassSpec.from_json(model.notes["hint_sampler"]).build(HINT_SAMPLERS)
 
-    def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+    def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         given = [None] * len(batch["sketch"]) if hints is None else list(hints.cpu().numpy())
         sketches = batch["sketch"][:, 0].cpu().numpy()
-        painted = [_channels(*model.paint(*one)) for one in zip(sketches, given, strict=True)]
-        return torch.stack(painted).to(batch["sketch"])
+        predicted = [_channels(*model.predict(*one)) for one in zip(sketches, given, strict=True)]
+        return torch.stack(predicted).to(batch["sketch"])
 
-    return Method(paint, sampler)
+    return Method(predict, sampler)
 
 
 def _channels(normal: Floats, confidence: Floats | None) -> Tensor:

@@ -19,7 +19,7 @@ from normalgan.benchmark.points import hint_order
 from normalgan.errors import InputError, brief
 from normalgan.files.writing import write_bytes
 from normalgan.hints import NoHints, UniformHints
-from normalgan.painting.reading.drawings import read_pixels, to_unit
+from normalgan.inference.reading.drawings import read_pixels, to_unit
 
 __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
@@ -45,7 +45,7 @@ class Submission:
     def method(self) -> Method:
         """Return the maps as a method; it paints what lies there for the number of hints that it is given."""
 
-        def paint(batch: Batch, hints: Tensor | None) -> Tensor:
+        def predict(batch: Batch, hints: Tensor | None) -> Tensor:
             given = [0] * len(batch["name"]) if hints is None else hints[:, 3].sum((1, 2)).int().tolist()
             size = batch["normal"].shape[2]
             # A small object has fewer hints than were asked for.
@@ -54,7 +54,7 @@ class Submission:
             return torch.stack([self._read(*one, size) for one in named]).to(batch["normal"])
 
         # One that has maps with hints takes them, and has none of its own.
-        return Method(paint, UniformHints(0, 0) if max(self.counts) else NoHints(), timed=False)
+        return Method(predict, UniformHints(0, 0) if max(self.counts) else NoHints(), timed=False)
 
     def _read(self, count: int, name: str, size: int) -> Tensor:
         path = self.folder / str(count) / f"{name}.png"

@@ -11,7 +11,7 @@ import yaml
 
 from normalgan.benchmark.runs import Run
 from normalgan.benchmark.settings import differences
-from normalgan.checkpoints import best_checkpoint
+from normalgan.callbacks.checkpoints import best_checkpoint
 from normalgan.errors import InputError, RunError, brief
 from normalgan.files.writing import write_bytes
 

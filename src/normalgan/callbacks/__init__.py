@@ -7,11 +7,9 @@ from normalgan.callbacks.start_from import StartFrom
 from normalgan.callbacks.stopped import StoppedCheckpoint
 from normalgan.callbacks.wall_clock import WallClockSchedule
 from normalgan.callbacks.warm_average import WarmAverage
-from normalgan.callbacks.writer import NormalMapWriter
 
 __all__ = [
     "LearningCurve",
-    "NormalMapWriter",
     "PictureLogger",
     "StartFrom",
     "StoppedCheckpoint",

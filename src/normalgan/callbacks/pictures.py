@@ -9,10 +9,10 @@ from lightning.pytorch.utilities import rank_zero_only
 from PIL import Image
 
 from normalgan.batch import Batch
+from normalgan.callbacks.gallery import draw_gallery
 from normalgan.callbacks.rows import batch_row
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
-from normalgan.gallery import draw_gallery
 from normalgan.gan import NormalGAN
 
 __all__ = ["PictureLogger"]

@@ -9,13 +9,13 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.callbacks.gallery import Row, write_gallery
 from normalgan.callbacks.rows import batch_row
 from normalgan.callbacks.table import results_table
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.order import spread
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
-from normalgan.gallery import Row, write_gallery
 from normalgan.gan import NormalGAN
 from normalgan.metrics import MapMetric, StageMetrics
 from normalgan.metrics.collection import check_names

@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.gallery import Row
+from normalgan.callbacks.gallery import Row
 
 __all__ = ["batch_row"]
 

@@ -9,8 +9,8 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.trainer.states import TrainerFn
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
-from normalgan.checkpoints import stopped_checkpoint
-from normalgan.objectives.finite import LossError
+from normalgan.callbacks.checkpoints import stopped_checkpoint
+from normalgan.losses.finite import LossError
 
 __all__ = ["StoppedCheckpoint"]
 

@@ -52,8 +52,8 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     if find_spec("shtab") is None:
         raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
     # Late: lightning takes seconds to import.
+    from normalgan.cli.discovery import REGISTRIES
     from normalgan.cli.training import training_parser
-    from normalgan.plugins import REGISTRIES
 
     whole = ArgumentParser(prog="normalgan")
     commands = whole.add_subcommands()

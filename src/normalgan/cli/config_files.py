@@ -7,7 +7,7 @@ from typing import Any
 import yaml
 
 from normalgan.errors import InputError, did_you_mean
-from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.files.shipped_configs import shipped_folder, shipped_names
 
 __all__ = ["check_config", "load_bounded"]
@@ -50,7 +50,7 @@ def load_bounded(text: str, load: Callable[[str], Any]) -> Any:
     if "&" in text or len(text) > 100:
         if len(text) > MOST_SETTINGS:
             raise InputError(f"a setting has more than {MOST_SETTINGS} bytes; no settings need as many.")
-        if excess := yaml_excess(text):
+        if excess := yaml_limit_error(text):
             raise InputError(f"a setting {excess}; settings need no such thing.")
     return load(text)
 
@@ -59,7 +59,7 @@ def _read(path: Path) -> Any:
     """Return what a file says."""
     try:
         text = read_bounded(path, MOST_SETTINGS).decode("utf-8")
-        if excess := yaml_excess(text):
+        if excess := yaml_limit_error(text):
             raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
         return load_yaml(text)
     except FileNotFoundError:

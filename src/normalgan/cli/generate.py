@@ -13,10 +13,12 @@ from jsonargparse import Namespace
 
 from normalgan import decoding
 from normalgan.cli.generate_parser import as_shell_means, build_parser, engine_of
-from normalgan.errors import InputError, RunError, named, one_line, unwritable
-from normalgan.painting.inputs import check_size
-from normalgan.painting.jobs.clashes import without_clashes, without_twins
-from normalgan.painting.jobs.plan import (
+from normalgan.errors import InputError, RunError, one_line, unwritable, with_subject
+from normalgan.inference.composites.packing import Packing
+from normalgan.inference.composites.series import flat_map
+from normalgan.inference.inputs import check_size
+from normalgan.inference.jobs.clashes import without_clashes, without_twins
+from normalgan.inference.jobs.plan import (
     STDIN,
     STDOUT,
     Job,
@@ -28,15 +30,13 @@ from normalgan.painting.jobs.plan import (
     plan,
     plan_file,
 )
-from normalgan.painting.jobs.watching import Watcher
-from normalgan.painting.network.onnx_backend import OnnxBackend, find_model
-from normalgan.painting.outputs.outputs import Heights, Outputs, level_heights
-from normalgan.painting.paint_job import JobPainter, target_of, written_for
-from normalgan.painting.painter import Painter
-from normalgan.painting.parallel import stream
-from normalgan.painting.reading.drawings import MOST_BYTES, without_companions
-from normalgan.painting.sheets_and_layers.packing import Packing
-from normalgan.painting.sheets_and_layers.series import flat_map
+from normalgan.inference.jobs.watching import Watcher
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.inference.parallel import stream
+from normalgan.inference.predict_job import JobPredictor, target_of, written_for
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.drawings import MOST_BYTES, without_companions
 from normalgan.progress import progress_bar
 
 __all__ = ["LOOK", "generate", "run"]
@@ -100,10 +100,10 @@ def generate(settings: Namespace) -> int:
     if settings.dry_run:
         return batch.tell(jobs)
     _one_thread_each()
-    painter = Painter(OnnxBackend(path, threads=1))
-    batch.paint(painter, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
+    predictor = Predictor(OnnxBackend(path, threads=1))
+    batch.predict(predictor, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
     if settings.watch:
-        batch.watch(painter, watcher, find, found)
+        batch.watch(predictor, watcher, find, found)
     return batch.code(len(jobs) + len(wrong))
 
 
@@ -157,17 +157,17 @@ class _Batch:
                 print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
         return 1 if self._failed else 0
 
-    def paint(self, painter: Painter, jobs: Sequence[Job], alone: bool = False) -> None:
+    def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
         """Paint drawings, and say what came of each.
 
         Args:
-            painter: the network.
+            predictor: the network.
             jobs: the drawings.
             alone: whether to raise what is wrong with one, as there is no other.
         """
         settings = self._settings
-        work = JobPainter(
-            painter,
+        work = JobPredictor(
+            predictor,
             self._outputs,
             settings.size,
             self._packing,
@@ -178,7 +178,7 @@ class _Batch:
         )
         written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()
-        with progress_bar("painting", len(jobs), "drawings", shown=watched) as advance:
+        with progress_bar("predicting", len(jobs), "drawings", shown=watched) as advance:
             for job, outcome in written:
                 advance(1)
                 if isinstance(outcome, Exception):
@@ -196,7 +196,7 @@ class _Batch:
 
     def watch(
         self,
-        painter: Painter,
+        predictor: Predictor,
         watcher: Watcher,
         find: Callable[[], "_Found"],
         found: "_Found",
@@ -230,7 +230,9 @@ class _Batch:
             saved = watcher.saved(self.read(jobs.values()))
             if saved:
                 try:
-                    self.paint(painter, [*jobs.values()] if self._alike else [jobs[each] for each in saved])
+                    self.predict(
+                        predictor, [*jobs.values()] if self._alike else [jobs[each] for each in saved]
+                    )
                 except InputError as error:  # such as frames of several sizes, until all are saved
                     print(f"normalgan: {one_line(str(error))}", file=sys.stderr, flush=True)
 
@@ -354,4 +356,4 @@ def _sentence(job: Job, error: Exception) -> InputError:
         return unwritable(f"the normal map cannot be written to {job.target}: {error.strerror}.", error)
     if not isinstance(error, InputError):
         raise error
-    return named(job.files.drawing, error)
+    return with_subject(job.files.drawing, error)

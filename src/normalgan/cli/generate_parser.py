@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Literal
 
 from normalgan.cli.light_parser import LightParser
-from normalgan.painting.network.tile import Tile
-from normalgan.painting.normal_map import Format
-from normalgan.painting.outputs.engines import CONVENTIONS, Engine
-from normalgan.painting.outputs.outputs import Outputs, engine_defaults
+from normalgan.inference.network.tile import Tile
+from normalgan.inference.normal_map import Format
+from normalgan.inference.outputs.engines import CONVENTIONS, Engine
+from normalgan.inference.outputs.outputs import Outputs, engine_defaults
 
 __all__ = ["as_shell_means", "build_parser", "engine_of"]
 

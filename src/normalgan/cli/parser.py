@@ -10,10 +10,10 @@ from typing import Any, NoReturn
 from lightning.pytorch.cli import LightningArgumentParser
 
 from normalgan.cli.class_settings import OwnDefaultsParser
+from normalgan.cli.discovery import SETTINGS, described, namable
 from normalgan.cli.parser_errors import explain
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.shipped_configs import find_config
-from normalgan.plugins import SETTINGS, described, namable
 
 __all__ = ["Parser", "help_of", "with_shipped_configs"]
 

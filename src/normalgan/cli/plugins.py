@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from jsonargparse import Namespace
 
-from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.light_parser import LightParser
 from normalgan.registry import LeftOut, Registry, summary
 
@@ -51,8 +51,8 @@ def build_parser() -> LightParser:
 def show(settings: Namespace) -> int:
     """Print the list; return the exit code, 0 whatever was left out."""
     # Late: networks and samplers need torch, which takes seconds; a mistake in an option is told before.
-    with nothing_collected():
-        from normalgan.plugins import REGISTRIES, SETTINGS, misplaced
+    with gc_paused():
+        from normalgan.cli.discovery import REGISTRIES, SETTINGS, misplaced
 
     chosen = {kind: REGISTRIES[kind] for kind in REGISTRIES if settings.kind in {None, kind}}
     for registry in chosen.values():

@@ -10,6 +10,7 @@ from jsonargparse import Namespace
 from numpy.typing import NDArray
 
 from normalgan.animals import SPECIES, Animal
+from normalgan.arrays import Floats
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.parser_errors import refusal
 from normalgan.errors import InputError, did_you_mean, unwritable
@@ -20,7 +21,6 @@ from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshe
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, SuggestiveContours
 from normalgan.rendering.loading import SUFFIXES
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.media import Medium
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile

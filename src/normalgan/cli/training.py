@@ -21,8 +21,8 @@ from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveCon
 from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
-from normalgan.callbacks import NormalMapWriter, PictureLogger, StoppedCheckpoint, TestReport
-from normalgan.checkpoints import (
+from normalgan.callbacks import PictureLogger, StoppedCheckpoint, TestReport
+from normalgan.callbacks.checkpoints import (
     LastCheckpoint,
     check_others,
     check_size,
@@ -33,7 +33,9 @@ from normalgan.checkpoints import (
     run_folder,
 )
 from normalgan.cli.config_files import check_config, load_bounded
-from normalgan.cli.overruled import given_names, overruled
+from normalgan.cli.discovery import load_plugins, safe_imports
+from normalgan.cli.ignored_settings import given_names, ignored_settings
+from normalgan.cli.normal_map_writer import NormalMapWriter
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
 from normalgan.cli.training_help import SECTIONS, asked_for
@@ -41,7 +43,6 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
-from normalgan.plugins import load_plugins, safe_imports
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
@@ -198,13 +199,13 @@ class NormalGANCLI(LightningCLI):
                 "model.generator": {"class_path": "normalgan.models.UNetGenerator"},
                 "model.discriminator": {"class_path": "normalgan.models.UNetDiscriminator"},
                 "model.hint_sampler": {"class_path": "normalgan.hints.CurvatureHints"},
-                "model.objective": {"class_path": "normalgan.objectives.Wasserstein"},
-                "model.reconstruction": {"class_path": "normalgan.objectives.L1AndHints"},
+                "model.objective": {"class_path": "normalgan.losses.Wasserstein"},
+                "model.reconstruction": {"class_path": "normalgan.losses.L1AndHints"},
                 "trainer.logger": {
                     "class_path": "lightning.pytorch.loggers.TensorBoardLogger",
                     "init_args": {"save_dir": "runs", "name": "", "version": "", "default_hp_metric": False},
                 },
-                "trainer.plugins": {"class_path": "normalgan.checkpoints.AtomicCheckpointIO"},
+                "trainer.plugins": {"class_path": "normalgan.callbacks.checkpoints.AtomicCheckpointIO"},
                 "checkpoint.monitor": "val/hints/angular_mean",
                 "checkpoint.filename": "{epoch:03d}-{val/hints/angular_mean:.2f}",
                 "checkpoint.auto_insert_metric_name": False,
@@ -305,7 +306,7 @@ class NormalGANCLI(LightningCLI):
         size = self.config["data"]["size"]
         checkpoint = read_checkpoint(path)
         check_size(path, checkpoint.generator_size(), size)
-        self._paint_with(path, command, checkpoint.weights(size))
+        self._predict_with(path, command, checkpoint.weights(size))
 
     def _use_weights(self, path: Path, command: str) -> None:
         """Take the model's settings, and the size of its pictures, from safetensors."""
@@ -315,14 +316,14 @@ class NormalGANCLI(LightningCLI):
         notes, size = weights.notes, self.config["data"]["size"]
         if size != self.parser.get_default("data.size"):
             check_size(path, notes.size, size)
-        self._paint_with(path, command, weights)
+        self._predict_with(path, command, weights)
         whose = "that come with the package" if path == SHIPPED else f"in {path}"
         print(
             f"normalgan: {command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.",
             file=sys.stderr,
         )
 
-    def _paint_with(self, path: Path, command: str, weights: Weights) -> None:
+    def _predict_with(self, path: Path, command: str, weights: Weights) -> None:
         saved = weights.notes.settings()
         self._warn_of_overruled(path, command, saved)
         changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
@@ -333,7 +334,7 @@ class NormalGANCLI(LightningCLI):
         """Warn of settings of the model that were given, while those in the file are used."""
         defaults = self.parser.get_defaults()["model"].as_dict()
         settings = {k: v for k, v in self.config["model"].as_dict().items() if k in saved}
-        if lost := overruled(settings, defaults, saved, self.given):
+        if lost := ignored_settings(settings, defaults, saved, self.given):
             names = ", ".join(f"model.{name}" for name in lost)
             warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
 

@@ -11,10 +11,10 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.contracts import class_name, describe, refused
 from normalgan.errors import InputError
+from normalgan.losses.distractor_consistency import add_distractor_strokes
 from normalgan.metrics.functional import unit_vectors, unit_vectors_within
-from normalgan.objectives.steadiness import add_strays
-from normalgan.plugin_outputs import called, refused, shown
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 
@@ -85,12 +85,12 @@ def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch
         raise refused(augmentation, given, asked)
     for name, before in batch.items():
         if name not in given:
-            raise InputError(f"{called(augmentation)} gave a batch without {name}; {asked}.")
+            raise InputError(f"{class_name(augmentation)} gave a batch without {name}; {asked}.")
         after = given[name]
         if isinstance(before, Tensor) and not (isinstance(after, Tensor) and after.shape == before.shape):
             raise InputError(
-                f"{called(augmentation)} gave {shown(after)} as {name}, of which there was "
-                f"{shown(before)}; sizes stay as they are."
+                f"{class_name(augmentation)} gave {describe(after)} as {name}, of which there was "
+                f"{describe(before)}; sizes stay as they are."
             )
     return cast(Batch, given)
 
@@ -239,7 +239,7 @@ class Augmentation(BatchAugmentation):
         stretch: whether width and height are scaled each by a factor of its own, drawn from ``scale``: an
             animal becomes a longer or a taller one, which few meshes can make many.
         shear: largest slant in degrees, either way.
-        strays: probability of each of two short strokes on the object that say nothing of its form.
+        distractor_strokes: probability of each of two short strokes on the object that say nothing of its form.
         translation: largest move along each axis, as a share of the side.
         jitter: how far lines wobble, in pixels of a sketch of 256 (standard deviation).
         dropout: largest share of the paper on which lines are left out.
@@ -257,14 +257,14 @@ class Augmentation(BatchAugmentation):
         width: float = 0.4,
         stretch: bool = False,
         shear: float = 0.0,
-        strays: float = 0.0,
+        distractor_strokes: float = 0.0,
     ) -> None:
         for name, share in {
             "flip": flip,
             "dropout": dropout,
             "width": width,
             "translation": translation,
-            "strays": strays,
+            "distractor_strokes": distractor_strokes,
         }.items():
             if not 0 <= share <= 1:
                 raise InputError(f"the augmentation's {name} must be between 0 and 1, not {share}.")
@@ -284,12 +284,12 @@ class Augmentation(BatchAugmentation):
             "width": width,
             "stretch": stretch,
             "shear": shear,
-            "strays": strays,
+            "distractor_strokes": distractor_strokes,
         }
         self.jitter = jitter
         self.dropout = dropout
         self.width = width
-        self.strays = strays
+        self.distractor_strokes = distractor_strokes
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; the same for the same seed.
@@ -310,8 +310,8 @@ class Augmentation(BatchAugmentation):
             sketch = self.roughen(sample_at(sketch, grid + shift))
             moved = sample_at(torch.cat([normal, mask], dim=1), grid)
             mask = (moved[:, 3:] > 0.5).to(mask.dtype)
-            if self.strays:
-                sketch = add_strays(sketch, mask, self.strays)
+            if self.distractor_strokes:
+                sketch = add_distractor_strokes(sketch, mask, self.distractor_strokes)
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
         normal = unit_vectors_within(turn_normals(moved[:, :3], transform), mask)
         augmented: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": mask}

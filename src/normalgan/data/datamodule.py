@@ -10,8 +10,9 @@ from lightning.pytorch.trainer.states import TrainerStatus
 from torch import Tensor
 from torch.utils.data import DataLoader
 
-from normalgan.animals import herd
+from normalgan.animals import make_animals
 from normalgan.batch import Batch
+from normalgan.contracts import check_kinds, class_name, refused
 from normalgan.data.augmentation import BatchAugmentation, augmented
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.jobs.usable import find_unusable, leave_out
@@ -29,9 +30,8 @@ from normalgan.data.splits import SPLITS
 from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
+from normalgan.inference.jobs.plan import find_files
 from normalgan.line_widths import USUAL_WIDTHS
-from normalgan.painting.jobs.plan import find_files
-from normalgan.plugin_outputs import called, check_kinds, refused
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
@@ -234,7 +234,7 @@ class MeshDataModule(LightningDataModule):
             raise refused(self.source, found, "a data source gives what there is by the name of the split")
         if unknown := set(found) - set(SPLITS):
             raise InputError(
-                f"{called(self.source)} has a split {min(unknown)!r}; the splits are {', '.join(SPLITS)}."
+                f"{class_name(self.source)} has a split {min(unknown)!r}; the splits are {', '.join(SPLITS)}."
             )
         return {split: list(found.get(split, [])) for split in SPLITS}
 
@@ -246,7 +246,7 @@ class MeshDataModule(LightningDataModule):
             kinds = [MeshGroup(self.meshes, *how).split(settings), *kinds]
         elif not self.groups:
             kinds = [Animals(self.animals, tuple(self.species), self.variants).split(settings)]
-        extra = herd(self.extra_animals, self.seed, self.species) if self.extra_animals else []
+        extra = make_animals(self.extra_animals, self.seed, self.species) if self.extra_animals else []
         joined = {split: [mesh for kind in kinds for mesh in kind[split]] for split in SPLITS}
         return {**joined, "train": [*joined["train"], *extra]}
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from normalgan.data.jobs.cluster import Cluster
 from normalgan.data.jobs.pool import Pool
 from normalgan.data.jobs.request import Sources, lay_out, locate
-from normalgan.data.jobs.retry import render_shards
-from normalgan.data.jobs.survey import outstanding
+from normalgan.data.jobs.shard_runner import render_shards
+from normalgan.data.jobs.survey import pending_shards
 from normalgan.data.jobs.tasks import ShardTask
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import SampleRecipe
@@ -76,7 +76,7 @@ def render_samples(
         tasks = [
             ShardTask(folder.address, shard, recipe, {name: meshes[name] for name in shard.meshes})
             for store in manifest.stores(folder).values()
-            for shard in outstanding(pool, store, thorough)
+            for shard in pending_shards(pool, store, thorough)
         ]
         _render_all(pool, tasks, progress)
     stores, reasons = manifest.finished(folder)

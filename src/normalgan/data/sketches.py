@@ -11,12 +11,12 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from normalgan.batch import Sketches
-from normalgan.errors import InputError, named
+from normalgan.errors import InputError, with_subject
+from normalgan.inference.inputs import check_size, prepare_any
+from normalgan.inference.jobs.plan import DrawingFiles
+from normalgan.inference.parallel import stream
+from normalgan.inference.preparation import Prepared
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
-from normalgan.painting.inputs import check_size, prepare_any
-from normalgan.painting.jobs.plan import DrawingFiles
-from normalgan.painting.parallel import stream
-from normalgan.painting.preparation import Prepared
 
 __all__ = ["SketchDataset", "SketchSample", "collate_sketches"]
 
@@ -41,7 +41,7 @@ class SketchDataset(Dataset[SketchSample]):
     Those of several that cannot be used are left out: `unusable` says what is wrong with each.
 
     Args:
-        files: the drawings with their hints and masks, as `painting.jobs.plan.find_files` finds them.
+        files: the drawings with their hints and masks, as `inference.jobs.plan.find_files` finds them.
         size: side of the generator's pictures.
         longest: longer side of the maps in pixels; None is the drawing's.
         line_widths: of the lines that the generator is shown as they were drawn, in its pixels.
@@ -90,7 +90,7 @@ class SketchDataset(Dataset[SketchSample]):
                 files.drawing, self._size, files.hints, files.mask, self._longest, self._line_widths
             )
         except InputError as error:
-            raise named(files.drawing, error) from error
+            raise with_subject(files.drawing, error) from error
         with self._lock:
             self._kept[name] = found
             while len(self._kept) > 1 and sum(map(_bytes, self._kept.values())) > _KEPT:

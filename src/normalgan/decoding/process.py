@@ -273,7 +273,7 @@ class _Child:
         """Wait until the process can decode."""
         try:
             kind, *_, count = REPLY.unpack(self._read(REPLY.size))
-            words = "" if kind == READY else _told(self._read(min(count, _WORDS)))
+            words = "" if kind == READY else _decode_text(self._read(min(count, _WORDS)))
         except (EOFError, OSError):
             self._process.kill()
             kind, words = REFUSED, f"it ended with {self._process.wait()}"
@@ -290,7 +290,7 @@ class _Child:
         """Return pixels as the child sends them; what it says of them is not believed."""
         kind, width, height, full_width, full_height, count = REPLY.unpack(self._read(REPLY.size))
         if kind == REFUSED and count <= _WORDS:
-            raise InputError(f"{name} {_told(self._read(count))}.")
+            raise InputError(f"{name} {_decode_text(self._read(count))}.")
         if kind >= len(MODES) or not all(
             0 < side <= most for side in (width, height, full_width, full_height)
         ):
@@ -307,7 +307,7 @@ class _Child:
         """Return parts as the child sends them; what it says of them is not believed."""
         kind, _, _, loop, _, count = REPLY.unpack(self._read(REPLY.size))
         if kind == REFUSED and count <= _WORDS:
-            raise InputError(f"{name} {_told(self._read(count))}.")
+            raise InputError(f"{name} {_decode_text(self._read(count))}.")
         if kind != PARTS or not 0 < count <= MOST_PARTS:
             raise EOFError
         parts, pixels = [], 0
@@ -324,7 +324,7 @@ class _Child:
         """Return layers as the child sends them; what it says of them is not believed."""
         kind, width, height, frames, _, count = REPLY.unpack(self._read(REPLY.size))
         if kind == REFUSED and count <= _WORDS:
-            raise InputError(f"{name} {_told(self._read(count))}.")
+            raise InputError(f"{name} {_decode_text(self._read(count))}.")
         if kind != PARTS or not (0 < count <= MOST_PARTS and 0 < frames <= MOST_PARTS):
             raise EOFError
         if not all(0 < side <= most for side in (width, height)):
@@ -334,7 +334,7 @@ class _Child:
         for _ in range(count):
             pixels = self._receive(name, most).pixels
             left, top, number, frame, opacity, length = LAYER.unpack(self._read(LAYER.size))
-            *groups, own = [_told(each) for each in self._read(length).split(b"\0")]
+            *groups, own = [_decode_text(each) for each in self._read(length).split(b"\0")]
             total += pixels.shape[0] * pixels.shape[1]
             inside = 0 <= left <= width - pixels.shape[1] and 0 <= top <= height - pixels.shape[0]
             if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.dtype != np.uint8:
@@ -434,7 +434,7 @@ def _widen(*pipes: int) -> None:
                 fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, _PIPE)
 
 
-def _told(words: bytes) -> str:
+def _decode_text(words: bytes) -> str:
     """Return the child's words as one line that is fit for a terminal."""
     return "".join(each for each in words.decode("utf-8", "replace") if each.isprintable())
 

@@ -43,7 +43,6 @@ __all__ = [
     "decode",
     "draw_svg",
     "exact_levels",
-    "harmless",
     "is_svg",
     "limit",
     "limit_time",
@@ -51,6 +50,7 @@ __all__ = [
     "main",
     "plain",
     "reduced",
+    "sanitize_svg",
     "send",
     "send_frames",
     "send_layers",
@@ -557,7 +557,7 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
     from PIL import Image
     from resvg_py import svg_to_bytes
 
-    text = harmless(content, most)
+    text = sanitize_svg(content, most)
     try:
         # Without fonts: what is drawn must not depend on those that a machine has.
         # Within a square: with a width alone, one that is very high would end the process for want of memory.
@@ -576,7 +576,7 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
         raise RefusedError(f"cannot be drawn as SVG: {_brief(error)}") from None
 
 
-def harmless(content: bytes, most: int) -> str:
+def sanitize_svg(content: bytes, most: int) -> str:
     """Return an SVG written anew, with its entities expanded and nothing in it that leads out of it.
 
     It is written anew, not only looked at: what another parser would make of the same bytes does not matter.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jsonargparse import Namespace
 
-from normalgan.cli.late_imports import nothing_collected
+from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.light_parser import LightParser
 from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files.writing import write_bytes
@@ -73,7 +73,7 @@ def export(name: str, target: Path, options: Namespace) -> str:
         InputError: if the model cannot be used or the file not be written.
         RunError: if the exported model paints something else than torch; nothing is written then.
     """
-    with nothing_collected():
+    with gc_paused():
         from normalgan.exporting.comparison import largest_difference, turn_in_degrees
         from normalgan.exporting.deployed import load
         from normalgan.exporting.formats import FORMATS

@@ -2,17 +2,16 @@
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.exporting.deployed import Deployed
 from normalgan.exporting.formats import Run
 from normalgan.normals import angles
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.strokes.stroke import Stroke
 
-__all__ = ["Floats", "examples", "largest_difference", "paint", "turn_in_degrees"]
+__all__ = ["examples", "largest_difference", "predict", "turn_in_degrees"]
 
-Floats = NDArray[np.float32]
 
 _STROKES, _HINTS = 12, 15
 _OBJECT = 0.5
@@ -38,7 +37,7 @@ def examples(count: int, size: int, seed: int = 0) -> tuple[Floats, Floats]:
     return sketches, hints
 
 
-def paint(model: Deployed, sketch: Floats, hints: Floats) -> list[Floats]:
+def predict(model: Deployed, sketch: Floats, hints: Floats) -> list[Floats]:
     """Return what torch makes of sketches and hints."""
     with torch.no_grad():
         return [output.numpy() for output in model(torch.from_numpy(sketch), torch.from_numpy(hints))]
@@ -54,7 +53,7 @@ def largest_difference(model: Deployed, run: Run) -> float:
     for count, hinted in ((1, True), (3, True), (2, False)):
         sketch, hints = examples(count, model.size, seed=count)
         hints = hints if hinted else np.zeros_like(hints)
-        for wanted, found in zip(paint(model, sketch, hints), run(sketch, hints), strict=True):
+        for wanted, found in zip(predict(model, sketch, hints), run(sketch, hints), strict=True):
             if found.shape != wanted.shape or found.dtype != np.float32 or not np.isfinite(found).all():
                 return float("inf")
             worst = max(worst, float((np.abs(found - wanted) / np.maximum(np.abs(wanted), 1)).max()))
@@ -67,7 +66,7 @@ def turn_in_degrees(model: Deployed, run: Run) -> tuple[float, float]:
     Where torch sees no object at all in the scribbles, every pixel counts.
     """
     sketch, hints = examples(4, model.size)
-    wanted = paint(model, sketch, hints)[0].astype(np.float64)
+    wanted = predict(model, sketch, hints)[0].astype(np.float64)
     found = run(sketch, hints)[0].astype(np.float64)
     angle = angles(np.moveaxis(wanted, 1, -1), np.moveaxis(found, 1, -1))
     there = np.linalg.norm(wanted, axis=1) > _OBJECT

@@ -6,11 +6,11 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.models import Generator
-from normalgan.models.base import check_painted
+from normalgan.models.base import check_generated
 from normalgan.models.condition import make_condition
 from normalgan.weights.checkpoint import read_model
 from normalgan.weights.file import find_weights
-from normalgan.weights.notes import Notes
+from normalgan.weights.metadata import ModelMetadata
 
 __all__ = ["Deployed", "load"]
 
@@ -32,9 +32,9 @@ class Deployed(nn.Module):
         self.size = size
         self.eval().requires_grad_(False)
         example = self.example(1)
-        painted = self._painted(*example)
-        check_painted(generator, painted, make_condition(*example))
-        self.outputs = ["normal", "confidence"][: painted.shape[1] - 2]
+        predicted = self._predicted(*example)
+        check_generated(generator, predicted, make_condition(*example))
+        self.outputs = ["normal", "confidence"][: predicted.shape[1] - 2]
 
     @property
     def name(self) -> str:
@@ -47,15 +47,15 @@ class Deployed(nn.Module):
 
     def forward(self, sketch: Tensor, hints: Tensor) -> tuple[Tensor, ...]:
         """Return normals (N, 3, S, S) and, if the generator has one, their confidence (N, 1, S, S)."""
-        painted = self._painted(sketch, hints)
-        return (painted[:, :3], painted[:, 3:]) if len(self.outputs) > 1 else (painted,)
+        predicted = self._predicted(sketch, hints)
+        return (predicted[:, :3], predicted[:, 3:]) if len(self.outputs) > 1 else (predicted,)
 
-    def _painted(self, sketch: Tensor, hints: Tensor) -> Tensor:
-        painted: Tensor = self.generator(make_condition(sketch, hints))
-        return painted
+    def _predicted(self, sketch: Tensor, hints: Tensor) -> Tensor:
+        predicted: Tensor = self.generator(make_condition(sketch, hints))
+        return predicted
 
 
-def load(name: str, size: int | None = None, licence: str | None = None) -> tuple[Deployed, Notes]:
+def load(name: str, size: int | None = None, licence: str | None = None) -> tuple[Deployed, ModelMetadata]:
     """Return the generator in a file and the notes on it; nothing in the file is executed.
 
     Args:

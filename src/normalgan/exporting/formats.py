@@ -9,19 +9,18 @@ from io import BytesIO
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 from torch.export import Dim
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.exporting.deployed import Deployed
 from normalgan.warning_filters import quiet_loggers
 from normalgan.weights.file import Weights, parse_weights
-from normalgan.weights.notes import Notes
+from normalgan.weights.metadata import ModelMetadata
 
 __all__ = [
     "FORMATS",
-    "Floats",
     "Format",
     "Run",
     "halve_onnx",
@@ -35,7 +34,6 @@ __all__ = [
     "write_torchscript",
 ]
 
-Floats = NDArray[np.float32]
 Run = Callable[[Floats, Floats], Sequence[Floats]]
 
 
@@ -144,7 +142,7 @@ def write_safetensors(model: Deployed, notes: Mapping[str, str]) -> bytes:
     Raises:
         InputError: if its settings are not plain enough for that.
     """
-    return Weights(Notes.parse(notes), model.generator.state_dict()).to_bytes()
+    return Weights(ModelMetadata.parse(notes), model.generator.state_dict()).to_bytes()
 
 
 def read_safetensors(content: bytes) -> Run:

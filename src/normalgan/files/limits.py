@@ -16,7 +16,7 @@ __all__ = [
     "MOST_SETTINGS",
     "load_yaml",
     "read_bounded",
-    "yaml_excess",
+    "yaml_limit_error",
 ]
 
 MOST_BYTES = 2**30
@@ -53,7 +53,7 @@ def _without_waiting(path: str, flags: int) -> int:
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
-def yaml_excess(text: str) -> str | None:
+def yaml_limit_error(text: str) -> str | None:
     r"""Return what is too much in a YAML text, as the end of a sentence; None if it may be loaded.
 
     Its aliases are counted as if they were written out: ten lines can stand for billions of values.
@@ -61,8 +61,8 @@ def yaml_excess(text: str) -> str | None:
     Raises:
         yaml.YAMLError: if it is not YAML.
 
-    >>> yaml_excess("a: &a [1, 2]\nb: [*a, *a]")
-    >>> yaml_excess("a: &a [*a]")
+    >>> yaml_limit_error("a: &a [1, 2]\nb: [*a, *a]")
+    >>> yaml_limit_error("a: &a [*a]")
     'contains itself, at *a'
     """
     sizes: dict[str, int] = {}  # of what each anchor names
@@ -91,7 +91,7 @@ def yaml_excess(text: str) -> str | None:
 
 
 def load_yaml(text: str) -> Any:
-    """Return what a YAML text says, loaded safely; ask `yaml_excess` first.
+    """Return what a YAML text says, loaded safely; ask `yaml_limit_error` first.
 
     Raises:
         yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, of

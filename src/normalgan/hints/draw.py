@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
+from normalgan.contracts import class_name, refused
 from normalgan.errors import InputError
 from normalgan.hints.base import ErrorHintSampler, HintSampler
 from normalgan.hints.encode import hints_at
-from normalgan.plugin_outputs import called, refused
 from normalgan.seeds import derive_seed
 
 __all__ = ["draw_hints", "draw_hints_by_name"]
@@ -50,7 +50,7 @@ def _check_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
         raise refused(sampler, where, _asked(mask))
     if where.device != mask.device:
         raise InputError(
-            f"{called(sampler)} gave hints on {where.device}; hints are on the device of the normals, "
+            f"{class_name(sampler)} gave hints on {where.device}; hints are on the device of the normals, "
             f"{mask.device}."
         )
 
@@ -59,11 +59,13 @@ def _check_values(sampler: HintSampler, where: Tensor, mask: Tensor) -> None:
     """Raise `InputError` if a sampler gave anything but 1 and 0, or a hint off the object."""
     odd = where[(where != 0) & (where != 1)]
     if len(odd):
-        raise InputError(f"{called(sampler)} gave hints with the value {float(odd[0]):g}; {_asked(mask)}.")
+        raise InputError(
+            f"{class_name(sampler)} gave hints with the value {float(odd[0]):g}; {_asked(mask)}."
+        )
     off = int(((where == 1) & (mask < 0.5)).sum())
     if off:
         raise InputError(
-            f"{called(sampler)} gave {off} hints off the object; hints must lie where mask is 1: elsewhere "
+            f"{class_name(sampler)} gave {off} hints off the object; hints must lie where mask is 1: elsewhere "
             "the true normal is zero."
         )
 

@@ -7,9 +7,9 @@ import torch
 from torch import Tensor, nn
 from torchmetrics import MetricCollection
 
+from normalgan.contracts import refused
 from normalgan.metrics.base import MapMetric
 from normalgan.metrics.collection import normal_map_metrics
-from normalgan.plugin_outputs import refused
 
 __all__ = ["StageMetrics"]
 

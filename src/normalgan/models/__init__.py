@@ -3,11 +3,10 @@
 from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Discriminator, Generator
 from normalgan.models.global_discriminator import GlobalDiscriminator
 from normalgan.models.patch_discriminator import PatchDiscriminator
-from normalgan.models.residual_generator import ResidualUNetGenerator
+from normalgan.models.predictions import Predictions
+from normalgan.models.residual_unet import ResidualUNetGenerator
 from normalgan.models.tiled_generator import TiledGenerator
-from normalgan.models.unet_discriminator import UNetDiscriminator
-from normalgan.models.unet_generator import UNetGenerator
-from normalgan.predictions import Predictions
+from normalgan.models.unet import UNetDiscriminator, UNetGenerator
 
 __all__ = [
     "DISCRIMINATORS",

@@ -7,9 +7,9 @@ from typing import Any, Self
 import torch
 from torch import Tensor, nn
 
+from normalgan.contracts import class_name, describe, refused
 from normalgan.errors import InputError
-from normalgan.plugin_outputs import called, refused, shown
-from normalgan.predictions import Predictions
+from normalgan.models.predictions import Predictions
 from normalgan.registry import Registry
 
 __all__ = [
@@ -19,7 +19,7 @@ __all__ = [
     "Discriminator",
     "Generator",
     "Network",
-    "check_painted",
+    "check_generated",
     "check_predictions",
     "check_scores",
 ]
@@ -72,36 +72,36 @@ class Generator(Network):
             condition: (N, 4, H, W) as `forward` takes it.
         """
         output = self(condition)
-        check_painted(self, output, condition)
+        check_generated(self, output, condition)
         output = output.float()  # under autocast it may be bfloat16
         if output.shape[1] == 3:  # to cut three of three channels out takes a copy on the way back
             return Predictions(output)
         return Predictions(output[:, :3], confidence=output[:, 3:])
 
 
-def check_painted(generator: nn.Module, painted: object, condition: Tensor) -> None:
+def check_generated(generator: nn.Module, predicted: object, condition: Tensor) -> None:
     """Make sure that a generator painted normals of the sketches' size, perhaps with their confidence.
 
     Args:
         generator: that painted it.
-        painted: right is (N, 3, H, W), or (N, 4, H, W).
+        predicted: right is (N, 3, H, W), or (N, 4, H, W).
         condition: (N, 4, H, W), what it was given.
 
     Raises:
         InputError: if it is anything else.
     """
     count, _, height, width = condition.shape
-    if not isinstance(painted, Tensor) or painted.ndim != 4 or len(painted) != count:
+    if not isinstance(predicted, Tensor) or predicted.ndim != 4 or len(predicted) != count:
         asked = f"a generator gives a tensor {(count, 3, height, width)} here, or one of 4 channels with the "
-        raise refused(generator, painted, asked + "confidence")
-    channels = painted.shape[1]
+        raise refused(generator, predicted, asked + "confidence")
+    channels = predicted.shape[1]
     if channels not in {3, 4}:
         raise InputError(
-            f"{called(generator)} paints {channels} channels; a model has 3, or 4 with the confidence."
+            f"{class_name(generator)} paints {channels} channels; a model has 3, or 4 with the confidence."
         )
-    if painted.shape[2:] != condition.shape[2:]:
+    if predicted.shape[2:] != condition.shape[2:]:
         raise InputError(
-            f"{called(generator)} paints {painted.shape[3]} × {painted.shape[2]} pixels for a sketch of "
+            f"{class_name(generator)} paints {predicted.shape[3]} × {predicted.shape[2]} pixels for a sketch of "
             f"{width} × {height}; a map is as large as its sketch."
         )
 
@@ -113,18 +113,18 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
         InputError: if it is not, or lies on no path of gradients while these are wanted.
     """
     count, _, height, width = condition.shape
-    name = f"{called(generator)}.predict"
+    name = f"{class_name(generator)}.predict"
     if not isinstance(preds, Predictions):
-        raise InputError(f"{name} gave {shown(preds)}; it gives normalgan.predictions.Predictions.")
+        raise InputError(f"{name} gave {describe(preds)}; it gives normalgan.models.predictions.Predictions.")
     for part, channels in (("direction", 3), ("presence", 1), ("confidence", 1)):
         value, wanted = getattr(preds, part), (count, channels, height, width)
         if value is None and part != "direction":
             continue
         if not isinstance(value, Tensor) or value.shape != wanted:
-            raise InputError(f"{name} gave {shown(value)} as {part}; it is a tensor {wanted} here.")
+            raise InputError(f"{name} gave {describe(value)} as {part}; it is a tensor {wanted} here.")
     if torch.is_grad_enabled() and not preds.direction.requires_grad:
         raise InputError(
-            f"{called(generator)} paints maps that no gradient leads back from; do not detach them, and give "
+            f"{class_name(generator)} paints maps that no gradient leads back from; do not detach them, and give "
             "it parameters to learn."
         )
 

@@ -6,8 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
-from normalgan.models.residual import ResidualBlock
-from normalgan.models.residual_generator import ResidualUNetGenerator
+from normalgan.models.residual_unet import ResidualBlock, ResidualUNetGenerator
 
 __all__ = ["grow"]
 

@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
 from normalgan.models.blocks import Norm
-from normalgan.models.residual import residual_blocks
+from normalgan.models.residual_unet import residual_blocks
 
 __all__ = ["SCALES", "TiledGenerator"]
 
@@ -83,8 +83,8 @@ class TiledGenerator(Generator):
             )
         # Ink 1 on paper 0, as the padding is; where a hint was painted in, the sketch is taken for paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - condition[:, 3:])
-        painted = self._paint(self._windows(ink))
-        return self._join(torch.tanh(painted.to(condition.dtype)), height, width)
+        predicted = self._predict(self._windows(ink))
+        return self._join(torch.tanh(predicted.to(condition.dtype)), height, width)
 
     def _windows(self, ink: Tensor) -> Tensor:
         """Return the windows of a batch, (N · T, scales, window, window), at all scales about one middle."""
@@ -95,7 +95,7 @@ class TiledGenerator(Generator):
             parts.append(_unfold(shrunk, self.window, self.step // scale, edge))
         return torch.cat(parts, dim=1)
 
-    def _paint(self, windows: Tensor) -> Tensor:
+    def _predict(self, windows: Tensor) -> Tensor:
         features = self.stem(windows)
         skips = []
         for blocks, down in zip(self.encoder, self.downs, strict=False):
@@ -106,17 +106,17 @@ class TiledGenerator(Generator):
         for i in reversed(range(len(self.ups))):
             features = self.merges[i](torch.cat([self.ups[i](features), skips[i]], dim=1))
             features = self.decoder[i](features)
-        painted: Tensor = self.head(F.silu(features))
-        return painted
+        predicted: Tensor = self.head(F.silu(features))
+        return predicted
 
-    def _join(self, painted: Tensor, height: int, width: int) -> Tensor:
+    def _join(self, predicted: Tensor, height: int, width: int) -> Tensor:
         """Return what windows (N · T, 3, window, window) show of the picture, (N, 3, H, W)."""
         tiles = (height // self.step) * (width // self.step)
         edge = self.window // 2 - self.step // 2
-        place = torch.arange(self.window, dtype=painted.dtype, device=painted.device)
+        place = torch.arange(self.window, dtype=predicted.dtype, device=predicted.device)
         along = 1 - (place + 0.5 - self.step).abs() / self.step  # above 0 at every pixel
         weight = along[:, None] * along
-        flat = (painted * weight).reshape(-1, tiles, 3 * self.window**2).transpose(1, 2)
+        flat = (predicted * weight).reshape(-1, tiles, 3 * self.window**2).transpose(1, 2)
         shares = weight.flatten()[None, :, None].expand(1, -1, tiles)
         layout = {"kernel_size": self.window, "stride": self.step, "padding": edge}
         laid = F.fold(flat, (height, width), **layout)

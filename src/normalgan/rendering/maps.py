@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Floats", "Maps"]
+from normalgan.arrays import Floats
 
-Floats = NDArray[np.float32]
+__all__ = ["Maps"]
 
 
 @dataclass(frozen=True)

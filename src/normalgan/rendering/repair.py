@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.topology import bodies, neighbours, seams
 
-__all__ = ["GRID", "Doubles", "Indices", "face_vectors", "shade", "weld", "wind"]
+__all__ = ["GRID", "Indices", "face_vectors", "shade", "weld", "wind"]
 
-Doubles = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 GRID = 2**20

@@ -11,11 +11,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.maps import Maps
 from normalgan.rendering.media import Medium
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer

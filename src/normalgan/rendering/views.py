@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["Camera", "Doubles", "Views", "framed", "look_at_origin"]
-
-Doubles = NDArray[np.float64]
+__all__ = ["Camera", "Views", "framed", "look_at_origin"]
 
 
 @dataclass(frozen=True)

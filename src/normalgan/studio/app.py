@@ -15,9 +15,8 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Respon
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from normalgan import __version__
 from normalgan.errors import InputError
-from normalgan.painting.outputs.lighting import CLAY_FILE
+from normalgan.inference.outputs.lighting import CLAY_FILE
 from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore
@@ -26,12 +25,13 @@ from normalgan.studio.fields import take_choice
 from normalgan.studio.guard import Guard
 from normalgan.studio.opening import Opened
 from normalgan.studio.page_files import markup, version_of
-from normalgan.studio.painter import Painter
-from normalgan.studio.painting_routes import PaintingRoutes
 from normalgan.studio.pictures import import_layers, import_picture
+from normalgan.studio.prediction_routes import PredictionRoutes
+from normalgan.studio.predictor import Predictor
 from normalgan.studio.rate_limit import TokenBucket
 from normalgan.studio.refusals import TooManyError
 from normalgan.studio.responses import ResponseMiddleware, failed, refused
+from normalgan.version import __version__
 
 __all__ = ["PAGE", "build_app"]
 
@@ -45,7 +45,7 @@ _SENTENCES = {404: "there is nothing at this address.", 405: "this address does 
 
 
 def build_app(
-    painter: Painter,
+    predictor: Predictor,
     projects: DocumentStore,
     port: int,
     opened: Opened | None = None,
@@ -54,14 +54,14 @@ def build_app(
     """Return the application.
 
     Args:
-        painter: paints the drawings.
+        predictor: paints the drawings.
         projects: where they are kept, and in a folder below what is not saved yet.
         port: that it will be served at.
         opened: what the page is to open first, as `normalgan.studio.opening.find_opened` gives it.
         bucket: how many requests are served; None lets 50 a second pass.
     """
     mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
-    painting = PaintingRoutes(painter)
+    predictions = PredictionRoutes(predictor)
     importing, waiting = asyncio.Semaphore(1), 0  # one at a time: it may take a gigabyte
     autosaved = DocumentStore(projects.folder / "autosave")
 
@@ -69,9 +69,13 @@ def build_app(
         return JSONResponse(
             {
                 "version": __version__,
-                "model": {"name": painter.name, "size": painter.model.size, "confidence": painter.confident},
+                "model": {
+                    "name": predictor.name,
+                    "size": predictor.model.size,
+                    "confidence": predictor.confident,
+                },
                 "limits": {"side": MOST_SIDE, "hints": MOST_HINTS, "body": MOST_BYTES},
-                "text": f"normalgan {__version__}, {painter.name} at {painter.model.size} pixels",
+                "text": f"normalgan {__version__}, {predictor.name} at {predictor.model.size} pixels",
             }
         )
 
@@ -106,7 +110,7 @@ def build_app(
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         yield
-        painting.close()
+        predictions.close()
 
     app = Starlette(
         routes=[
@@ -114,7 +118,7 @@ def build_app(
             Route("/api/about", about),
             Route("/api/open", first),
             Route("/api/import", import_, methods=["POST"]),
-            *painting.routes(),
+            *predictions.routes(),
             *DocumentRoutes("/api/projects", projects, guarded=True).routes(),
             *DocumentRoutes("/api/autosave", autosaved, False, _AUTOSAVES).routes(),
             Route(f"{kept}/clay.json", clay),
@@ -126,14 +130,14 @@ def build_app(
             Middleware(ResponseMiddleware, kept=f"{kept}/"),
             Middleware(Guard, port=port, bucket=bucket or TokenBucket(rate=50, burst=100)),
         ],
-        exception_handlers={InputError: _told, HTTPException: _known, ClientDisconnect: _left},
+        exception_handlers={InputError: _on_input_error, HTTPException: _known, ClientDisconnect: _left},
         lifespan=lifespan,
     )
     app.router.redirect_slashes = False  # an empty name is none, and not the list of all
     return app
 
 
-def _told(_: Request, error: Exception) -> Response:
+def _on_input_error(_: Request, error: Exception) -> Response:
     assert isinstance(error, InputError)
     return refused(error)
 

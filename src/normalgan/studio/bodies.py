@@ -6,7 +6,15 @@ from starlette.requests import Request
 
 from normalgan.studio.refusals import TooLargeError, TooSlowError, WrongTypeError
 
-__all__ = ["MOST_AT_ONCE", "MOST_BYTES", "PATIENCE", "check_type", "gone", "read_body", "read_json"]
+__all__ = [
+    "MOST_AT_ONCE",
+    "MOST_BYTES",
+    "PATIENCE",
+    "check_type",
+    "read_body",
+    "read_json",
+    "wait_disconnect",
+]
 
 MOST_BYTES = 20 * 2**20
 """Longest body of a request."""
@@ -73,7 +81,7 @@ def check_type(request: Request, *prefixes: str) -> None:
         raise WrongTypeError(f"the body is {kind or 'of no type'}; it is to be {' or '.join(prefixes)}.")
 
 
-async def gone(request: Request) -> None:
+async def wait_disconnect(request: Request) -> None:
     """Return when the client has gone; its request must have been read."""
     while (await request.receive())["type"] != "http.disconnect":
         pass

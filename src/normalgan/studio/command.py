@@ -9,12 +9,12 @@ from platformdirs import user_data_path
 
 from normalgan import decoding
 from normalgan.cli.light_parser import LightParser
-from normalgan.painting.network.onnx_backend import find_model
+from normalgan.inference.network.onnx_backend import find_model
 from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.memory import keep_memory
 from normalgan.studio.opening import find_opened
-from normalgan.studio.painter import Painter
+from normalgan.studio.predictor import Predictor
 from normalgan.studio.serving import listen, serve
 
 __all__ = ["build_parser", "run", "studio"]
@@ -68,7 +68,7 @@ def studio(settings: Namespace) -> int:
     opened = None if settings.opened is None else find_opened(settings.opened, store)
     with listen(settings.port) as listening:
         port = listening.getsockname()[1]
-        app = build_app(Painter(find_model(settings.model)), store, port, opened)
+        app = build_app(Predictor(find_model(settings.model)), store, port, opened)
         address = f"http://127.0.0.1:{port}/"
         print(f"The studio is at {address} (Ctrl-C ends it).", flush=True)
         if not settings.no_browser:

@@ -11,22 +11,23 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.normals import LEAST_Z, Floats
-from normalgan.painting.edits import (
+from normalgan.inference.edits import (
     MOST_PINS,
     REACH,
     brush,
-    hold_pins,
+    enforce_pins,
     paint_mask,
     polygon,
     stroke,
     tilt,
 )
-from normalgan.painting.jobs.plan import MODEL, OUTLINE
-from normalgan.painting.mask.masks import mask_of
-from normalgan.painting.reading.hint_files import Hints, parse_hints
-from normalgan.painting.reading.picture import Picture, read_picture
+from normalgan.inference.jobs.plan import MODEL, OUTLINE
+from normalgan.inference.mask.masks import mask_of
+from normalgan.inference.reading.hint_files import Hints, parse_hints
+from normalgan.inference.reading.picture import Picture, read_picture
+from normalgan.normals import LEAST_Z
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_text
 
 __all__ = [
@@ -65,7 +66,7 @@ class Drawing:
         picture: PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
         hints: list of x, y and normal.
         mask: PNG, white on the object; None if there is none.
-        source: where the mask comes from if there is none, as for `normalgan.painting.preparation.prepare`.
+        source: where the mask comes from if there is none, as for `normalgan.inference.preparation.prepare`.
         areas: list of what is turned as a whole or brushed, as `read_areas` takes it.
         mask_strokes: list of strokes that add to the object or cut from it, as `read_mask` takes them.
         tab: who draws; while its outline is open, the object stays as it was. Empty for nobody.
@@ -154,7 +155,7 @@ class Drawing:
         hints = parse_hints(self.hints, "the request", shape)
         usual = REACH * max(shape)
         reaches = np.array([_number(each.get("reach"), usual, MOST_SIDE) for each in self.hints], np.float32)
-        return hold_pins(
+        return enforce_pins(
             normals, hints.points * np.float32(scale), hints.normals, reaches * np.float32(scale)
         )
 

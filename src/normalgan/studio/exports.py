@@ -10,16 +10,16 @@ from typing import Final, Literal
 
 from PIL import Image
 
+from normalgan.inference.jobs.plan import DrawingFiles, Job
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.engines import CONVENTIONS, Engine, sidecar
+from normalgan.inference.outputs.outputs import SHADING, Outputs, Shading, encode_height, shading_of
 from normalgan.normals import encode_grey
-from normalgan.painting.jobs.plan import DrawingFiles, Job
-from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.outputs.engines import CONVENTIONS, Engine, sidecar
-from normalgan.painting.outputs.outputs import SHADING, Outputs, Shading, encode_height, shading_of
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
 
-__all__ = ["FORMATS", "PRESETS", "Names", "Preset", "Wish", "take_wish"]
+__all__ = ["FORMATS", "PRESETS", "ExportRequest", "Names", "Preset", "read_export_request"]
 
 FORMATS = {
     "map": ("png8", "png16", "exr", "tiff"),
@@ -144,7 +144,7 @@ _PLAIN: Final = Preset(Names(), "Green points up (OpenGL); flip it for DirectX."
 
 
 @dataclass(frozen=True)
-class Wish:
+class ExportRequest:
     """One file that is wanted.
 
     Args:
@@ -211,14 +211,14 @@ class Wish:
 
 def _preview(preds: NormalMap) -> bytes:
     """Return the map as clay under a lamp at the upper left, a PNG."""
-    from normalgan.painting.outputs.preview import lit
+    from normalgan.inference.outputs.preview import lit
 
     file = io.BytesIO()
     Image.fromarray(lit(preds.extended, preds.mask, 130, 40)).save(file, "PNG")
     return file.getvalue()
 
 
-def take_wish(fields: Fields) -> Wish:
+def read_export_request(fields: Fields) -> ExportRequest:
     """Return what a request wants to have written.
 
     Raises:
@@ -237,12 +237,14 @@ def take_wish(fields: Fields) -> Wish:
         if fields.get("line_art") is not None:
             art = take_bytes(fields, "line_art")
             read_png("line art", art)  # what is no picture is none of the files
-        return Wish(name, kind, Outputs(), longest, chosen, art)
+        return ExportRequest(name, kind, Outputs(), longest, chosen, art)
     if kind == "mask" or kind in _SHADING:
-        return Wish(name, kind, Outputs(), longest)
+        return ExportRequest(name, kind, Outputs(), longest)
     if kind != "map":
-        return Wish(name, kind, Outputs(**{kind: chosen}), longest)
+        return ExportRequest(name, kind, Outputs(**{kind: chosen}), longest)
     bits = {"png8": 8, "png16": 16}.get(chosen)
     if bits is None:
-        return Wish(name, kind, Outputs(format=chosen, y=y, alpha=alpha), longest)
-    return Wish(name, kind, Outputs(format="png", bits=16 if bits == 16 else 8, y=y, alpha=alpha), longest)
+        return ExportRequest(name, kind, Outputs(format=chosen, y=y, alpha=alpha), longest)
+    return ExportRequest(
+        name, kind, Outputs(format="png", bits=16 if bits == 16 else 8, y=y, alpha=alpha), longest
+    )

@@ -4,15 +4,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from normalgan.errors import InputError, RunError
-from normalgan.painting.normal_map import NormalMap
-from normalgan.painting.sheets_and_layers.composition import compose
+from normalgan.inference.composites.composition import compose
+from normalgan.inference.normal_map import NormalMap
 from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.drawing import Drawing, take_drawing
 from normalgan.studio.fields import Fields, take_integer, take_text
 from normalgan.studio.planes import KeptPlanes
 from normalgan.studio.refusals import RefusedError
 
-__all__ = ["LONGEST_NAME", "MOST_LAYERS", "Layer", "paint_layers", "take_layers"]
+__all__ = ["LONGEST_NAME", "MOST_LAYERS", "Layer", "predict_layers", "take_layers"]
 
 MOST_LAYERS = 16
 LONGEST_NAME = 80
@@ -79,32 +79,32 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
     return found
 
 
-def paint_layers(layers: Sequence[Layer], paint: Callable[[Drawing], NormalMap]) -> NormalMap:
+def predict_layers(layers: Sequence[Layer], predict: Callable[[Drawing], NormalMap]) -> NormalMap:
     """Return the map of all layers; what one of several lacks to be painted is in its warning.
 
     Args:
         layers: the hindmost first.
-        paint: paints one.
+        predict: paints one.
 
     Raises:
         InputError: if none can be painted.
     """
     if len(layers) == 1:
-        return paint(layers[0].drawing)
-    painted, lacks, first = [], [], None
+        return predict(layers[0].drawing)
+    predicted, lacks, first = [], [], None
     for layer in layers:
         try:
-            found = paint(layer.drawing)
+            found = predict(layer.drawing)
         except InputError as error:
             if isinstance(error, RunError | RefusedError):
                 raise
             first = first or InputError(f"{layer.name}: {error}")
             lacks.append(f"{layer.name}: {str(error).removesuffix('.')}")
             continue
-        painted.append(replace(found, warning=f"{layer.name}: {found.warning}") if found.warning else found)
-    if first is not None and not painted:
+        predicted.append(replace(found, warning=f"{layer.name}: {found.warning}") if found.warning else found)
+    if first is not None and not predicted:
         raise first
-    if len({each.mask.shape for each in painted}) > 1:
+    if len({each.mask.shape for each in predicted}) > 1:
         raise InputError("the layers are of different sizes; they are to have the drawing's.")
-    whole = compose(painted)
+    whole = compose(predicted)
     return replace(whole, warning="; ".join([*filter(None, [whole.warning]), *lacks])) if lacks else whole

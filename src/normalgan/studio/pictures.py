@@ -10,8 +10,8 @@ from PIL import Image
 
 from normalgan.decoding import Decoded
 from normalgan.errors import InputError
-from normalgan.painting.reading.picture import Picture, fitted, read_picture, to_picture
-from normalgan.painting.sheets_and_layers.layers import is_plain, layered_kind, read_layers
+from normalgan.inference.composites.layers import is_plain, layered_kind, read_layers
+from normalgan.inference.reading.picture import Picture, fitted, read_picture, to_picture
 from normalgan.studio.drawing import MOST_SIDE, check_sides
 from normalgan.studio.layers import LONGEST_NAME, MOST_LAYERS
 
@@ -26,7 +26,7 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
     ``layered`` tells whether the file may have layers, which `import_layers` gives.
 
     Args:
-        content: a file as `normalgan.painting.reading.picture.read_picture` reads it.
+        content: a file as `normalgan.inference.reading.picture.read_picture` reads it.
         name: what to call it in an error.
 
     Raises:
@@ -57,7 +57,7 @@ def import_layers(content: bytes, name: str = "the file") -> Imported:
         with alpha, and where it lies: ``x``, ``y``, ``width`` and ``height`` in pixels of the drawing.
 
     Args:
-        content: a file as `normalgan.painting.sheets_and_layers.layers.read_layers` reads it.
+        content: a file as `normalgan.inference.composites.layers.read_layers` reads it.
         name: what to call it in an error.
 
     Raises:

@@ -15,7 +15,7 @@ from normalgan.errors import brief
 __all__ = [
     "Check",
     "ConformanceError",
-    "called",
+    "class_name",
     "demand",
     "device_list",
     "global_randomness_untouched",
@@ -62,7 +62,7 @@ class Check(Generic[T]):
             raise
         except Exception as error:  # whatever somebody else's class may raise
             raise ConformanceError(
-                f"{called(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked for "
+                f"{class_name(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked for "
                 f"{self.name}; {self.contract}."
             ) from error
 
@@ -84,10 +84,10 @@ def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
         ConformanceError: ``<Class> <did>; <asked>.`` if not.
     """
     if not fulfilled:
-        raise ConformanceError(f"{called(plugin)} {did}; {asked}.")
+        raise ConformanceError(f"{class_name(plugin)} {did}; {asked}.")
 
 
-def called(plugin: object) -> str:
+def class_name(plugin: object) -> str:
     """Return what a plug-in is called: the name of its class."""
     return type(plugin).__name__
 

@@ -8,7 +8,7 @@ from normalgan.data.recipe import Loadable
 from normalgan.data.sources import DataSource, Pair, PairSource, SplitSettings
 from normalgan.data.splits import SPLITS
 from normalgan.rendering import Mesh
-from normalgan.testing.conformance import Check, called, demand, hold
+from normalgan.testing.conformance import Check, class_name, demand, hold
 from normalgan.testing.settings import frozen_check, settings_checks
 
 __all__ = ["check_data_source", "data_source_checks"]
@@ -84,5 +84,5 @@ def _loaded(source: DataSource) -> None:
     wanted: type = Pair if isinstance(source, PairSource) else Mesh
     for thing in _firsts(source):
         loaded = thing.load()
-        did = f"has {thing.name}, which loads as {called(loaded)}"
+        did = f"has {thing.name}, which loads as {class_name(loaded)}"
         demand(isinstance(loaded, wanted), source, did, f"load must return a {wanted.__name__}")

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from normalgan.models import Discriminator
-from normalgan.testing.conformance import Check, called, demand, hold
+from normalgan.testing.conformance import Check, class_name, demand, hold
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
@@ -41,7 +41,7 @@ def _score(discriminator: Discriminator, condition: Tensor, normal: Tensor) -> t
     scores = discriminator(condition, normal)
     is_tuple = isinstance(scores, tuple) and len(scores) > 0 and all(isinstance(s, Tensor) for s in scores)
     asked = "it must return a tuple of scores, one tensor a head"
-    demand(is_tuple, discriminator, f"returned {called(scores)}", asked)
+    demand(is_tuple, discriminator, f"returned {class_name(scores)}", asked)
     for score in scores:
         good = score.ndim > 0 and len(score) == len(normal)
         did = f"returned scores of {tuple(score.shape)} for {len(normal)} pictures"

@@ -6,8 +6,8 @@ import torch
 from torch import Tensor
 
 from normalgan.models import Generator
-from normalgan.predictions import Predictions
-from normalgan.testing.conformance import Check, called, demand, hold
+from normalgan.models.predictions import Predictions
+from normalgan.testing.conformance import Check, class_name, demand, hold
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
@@ -43,32 +43,34 @@ def generator_checks(size: int = 64) -> list[Check[Generator]]:
 
 
 def _answer(generator: Generator, condition: Tensor, _: Tensor) -> tuple[Tensor, ...]:
-    return (_paint(generator, condition),)
+    return (_predict(generator, condition),)
 
 
-def _paint(generator: Generator, condition: Tensor) -> Tensor:
-    painted = generator(condition)
-    shape = tuple(painted.shape) if isinstance(painted, Tensor) else called(painted)
+def _predict(generator: Generator, condition: Tensor) -> Tensor:
+    predicted = generator(condition)
+    shape = tuple(predicted.shape) if isinstance(predicted, Tensor) else class_name(predicted)
     count, _, height, width = condition.shape
     wanted = [(count, channels, height, width) for channels in (3, 4)]
     asked = f"it must return normals {wanted[0]}, or {wanted[1]} with a confidence"
     demand(shape in wanted, generator, f"returned {shape} for a condition of {tuple(condition.shape)}", asked)
-    return cast("Tensor", painted)
+    return cast("Tensor", predicted)
 
 
 @torch.no_grad()
 def _shape(generator: Generator, size: int) -> None:
-    painted = _paint(generator.eval(), given(2, size)[0])
-    did = f"returned {painted.dtype} for a condition of torch.float32"
-    demand(painted.dtype == torch.float32, generator, did, "it must keep the type")
+    predicted = _predict(generator.eval(), given(2, size)[0])
+    did = f"returned {predicted.dtype} for a condition of torch.float32"
+    demand(predicted.dtype == torch.float32, generator, did, "it must keep the type")
 
 
 @torch.no_grad()
 def _range(generator: Generator, size: int) -> None:
     for scale in (1.0, 100.0):  # the second drives it to its limits
-        painted = _paint(generator.eval(), scale * given(2, size)[0])
-        normals, confidence = painted[:, :3], painted[:, 3:]
-        demand(painted.isfinite().all(), generator, "painted what is no number", "its answer must be finite")
+        predicted = _predict(generator.eval(), scale * given(2, size)[0])
+        normals, confidence = predicted[:, :3], predicted[:, 3:]
+        demand(
+            predicted.isfinite().all(), generator, "painted what is no number", "its answer must be finite"
+        )
         largest = float(normals.abs().max())
         asked = "each component must lie in [-1, 1], as by tanh"
         demand(largest <= 1 + 1e-5, generator, f"painted a component of {largest:.3g}", asked)
@@ -81,9 +83,9 @@ def _predictions(generator: Generator, size: int) -> None:
     condition = given(2, size)[0]
     preds = generator.eval().predict(condition)
     good = isinstance(preds, Predictions)
-    demand(good, generator, f"returned {called(preds)} from predict", "it must return Predictions")
-    channels, painted = preds.channels(), _paint(generator, condition)
-    same = channels.shape == painted.shape and torch.allclose(channels, painted, atol=1e-5)
+    demand(good, generator, f"returned {class_name(preds)} from predict", "it must return Predictions")
+    channels, predicted = preds.channels(), _predict(generator, condition)
+    same = channels.shape == predicted.shape and torch.allclose(channels, predicted, atol=1e-5)
     asked = "what is trained and what is painted must be the same; override both or forward alone"
     demand(same, generator, "predicts otherwise than forward returns", asked)
 

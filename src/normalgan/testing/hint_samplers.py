@@ -6,7 +6,7 @@ from torch import Tensor
 from normalgan.hints import HintSampler
 from normalgan.testing.conformance import (
     Check,
-    called,
+    class_name,
     demand,
     device_list,
     global_randomness_untouched,
@@ -52,7 +52,7 @@ def hint_sampler_checks() -> list[Check[HintSampler]]:
 def _sample(sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int = 0) -> Tensor:
     rng = torch.Generator(normal.device).manual_seed(seed)
     where = sampler.sample(normal, mask, rng)
-    given = tuple(where.shape) if isinstance(where, Tensor) else called(where)
+    given = tuple(where.shape) if isinstance(where, Tensor) else class_name(where)
     wanted = (len(normal), 1, *normal.shape[2:])
     did = f"returned {given} for normals of {tuple(normal.shape)}"
     demand(given == wanted, sampler, did, f"it must return where the hints are, a tensor of {wanted}")

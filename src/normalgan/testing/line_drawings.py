@@ -11,7 +11,7 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke, rasterise
 from normalgan.rendering.view import View
-from normalgan.testing.conformance import Check, called, demand, global_randomness_untouched, hold
+from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched, hold
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
 
@@ -64,8 +64,8 @@ def _view(size: int = _SIZE, field_of_view: float | None = None) -> View:
 def _trace(style: LineDrawing, view: View, seed: int = 0) -> list[Stroke]:
     strokes = style.trace(view, np.random.default_rng(seed))
     good = isinstance(strokes, list) and all(isinstance(stroke, Stroke) for stroke in strokes)
-    first = f" of {called(strokes[0])}" if isinstance(strokes, list) and strokes else ""
-    demand(good, style, f"returned {called(strokes)}{first}", _STROKES)
+    first = f" of {class_name(strokes[0])}" if isinstance(strokes, list) and strokes else ""
+    demand(good, style, f"returned {class_name(strokes)}{first}", _STROKES)
     return strokes
 
 

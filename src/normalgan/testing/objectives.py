@@ -6,8 +6,8 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
-from normalgan.objectives import AdversarialObjective, Scores
-from normalgan.testing.conformance import Check, called, demand, hold
+from normalgan.losses import AdversarialObjective, Scores
+from normalgan.testing.conformance import Check, class_name, demand, hold
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
@@ -69,18 +69,18 @@ def _losses(objective: AdversarialObjective) -> None:
 
 
 def _demand_scalar(objective: AdversarialObjective, name: str, loss: Tensor) -> None:
-    shape = tuple(loss.shape) if isinstance(loss, Tensor) else called(loss)
+    shape = tuple(loss.shape) if isinstance(loss, Tensor) else class_name(loss)
     demand(shape == (), objective, f"returned {shape} as {name}", f"{name} must be a scalar tensor")
     demand(loss.isfinite(), objective, f"returned {loss.item()} as {name}", f"{name} must be finite")
 
 
 def _directions(objective: AdversarialObjective) -> None:
     # At a score of a half: a square about 0 or 1 has a slope there, and so has a hinge.
-    fake, true, painted = _scores(2), _scores(2), _scores(2)
+    fake, true, predicted = _scores(2), _scores(2), _scores(2)
     slope = _slope(objective.generator_loss(fake), fake)
     asked = "the generator wants its maps to be taken for true, and high scores mean true"
     demand(slope < 0, objective, "does not lower generator_loss as scores rise", asked)
-    loss = objective.discriminator_loss(true, painted)
+    loss = objective.discriminator_loss(true, predicted)
     asked = "the discriminator wants high scores of true maps and low ones of painted maps"
     demand(
         _slope(loss, true) < 0,
@@ -89,7 +89,7 @@ def _directions(objective: AdversarialObjective) -> None:
         asked,
     )
     demand(
-        _slope(loss, painted) > 0,
+        _slope(loss, predicted) > 0,
         objective,
         "does not raise discriminator_loss as painted maps score higher",
         asked,

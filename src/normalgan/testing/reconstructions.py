@@ -4,9 +4,9 @@ import torch
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.objectives import Reconstruction, Term
-from normalgan.predictions import Predictions
-from normalgan.testing.conformance import Check, called, demand, hold
+from normalgan.losses import Reconstruction, Term
+from normalgan.models.predictions import Predictions
+from normalgan.testing.conformance import Check, class_name, demand, hold
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
@@ -57,8 +57,8 @@ def _compare(
         preds = Predictions(directions, logits, torch.ones_like(mask))
         terms = reconstruction.terms(preds, target, mask, where * mask)
     good = isinstance(terms, dict) and terms and all(isinstance(term, Term) for term in terms.values())
-    parts = f" of {called(next(iter(terms.values()), None))}" if isinstance(terms, dict) else ""
-    demand(good, reconstruction, f"returned {called(terms)}{parts}", _TERMS)
+    parts = f" of {class_name(next(iter(terms.values()), None))}" if isinstance(terms, dict) else ""
+    demand(good, reconstruction, f"returned {class_name(terms)}{parts}", _TERMS)
     return torch.stack([term.weight * term.value for term in terms.values()]).sum(), directions, terms
 
 

@@ -6,7 +6,7 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import Renderer
 from normalgan.rendering.views import Camera
-from normalgan.testing.conformance import Check, called, demand, global_randomness_untouched, hold
+from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched, hold
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import RADII, away, bowl, camera, degrees, ellipsoid, exact_ellipsoid
 
@@ -51,7 +51,7 @@ def renderer_checks() -> list[Check[Renderer]]:
 
 def _render(renderer: Renderer, mesh: Mesh, seen_by: Camera, size: int = _SIZE) -> Maps:
     maps = renderer.render(mesh, seen_by, size)
-    demand(isinstance(maps, Maps), renderer, f"returned {called(maps)}", _MAPS)
+    demand(isinstance(maps, Maps), renderer, f"returned {class_name(maps)}", _MAPS)
     return maps
 
 

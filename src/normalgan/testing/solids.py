@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh.creation import icosphere
 
+from normalgan.arrays import Doubles
 from normalgan.normals import angles
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.views import Camera, framed, look_at_origin
 
-__all__ = ["RADII", "Doubles", "away", "bowl", "camera", "degrees", "ellipsoid", "exact_ellipsoid"]
+__all__ = ["RADII", "away", "bowl", "camera", "degrees", "ellipsoid", "exact_ellipsoid"]
 
-Doubles = NDArray[np.float64]
 RADII = (1.0, 0.6, 0.4)
 """Half the axes of the ellipsoid that renderers are checked with: another one along x, y and z."""
 

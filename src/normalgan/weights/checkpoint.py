@@ -14,17 +14,17 @@ from torch.optim import Optimizer
 from torch.optim.lr_scheduler import LRScheduler
 
 from normalgan.errors import InputError
-from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.files.torch_files import load_torch_file
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.line_widths import USUAL_WIDTHS, check_line_widths
+from normalgan.losses import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.models import DISCRIMINATORS, GENERATORS
-from normalgan.objectives import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.registry import Registry, find_imported
+from normalgan.weights.class_spec import ANY_NUMBER, LARGEST, ClassSpec, is_plain
 from normalgan.weights.file import SUFFIX, Weights, read_weights
+from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import check_fit
-from normalgan.weights.notes import Notes
-from normalgan.weights.part import ANY_NUMBER, LARGEST, Part, is_plain
 
 __all__ = ["Checkpoint", "read_checkpoint", "read_model", "settings_to_save"]
 
@@ -82,7 +82,7 @@ class Checkpoint:
             generator = _part("generator", self.settings["generator"])
             tensors = self.generator_tensors()
             check_fit(generator, tensors, GENERATORS)
-            notes = Notes(
+            notes = ModelMetadata(
                 generator=generator,
                 hint_sampler=_part("hint_sampler", self.settings["hint_sampler"]),
                 size=size,
@@ -196,7 +196,7 @@ def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
         if name in _OF_TORCH:
             saved[name] = _optimizer_to_save(value)
         elif name in _REGISTRIES and value is not None and not isinstance(value, Mapping):
-            part = Part.of_object(value)
+            part = ClassSpec.of_object(value)
             saved[name] = _made_in_python(value) if part is None else _as_configuration(part)
         else:
             saved[name] = value
@@ -211,11 +211,11 @@ def _optimizer_to_save(value: Any) -> Any:
     kind, settings = (value.func, value.keywords) if isinstance(value, partial) else (value, {})
     named = isinstance(kind, type) and not getattr(value, "args", ())
     if named and all(is_plain(setting, ANY_NUMBER) for setting in settings.values()):
-        return _as_configuration(Part(f"{kind.__module__}.{kind.__qualname__}", dict(settings)))
+        return _as_configuration(ClassSpec(f"{kind.__module__}.{kind.__qualname__}", dict(settings)))
     return _made_in_python(kind)
 
 
-def _as_configuration(part: Part) -> dict[str, Any]:
+def _as_configuration(part: ClassSpec) -> dict[str, Any]:
     return {"class_path": part.name, "init_args": dict(part.settings)}
 
 
@@ -233,10 +233,10 @@ def _named(path: Path) -> Iterator[None]:
         raise InputError(f"the model in {path} cannot be built here: {error}") from error
 
 
-def _part(name: str, value: Any) -> Part:
+def _part(name: str, value: Any) -> ClassSpec:
     registry, largest = _REGISTRIES[name]
     _check_named(name, value)
-    part = Part.of(value, largest)
+    part = ClassSpec.of(value, largest)
     cls = registry.find(part.name)
     if cls is None:
         raise InputError(
@@ -244,7 +244,7 @@ def _part(name: str, value: Any) -> Part:
             "offers it, or the configuration names it."
         )
     own = registry.find(cls.__name__) is cls
-    return Part(cls.__name__ if own else f"{cls.__module__}.{cls.__qualname__}", part.settings)
+    return ClassSpec(cls.__name__ if own else f"{cls.__module__}.{cls.__qualname__}", part.settings)
 
 
 def _configuration(name: str, value: Any) -> Any:
@@ -261,7 +261,7 @@ def _configuration(name: str, value: Any) -> Any:
     if value is None or value == _DEFAULT_OPTIMIZER:
         return value
     _check_named(name, value)
-    part = Part.of(value, ANY_NUMBER)
+    part = ClassSpec.of(value, ANY_NUMBER)
     base = _OF_TORCH[name]
     cls = find_imported(part.name, base)
     if cls is None:
@@ -302,7 +302,7 @@ def _number(name: str, value: Any) -> Any:
 def _size_of_run(config: Path) -> int | None:
     try:
         text = read_bounded(config, MOST_SETTINGS).decode("utf-8")
-        size = None if yaml_excess(text) else load_yaml(text)["data"]["size"]
+        size = None if yaml_limit_error(text) else load_yaml(text)["data"]["size"]
         return size if type(size) is int and 1 <= size <= LARGEST else None
     except (OSError, InputError, yaml.YAMLError, KeyError, TypeError, UnicodeDecodeError):
         return None

@@ -13,8 +13,8 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
 from normalgan.models import GENERATORS, Generator
+from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import build_generator, check_fit
-from normalgan.weights.notes import Notes
 
 __all__ = ["SHIPPED", "SHIPPED_NAME", "SUFFIX", "Weights", "find_weights", "parse_weights", "read_weights"]
 
@@ -36,7 +36,7 @@ class Weights:
         tensors: its parameters and statistics.
     """
 
-    notes: Notes
+    notes: ModelMetadata
     tensors: Mapping[str, Tensor]
 
     def generator(self) -> Generator:
@@ -84,7 +84,7 @@ def parse_weights(content: bytes, name: str = "the file") -> Weights:
             f"{name} is damaged or no safetensors; give a file that `normalgan export` wrote."
         ) from None
     try:
-        notes = Notes.parse(metadata)
+        notes = ModelMetadata.parse(metadata)
         check_fit(notes.generator, tensors, GENERATORS)
     except KeyError:
         raise InputError(

@@ -11,7 +11,7 @@ from torch.nn.modules.module import register_module_parameter_registration_hook
 from normalgan.errors import InputError
 from normalgan.models import GENERATORS, Generator
 from normalgan.registry import Registry
-from normalgan.weights.part import Part
+from normalgan.weights.class_spec import ClassSpec
 
 __all__ = ["Tensors", "build_generator", "check_fit"]
 
@@ -20,7 +20,7 @@ T = TypeVar("T", bound=nn.Module)
 _FLOATS = {torch.float16, torch.bfloat16, torch.float32, torch.float64}
 
 
-def check_fit(part: Part, tensors: Tensors, registry: Registry[T], finite: bool = True) -> None:
+def check_fit(part: ClassSpec, tensors: Tensors, registry: Registry[T], finite: bool = True) -> None:
     """Make sure that tensors are the weights of a network; no memory is taken for it.
 
     Args:
@@ -46,7 +46,7 @@ def check_fit(part: Part, tensors: Tensors, registry: Registry[T], finite: bool 
             raise InputError(f"its weights {name[:80]} are not all finite numbers.")
 
 
-def build_generator(part: Part, tensors: Tensors) -> Generator:
+def build_generator(part: ClassSpec, tensors: Tensors) -> Generator:
     """Return the generator with these weights, in float32, ready to paint."""
     generator = part.build(GENERATORS)
     generator.load_state_dict(dict(tensors))

@@ -7,7 +7,7 @@ import pytest
 from normalgan.data.jobs import cluster
 from normalgan.data.jobs.cluster import Cluster
 from normalgan.data.jobs.pool import Killed
-from normalgan.data.versions import versions
+from normalgan.data.worker_versions import worker_versions
 from normalgan.errors import RunError
 
 WORKER = "tcp://10.0.0.1:4000"
@@ -53,7 +53,7 @@ class LosingClient:
         return {"workers": {WORKER: {"nthreads": 1, "status": "running"}}}
 
     def run(self, *_: object, workers: list[str], **__: object) -> dict[str, Any]:
-        return dict.fromkeys(workers, versions())
+        return dict.fromkeys(workers, worker_versions())
 
     def submit(self, *_: object, key: str, **__: object) -> EndedFuture:
         self.submitted += 1

@@ -9,7 +9,7 @@ import pytest
 
 from normalgan.data.jobs import cluster
 from normalgan.data.jobs.cluster import Cluster
-from normalgan.data.versions import versions
+from normalgan.data.worker_versions import worker_versions
 
 WORKER = "tcp://10.0.0.1:4000"
 
@@ -44,7 +44,7 @@ class SilentClient:
         return {"workers": {WORKER: {"nthreads": 1, "status": "paused"}}}
 
     def run(self, *_: object, workers: list[str], **__: object) -> dict[str, Any]:
-        return dict.fromkeys(workers, versions())
+        return dict.fromkeys(workers, worker_versions())
 
     def submit(self, *_: object, key: str, **__: object) -> SlowFuture:
         return SlowFuture(key, self.task)

@@ -5,15 +5,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from normalgan.data.loading.order import LANES, VIEWS_AT_ONCE, Ticket, order_of_epoch, spread
+from normalgan.data.loading.order import BATCHES_PER_CYCLE, VIEWS_AT_ONCE, ViewIndex, order_of_epoch, spread
 
 
-def batches(order: Iterable[Ticket], size: int) -> Iterator[list[Ticket]]:
+def batches(order: Iterable[ViewIndex], size: int) -> Iterator[list[ViewIndex]]:
     tickets = list(order)
     yield from (tickets[i : i + size] for i in range(0, len(tickets), size))
 
 
-def loads(order: Iterable[Ticket], size: int, workers: int, room: int) -> int:
+def loads(order: Iterable[ViewIndex], size: int, workers: int, room: int) -> int:
     """Return how often meshes are loaded by workers that take turns and keep the meshes used last."""
     caches: list[OrderedDict[int, None]] = [OrderedDict() for _ in range(workers)]
     count = 0
@@ -33,7 +33,7 @@ def loads(order: Iterable[Ticket], size: int, workers: int, room: int) -> int:
 def test_every_view_of_the_epoch_comes_once(meshes: int, views: int, epoch: int) -> None:
     order = list(order_of_epoch(meshes, views, epoch, seed=0, batch_size=8))
     assert len(order) == meshes * views
-    assert set(order) == {Ticket(m, epoch * views + v) for m in range(meshes) for v in range(views)}
+    assert set(order) == {ViewIndex(m, epoch * views + v) for m in range(meshes) for v in range(views)}
 
 
 def test_order_depends_on_seed_and_epoch_alone() -> None:
@@ -58,17 +58,19 @@ def test_a_batch_shows_as_many_meshes_as_samples_and_the_next_one_others() -> No
 @pytest.mark.parametrize("workers", [1, 3, 8])
 @pytest.mark.parametrize("batch", [8, 5])
 def test_a_mesh_is_loaded_once_for_a_group_of_views(workers: int, batch: int) -> None:
-    meshes, views, row = 1000, 40, LANES * batch  # three groups of a mesh; caches hold a row
+    meshes, views, row = 1000, 40, BATCHES_PER_CYCLE * batch  # three groups of a mesh; caches hold a row
     count = loads(order_of_epoch(meshes, views, 0, 0, batch), batch, workers, room=row)
     # The last groups of an epoch need not fill a row; their batches then come to all workers.
     assert count <= meshes * 3 + row * (workers - 1)
-    shuffled = [Ticket(int(i) // views, int(i) % views) for i in np.random.default_rng(0).permutation(40_000)]
+    shuffled = [
+        ViewIndex(int(i) // views, int(i) % views) for i in np.random.default_rng(0).permutation(40_000)
+    ]
     assert loads(shuffled, batch, workers, room=row) > 5 * count
 
 
 def test_other_numbers_of_workers_cost_loads_but_no_more_than_that() -> None:
     order = list(order_of_epoch(1000, 32, 0, 0, batch_size=8))
-    assert loads(order, 8, 5, room=LANES * 8) <= 1000 * 2 * 5
+    assert loads(order, 8, 5, room=BATCHES_PER_CYCLE * 8) <= 1000 * 2 * 5
 
 
 def test_meshes_are_spread_over_an_epoch_of_many_windows() -> None:

@@ -13,7 +13,7 @@ from normalgan.batch import Batch
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.loading.items import Item, SampleError
 from normalgan.data.loading.loaders import Loaders
-from normalgan.data.loading.order import Ticket
+from normalgan.data.loading.order import ViewIndex
 from normalgan.data.loading.stream import FreshViews, StreamDataset
 from normalgan.data.render import render_samples
 from normalgan.errors import InputError
@@ -72,10 +72,10 @@ def test_the_first_epoch_is_what_shards_would_hold(tmp_path: Path) -> None:
 
 def test_a_sample_depends_on_its_ticket_alone() -> None:
     first, second = stream(), stream(memory=0)
-    ticket = Ticket(1, 1001)
+    ticket = ViewIndex(1, 1001)
     wanted = first[ticket]
     assert wanted["name"] == "b/1001"
-    for other in (Ticket(0, 3), Ticket(2, 7), Ticket(1, 1000)):
+    for other in (ViewIndex(0, 3), ViewIndex(2, 7), ViewIndex(1, 1000)):
         assert not torch.equal(second[other]["normal"], wanted["normal"])
     assert_same(second[ticket], wanted)
 

@@ -73,7 +73,7 @@ def test_exr_in_folders_of_its_own(tmp_path: Path) -> None:
 
 
 def test_samples_are_made_as_drawings_are_shown_when_predicting(tmp_path: Path) -> None:
-    from normalgan.painting.inputs import prepare_any
+    from normalgan.inference.inputs import prepare_any
 
     write_pairs(tmp_path, 3)
     module = data(tmp_path, tmp_path / "cache")

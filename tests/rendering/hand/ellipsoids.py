@@ -1,12 +1,10 @@
 """Ellipsoids seen orthographically, whose maps are known exactly, and drawings of them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes import Stroke
-
-Doubles = NDArray[np.float64]
 
 
 def ellipsoid(inverse: Doubles, size: int = 128) -> Maps:

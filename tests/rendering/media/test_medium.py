@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.media import Medium
 from normalgan.rendering.media.paper import on_paper, scanned
 from normalgan.rendering.media.tools import bleed, pencil

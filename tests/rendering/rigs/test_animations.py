@@ -7,9 +7,10 @@ import pytest
 from rig_files import QUARTER, bar, write_gltf
 from scipy.interpolate import CubicHermiteSpline
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.rigs.animations import track_at
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Doubles, Track
+from normalgan.rendering.rigs.rig import Track
 
 RNG = np.random.default_rng(2)
 TIMES = np.array([0.5, 1.0, 3.0])

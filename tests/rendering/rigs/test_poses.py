@@ -7,6 +7,7 @@ import pytest
 from mesh_shapes import BALL, MESHES, needs_meshes, solid
 from rig_files import RINGS, Gltf, bar, tube, write_glb, write_gltf
 
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.families import family
 from normalgan.rendering.mesh_files import MeshFile, find_meshes
@@ -14,7 +15,7 @@ from normalgan.rendering.rigs import RiggedFile, find_poses
 from normalgan.rendering.rigs.joints import SMALL, find_joints
 from normalgan.rendering.rigs.posing import draw_pose, turned
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Doubles, Rig
+from normalgan.rendering.rigs.rig import Rig
 from normalgan.rendering.rigs.skinning import posed_surface, world_matrices
 
 

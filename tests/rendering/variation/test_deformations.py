@@ -7,16 +7,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from normalgan.rendering.variation.bending import (
-    Deformed,
-    Doubles,
-    bend,
-    in_turn,
-    scale,
-    taper,
-    together,
-    twist,
-)
+from normalgan.arrays import Doubles
+from normalgan.rendering.variation.bending import Deformed, bend, in_turn, scale, taper, together, twist
 from normalgan.rendering.variation.lattice import free_form
 from normalgan.rendering.variation.limbs import Middle, belly, lengthen, thicken
 from normalgan.rendering.variation.local import bump, swell

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.benchmark.human.drawing import read_json
-from normalgan.benchmark.human.registration import Doubles
 from normalgan.errors import InputError
 
 __all__ = ["CAMERAS", "Registered", "read_cameras"]

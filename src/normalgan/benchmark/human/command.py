@@ -20,7 +20,7 @@ from normalgan.benchmark.table import figure_cell, interval_cell
 from normalgan.benchmark.training import write_json
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.writing import write_bytes
-from normalgan.saved_model import load
+from normalgan.inference.load import load
 
 __all__ = ["find_drawings", "human", "tables"]
 

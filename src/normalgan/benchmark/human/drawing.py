@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from normalgan.benchmark.human.registration import Doubles
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import read_bounded
 from normalgan.rendering.strokes.stroke import Stroke

@@ -16,12 +16,12 @@ from normalgan.benchmark.human.drawing import HumanDrawing
 from normalgan.benchmark.human.registration import camera_of, read_placed_mesh
 from normalgan.benchmark.measure import Measured
 from normalgan.benchmark.points import hint_points
+from normalgan.callbacks.gallery import Row
 from normalgan.errors import InputError
-from normalgan.gallery import Row
 from normalgan.hints import hints_at
+from normalgan.inference.predictor import Predictor
 from normalgan.metrics import angular_error, without_hints
 from normalgan.metrics.contour import distance_from_contour
-from normalgan.painting.painter import Painter
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 from normalgan.rendering.strokes.raster import rasterise
 
@@ -98,7 +98,7 @@ def _shared(one: NDArray[np.intp], other: NDArray[np.intp]) -> float:
 
 def measure_drawings(
     drawings: Sequence[HumanDrawing],
-    painter: Painter,
+    predictor: Predictor,
     seed: int,
     gallery: int,
     say: Callable[[str], None],
@@ -110,7 +110,7 @@ def measure_drawings(
 
     Args:
         drawings: what was drawn.
-        painter: the model.
+        predictor: the model.
         seed: of the hints.
         gallery: drawings to show.
         say: tells the user how far it is.
@@ -130,18 +130,18 @@ def measure_drawings(
         record |= {"size": drawing.side, "camera_misses": drawing.misses, "figures": {}}
         rows = []
         for count in COUNTS:
-            painted, hints, warning = _paint(painter, batch, count, seed)
+            predicted, hints, warning = _predict(predictor, batch, count, seed)
             group[str(count)].update(
-                painted,
+                predicted,
                 batch["normal"],
                 batch["mask"],
                 hints[:, 3:],
                 distance_from_contour(batch["mask"]),
                 batch["name"],
             )
-            record["figures"][str(count)] = _of_one(painted, batch, hints[:, 3:])
+            record["figures"][str(count)] = _of_one(predicted, batch, hints[:, 3:])
             record["warning"] = warning
-            rows.append(_row(drawing, batch, hints, painted))
+            rows.append(_row(drawing, batch, hints, predicted))
         found.drawings.append(record)
         if number % every == 0 and len(found.shown) < gallery:
             found.shown.append((rows[0], rows[-1]))
@@ -151,23 +151,23 @@ def measure_drawings(
     return found
 
 
-def _paint(painter: Painter, batch: Batch, count: int, seed: int) -> tuple[Tensor, Tensor, str]:
+def _predict(predictor: Predictor, batch: Batch, count: int, seed: int) -> tuple[Tensor, Tensor, str]:
     """Return what is painted (1, 3 or 4, S, S), zero where nothing is, the hints, and what is to be said."""
     where = hint_points(batch["mask"], batch["name"], seed, count)
     hints = hints_at(batch["normal"], where)
     given = np.ascontiguousarray(hints[0].permute(1, 2, 0).numpy()) if count else None
     try:
-        seen = painter(1 - batch["sketch"][0, 0].numpy(), given)
+        seen = predictor(1 - batch["sketch"][0, 0].numpy(), given)
     except InputError as error:
         return torch.zeros_like(batch["normal"]), hints, str(error)
     channels = [seen.normal] if seen.confidence is None else [seen.normal, seen.confidence[..., None]]
-    painted = np.concatenate(channels, axis=-1).transpose(2, 0, 1)
-    return torch.from_numpy(np.ascontiguousarray(painted, np.float32))[None], hints, seen.warning
+    predicted = np.concatenate(channels, axis=-1).transpose(2, 0, 1)
+    return torch.from_numpy(np.ascontiguousarray(predicted, np.float32))[None], hints, seen.warning
 
 
-def _of_one(painted: Tensor, batch: Batch, where: Tensor) -> Figure:
+def _of_one(predicted: Tensor, batch: Batch, where: Tensor) -> Figure:
     """Return the error on the object, on what is painted of it, and how far what is painted overlaps it."""
-    preds = painted[:, :3]
+    preds = predicted[:, :3]
     there, seen = batch["mask"] > 0.5, (preds != 0).any(1, keepdim=True)
     counted = without_hints(batch["mask"], where) > 0.5
     angle = angular_error(preds, batch["normal"])
@@ -182,12 +182,12 @@ def _mean(values: Tensor) -> float | None:
     return float(values.double().mean()) if values.numel() else None
 
 
-def _row(drawing: HumanDrawing, batch: Batch, hints: Tensor, painted: Tensor) -> Row:
+def _row(drawing: HumanDrawing, batch: Batch, hints: Tensor, predicted: Tensor) -> Row:
     return Row(
         drawing.name,
         batch["sketch"][0, 0].numpy(),
         hints[0].numpy(),
-        painted[0, :3].numpy(),
+        predicted[0, :3].numpy(),
         batch["normal"][0].numpy(),
         batch["mask"][0, 0].numpy() > 0.5,
     )

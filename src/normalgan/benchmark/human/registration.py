@@ -4,17 +4,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.loading import read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.rendering.views import Camera
 
-__all__ = ["CREASE_ANGLE", "Doubles", "PlacedMesh", "camera_of", "fit_projection", "read_placed_mesh"]
+__all__ = ["CREASE_ANGLE", "PlacedMesh", "camera_of", "fit_projection", "read_placed_mesh"]
 
-Doubles = NDArray[np.float64]
 
 CREASE_ANGLE = 40.0
 """Edges sharper than this, in degrees, stay hard: most objects that people were asked to draw have such."""

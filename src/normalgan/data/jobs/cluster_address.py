@@ -13,7 +13,7 @@ import yaml
 from normalgan.data.jobs.workers import one_thread_each
 from normalgan.data.store.remote import reason
 from normalgan.errors import InputError
-from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_excess
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.warning_filters import quiet_loggers
 
 __all__ = ["TIMEOUT", "connect", "read_cluster"]
@@ -101,7 +101,7 @@ def read_cluster(file: Path) -> dict[str, Any]:
     """
     try:
         text = read_bounded(file, MOST_SETTINGS).decode("utf-8")
-        if excess := yaml_excess(text):
+        if excess := yaml_limit_error(text):
             raise InputError(f"the cluster file {file} {excess}; a cluster needs no such thing.")
         content = load_yaml(text)
     except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:

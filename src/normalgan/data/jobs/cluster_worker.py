@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from normalgan.data.versions import difference, versions
+from normalgan.data.worker_versions import difference, worker_versions
 from normalgan.errors import InputError, brief
 
 __all__ = ["Unfit", "flaws", "order", "perform"]
 
 _DO = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
-_ASK = "__import__('normalgan.data.versions', fromlist=['versions']).versions()"
+_ASK = "__import__('normalgan.data.worker_versions', fromlist=['worker_versions']).worker_versions()"
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ def order(function: Callable[[Any], Any], task: object) -> tuple[str, dict[str, 
     of it must fail at the task: if it failed while unpacking what to call, Dask would take it for dead.
     """
     work = pickle.dumps((function, task), protocol=5)
-    return _DO, {"work": work, "ours": versions(), "folder": str(Path.cwd())}
+    return _DO, {"work": work, "ours": worker_versions(), "folder": str(Path.cwd())}
 
 
 def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
@@ -51,7 +51,7 @@ def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
     from distributed import get_worker
 
     address = get_worker().address
-    if difference(versions(), ours):
+    if difference(worker_versions(), ours):
         return Unfit(address)
     function, task = pickle.loads(work)
     with contextlib.chdir(folder) if Path(folder).is_dir() else contextlib.nullcontext():
@@ -80,6 +80,6 @@ def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
             found[address] = f"a fault ({brief(response)})"
         elif threads[address] != 1:
             found[address] = f"{threads[address]} threads, not 1: a renderer belongs to one (--nthreads 1)"
-        elif other := difference(response, versions()):
+        elif other := difference(response, worker_versions()):
             found[address] = other
     return found

@@ -10,12 +10,12 @@ from normalgan.data.store.shards import ShardedSamples
 from normalgan.data.store.storage import Storage
 from normalgan.errors import RunError
 
-__all__ = ["outstanding"]
+__all__ = ["pending_shards"]
 
 _AT_ONCE = 64  # shards a task: a few seconds of reading
 
 
-def outstanding(pool: Pool, store: ShardedSamples, thorough: bool) -> list[Shard]:
+def pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[Shard]:
     """Return the shards that are not there, or damaged, with a warning that names the latter.
 
     Args:

@@ -21,9 +21,9 @@ __all__ = [
     "check_recipe",
     "error_text",
     "find_damage",
-    "look_at",
     "render_shard",
     "try_mesh",
+    "validate_source",
 ]
 
 
@@ -126,7 +126,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
     return samples, failed
 
 
-def look_at(task: MeshTask) -> str | None:
+def validate_source(task: MeshTask) -> str | None:
     """Return why a mesh cannot be used, or None if it can.
 
     Raises:

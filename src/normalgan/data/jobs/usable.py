@@ -5,7 +5,7 @@ import json
 from collections.abc import Mapping, Sequence
 
 from normalgan.data.jobs.pool import Pool
-from normalgan.data.jobs.retry import look_at_meshes
+from normalgan.data.jobs.shard_runner import validate_sources
 from normalgan.data.jobs.tasks import MeshTask
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import Loadable
@@ -60,7 +60,7 @@ def find_troubles(pool: Pool, tasks: Sequence[MeshTask], unit: str, progress: bo
     """
     reasons = {}
     with progress_bar("looking at", len(tasks), unit, progress, stays=False) as advance:
-        for task, reason in look_at_meshes(pool, tasks):
+        for task, reason in validate_sources(pool, tasks):
             advance(1)
             if reason is not None:
                 reasons[task.source.name] = reason

@@ -7,16 +7,16 @@ import numpy as np
 
 from normalgan.seeds import derive_seed
 
-__all__ = ["LANES", "VIEWS_AT_ONCE", "Ticket", "order_of_epoch", "spread"]
+__all__ = ["BATCHES_PER_CYCLE", "VIEWS_AT_ONCE", "ViewIndex", "order_of_epoch", "spread"]
 
 VIEWS_AT_ONCE = 16
 """A mesh comes back for up to so many views, and may be forgotten after them."""
 
-LANES = 24
+BATCHES_PER_CYCLE = 24
 """Batches in a row before the first one's meshes return: a number that most numbers of workers divide."""
 
 
-class Ticket(NamedTuple):
+class ViewIndex(NamedTuple):
     """A sample to be rendered; with it, all that a worker must be told.
 
     Args:
@@ -30,16 +30,16 @@ class Ticket(NamedTuple):
 
 def order_of_epoch(
     meshes: int, views: int, epoch: int, seed: int, batch_size: int, replicas: int = 1
-) -> Iterator[Ticket]:
+) -> Iterator[ViewIndex]:
     """Yield every mesh's views ``epoch * views`` to ``(epoch + 1) * views - 1``, shuffled.
 
     To load a mesh takes as long as a dozen views of it, so its views should not lie scattered over the
     epoch; but a batch should show many meshes. The views of each mesh are therefore cut into groups, and the
-    groups shuffled. A row holds one view of each of the next ``LANES * replicas * batch_size`` groups; the
+    groups shuffled. A row holds one view of each of the next ``BATCHES_PER_CYCLE * replicas * batch_size`` groups; the
     next row another view of the same groups in the same order, until they are used up and the next groups
     come. So a batch shows as many groups as it has samples, its neighbours show others, and the same meshes
-    return every ``LANES`` batches. A DataLoader deals batches out to its workers in rotation: if their number
-    divides ``LANES``, these batches all go to one worker, and a mesh is loaded once for a whole group.
+    return every ``BATCHES_PER_CYCLE`` batches. A DataLoader deals batches out to its workers in rotation: if their number
+    divides ``BATCHES_PER_CYCLE``, these batches all go to one worker, and a mesh is loaded once for a whole group.
 
     The order does not depend on the number of workers.
 
@@ -53,7 +53,7 @@ def order_of_epoch(
     """
     parts = -(-views // VIEWS_AT_ONCE)
     groups = np.random.default_rng(derive_seed("order", seed, epoch)).permutation(meshes * parts)
-    abreast = LANES * replicas * batch_size
+    abreast = BATCHES_PER_CYCLE * replicas * batch_size
     for start in range(0, len(groups), abreast):
         mesh, part = np.divmod(groups[start : start + abreast], parts)
         # Groups that have a view more than others come first, so that it stays in its place in the row.
@@ -62,7 +62,7 @@ def order_of_epoch(
         for offset in range(0, views, parts):
             view = offset + part
             for m, v in zip(mesh[view < views].tolist(), view[view < views].tolist(), strict=True):
-                yield Ticket(m, epoch * views + v)
+                yield ViewIndex(m, epoch * views + v)
 
 
 def spread(total: int, count: int) -> list[int]:

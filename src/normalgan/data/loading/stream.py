@@ -9,7 +9,7 @@ from torch.utils.data import Dataset, DistributedSampler
 
 from normalgan.data.loading.items import Item, SampleError, decode_item, to_item
 from normalgan.data.loading.mesh_cache import MeshCache
-from normalgan.data.loading.order import Ticket, order_of_epoch
+from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.errors import InputError, brief
 
@@ -37,7 +37,7 @@ class StreamDataset(Dataset[Item]):
         """Return the number of samples of an epoch."""
         return len(self.mesh_cache.sources) * self.views
 
-    def __getitem__(self, index: int | Ticket) -> Item:
+    def __getitem__(self, index: int | ViewIndex) -> Item:
         """Return the sample of a ticket, or by a number one of the first epoch, in the order of the shards.
 
         Raises:
@@ -45,14 +45,14 @@ class StreamDataset(Dataset[Item]):
         """
         return decode_item(self.stored(index))
 
-    def stored(self, index: int | Ticket) -> Item:
+    def stored(self, index: int | ViewIndex) -> Item:
         """Return a sample as it would be stored.
 
         Raises:
             SampleError: if it cannot be made; the message names the mesh.
         """
-        if not isinstance(index, Ticket):
-            index = Ticket(*divmod(range(len(self))[index], self.views))
+        if not isinstance(index, ViewIndex):
+            index = ViewIndex(*divmod(range(len(self))[index], self.views))
         name = self.mesh_cache.sources[index.mesh].name
         try:
             sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
@@ -63,7 +63,7 @@ class StreamDataset(Dataset[Item]):
         return to_item(sketch, normal, mask, f"{name}/{index.view}")
 
 
-class FreshViews(DistributedSampler[Ticket]):
+class FreshViews(DistributedSampler[ViewIndex]):
     """One process's tickets of the epoch that Lightning sets; no epoch has a view of another.
 
     All processes get equally many, in whole batches: up to a batch for each is left out of an epoch. Where
@@ -89,7 +89,7 @@ class FreshViews(DistributedSampler[Ticket]):
         rounds = total // (self.batch_size * self.num_replicas)
         return rounds * self.batch_size or -(-total // self.num_replicas)
 
-    def __iter__(self) -> Iterator[Ticket]:
+    def __iter__(self) -> Iterator[ViewIndex]:
         size, replicas, views = self.batch_size, self.num_replicas, self.samples.views
         meshes = len(self.samples.mesh_cache.sources)
         order = order_of_epoch(meshes, views, self.epoch, self.seed, size, replicas)

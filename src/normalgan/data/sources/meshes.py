@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from normalgan.animals import herd
+from normalgan.animals import make_animals
 from normalgan.data.sources.base import DATA_SOURCES, DataSource, SplitSettings
 from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError
@@ -106,7 +106,7 @@ class Animals(DataSource):
         Raises:
             InputError: if there is no such species, or the split cannot be used.
         """
-        split = split_meshes([*herd(self.count, settings.data_seed, list(self.species))], settings)
+        split = split_meshes([*make_animals(self.count, settings.data_seed, list(self.species))], settings)
         return split | {"train": join_variants(split["train"], settings.variation, self.variants)}
 
 

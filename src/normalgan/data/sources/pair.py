@@ -7,12 +7,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.normals import Floats, normalize
-from normalgan.painting.inputs import AnyHints, AnyMask, AnyPicture, as_hints, as_mask, as_picture
-from normalgan.painting.preparation import prepare
-from normalgan.painting.reading.hint_files import Hints
-from normalgan.painting.reading.picture import resize
+from normalgan.inference.inputs import AnyHints, AnyMask, AnyPicture, as_hints, as_mask, as_picture
+from normalgan.inference.preparation import prepare
+from normalgan.inference.reading.hint_files import Hints
+from normalgan.inference.reading.picture import resize
+from normalgan.normals import normalize
 from normalgan.rendering.samples import Sample
 
 __all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "outwardness"]
@@ -27,11 +28,11 @@ class Pair:
     """A sketch and the normal map of what it shows, pixel on pixel, of any size.
 
     Args:
-        sketch: a path, an image of Pillow or an array, as `normalgan.Painter` takes it.
+        sketch: a path, an image of Pillow or an array, as `normalgan.Predictor` takes it.
         normal: (H, W, 3) floats, unit vectors in camera space: x right, y up, z to the viewer.
-        mask: (H, W), the object, in any form that `normalgan.Painter` takes; None is where the vectors are
+        mask: (H, W), the object, in any form that `normalgan.Predictor` takes; None is where the vectors are
             not zero.
-        hints: normals that a designer gave, in any form that `normalgan.Painter` takes; None for none.
+        hints: normals that a designer gave, in any form that `normalgan.Predictor` takes; None for none.
 
     Raises:
         InputError: if one of them cannot be used, or they are of different sizes.

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from normalgan.data.sources.base import DATA_SOURCES, PairSource, SplitSettings
 from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
-from normalgan.errors import InputError, did_you_mean, named
+from normalgan.errors import InputError, did_you_mean, with_subject
 from normalgan.files.limits import read_bounded
+from normalgan.inference.reading.drawings import SUFFIXES, read_normals
+from normalgan.inference.reading.hint_files import load_hints
+from normalgan.inference.reading.picture import read_picture
 from normalgan.normals import Green, flip_green
-from normalgan.painting.reading.drawings import SUFFIXES, read_normals
-from normalgan.painting.reading.hint_files import load_hints
-from normalgan.painting.reading.picture import read_picture
 
 __all__ = ["COLUMNS", "NORMAL_SUFFIXES", "PairFiles", "Pairs"]
 
@@ -94,7 +94,7 @@ class PairFiles:
         try:
             return Pair(sketch, vectors, self.mask or _object(vectors, alpha), hints)
         except InputError as error:
-            raise named(self.normal, error) from error
+            raise with_subject(self.normal, error) from error
 
 
 @DATA_SOURCES.register
@@ -140,8 +140,8 @@ class Pairs(PairSource):
         groups = list(dict.fromkeys(pair.group for pair in pairs))
         part_of = {
             group: part
-            for part, named in settings.deal(groups, "group" if grouped else "pair").items()
-            for group in named
+            for part, with_subject in settings.deal(groups, "group" if grouped else "pair").items()
+            for group in with_subject
         }
         return {part: [pair for pair in pairs if part_of.get(pair.group) == part] for part in SPLITS}
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.maps import Maps
-from normalgan.rendering.strokes.stroke import Doubles
 
 __all__ = ["CELLS", "KNOTS", "Distortion", "random_distortion"]
 

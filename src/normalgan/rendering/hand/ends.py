@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.hand.curves import piece
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["miss_ends"]
 

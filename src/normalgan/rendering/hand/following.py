@@ -4,8 +4,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.rendering.hand.distortion import Distortion
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.maps import Maps
 
 __all__ = ["Indices", "follow"]
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from normalgan.rendering.strokes.stroke import Doubles
+from normalgan.arrays import Doubles
 
 __all__ = ["smooth_noise", "spline_weights"]
 

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.hand.curves import piece
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["forget", "skip_parts"]
 

@@ -6,9 +6,10 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.hand.curves import begin_at, piece, turning
 from normalgan.rendering.maps import Maps
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["cut", "in_order", "inside"]
 

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.hand.curves import turning
 from normalgan.rendering.hand.noise import smooth_noise
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["press"]
 

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.hand.noise import smooth_noise
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["DRIFT", "TREMOR", "WOBBLE", "round_off", "stray"]
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.lines.shapes import Shape
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.lines.surface_lines import EdgeMarks
-from normalgan.rendering.strokes.stroke import Doubles
 
 __all__ = ["apparent_curvature", "extremes"]
 

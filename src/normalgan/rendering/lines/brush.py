@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from normalgan.arrays import Doubles, Floats
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.marks import mark
 from normalgan.rendering.lines.occluding import occluding_contours
 from normalgan.rendering.lines.thinning import thin, without_specks
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.curves import resample, settle, smooth
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
 __all__ = ["Brush", "facing_ratio", "sharpened"]

@@ -6,9 +6,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.lines.sight import Sight, sight
 from normalgan.rendering.maps import Maps
-from normalgan.rendering.strokes.stroke import Doubles
 from normalgan.rendering.view import View
 
 __all__ = ["Buffers"]

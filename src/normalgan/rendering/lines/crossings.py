@@ -6,9 +6,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.maps import Floats
+from normalgan.arrays import Doubles, Floats
 from normalgan.rendering.strokes.chain import Indices, chain
-from normalgan.rendering.strokes.stroke import Doubles
 from normalgan.rendering.topology import components
 
 __all__ = ["PAIRS", "Crossed", "Crossings", "Index", "Line", "Pair", "crossings", "places"]

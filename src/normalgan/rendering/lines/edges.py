@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
 from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings, places
 from normalgan.rendering.lines.sight import Sight
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.rendering.maps import Maps
 
 __all__ = ["Index", "creases", "depth_gaps"]
 

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from normalgan.arrays import Doubles, Floats
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.runs import worthy_runs
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.lines.surface_lines import EdgeMarks, paths, seen
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.curves import resample, smooth
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
 __all__ = ["Inside"]

@@ -4,17 +4,14 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from normalgan.arrays import BoolMask, Floats
 from normalgan.rendering.lines.crossings import Line
-from normalgan.rendering.maps import Floats
 
-__all__ = ["Mark", "distance_to", "mark"]
-
-Mark = NDArray[np.bool_]
+__all__ = ["distance_to", "mark"]
 
 
-def mark(lines: Sequence[Line], shape: tuple[int, ...]) -> Mark:
+def mark(lines: Sequence[Line], shape: tuple[int, ...]) -> BoolMask:
     """Return the pixels, in a picture of ``shape``, that lines belong to."""
     marks = np.zeros(shape, bool)
     for line in lines:
@@ -22,7 +19,7 @@ def mark(lines: Sequence[Line], shape: tuple[int, ...]) -> Mark:
     return marks
 
 
-def distance_to(marks: Mark) -> Floats:
+def distance_to(marks: BoolMask) -> Floats:
     """Return the distance in pixels from each pixel to the nearest marked one; huge if there is none.
 
     Chamfer distance with a 5 × 5 mask: within 2 % of the Euclidean one at a fraction of its cost.

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from normalgan.arrays import Doubles, Floats
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
@@ -13,8 +14,7 @@ from normalgan.rendering.lines.outlined import OutlinedDrawing
 from normalgan.rendering.lines.projection import towards_eye
 from normalgan.rendering.lines.shapes import Shape, shape_of
 from normalgan.rendering.lines.surface_lines import zero_marks
-from normalgan.rendering.maps import Floats
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
 __all__ = ["ObjectSpaceSuggestive", "radial_curvature"]

@@ -4,12 +4,12 @@ from abc import abstractmethod
 
 import numpy as np
 
+from normalgan.arrays import Floats
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.marks import distance_to, mark
 from normalgan.rendering.lines.occluding import occluding_contours
 from normalgan.rendering.lines.pens import draw_border
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 

@@ -1,13 +1,10 @@
 """Runs: the parts of a path that are worth drawing, unbroken by short weak places."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.rendering.strokes.stroke import Doubles
+from normalgan.arrays import Doubles
 
-__all__ = ["Mark", "worthy_runs"]
-
-Mark = NDArray[np.bool_]
+__all__ = ["worthy_runs"]
 
 
 def worthy_runs(

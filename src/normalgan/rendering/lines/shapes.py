@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.lines.surface_curvature import shape_operators, smooth_normals
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.strokes.stroke import Doubles
 
 __all__ = ["Shape", "shape_of"]
 

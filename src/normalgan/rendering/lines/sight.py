@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.rendering.maps import Floats, Maps
+from normalgan.arrays import Floats
+from normalgan.rendering.maps import Maps
 from normalgan.rendering.views import Camera
 
 __all__ = ["Sight", "sight"]

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from normalgan.arrays import BoolMask
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings
-from normalgan.rendering.lines.marks import Mark
 from normalgan.rendering.lines.pens import draw_border
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
@@ -47,7 +47,7 @@ class Silhouette(LineDrawing):
         return [draw_border(line, buffers, self.line_width) for line in lines]
 
 
-def borders(mask: Mark) -> Crossings:
+def borders(mask: BoolMask) -> Crossings:
     """Return where a mask (H, W) borders on what is not in it; the frame's border is none."""
     pairs: list[Crossed] = []
     for one, two in PAIRS:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
@@ -12,7 +13,6 @@ from normalgan.rendering.lines.crossings import Line
 from normalgan.rendering.lines.outlined import OutlinedDrawing
 from normalgan.rendering.lines.pens import draw_curve
 from normalgan.rendering.lines.valleys import smooth_normals, valley_depth, zero_crossings
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.strokes.stroke import Doubles
 
 __all__ = ["Indices", "Operator", "Surface"]
 

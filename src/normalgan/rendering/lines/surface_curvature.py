@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.lines.surface import Surface
-from normalgan.rendering.strokes.stroke import Doubles
 
 __all__ = ["shape_operators", "smooth_normals"]
 

@@ -6,17 +6,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import BoolMask, Doubles
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.projection import project
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.strokes.chain import chain
-from normalgan.rendering.strokes.stroke import Doubles
 from normalgan.rendering.view import View
 
-__all__ = ["EdgeMarks", "Indices", "Mark", "paths", "seen", "zero_marks"]
+__all__ = ["EdgeMarks", "Indices", "paths", "seen", "zero_marks"]
 
 Indices = NDArray[np.int64]
-Mark = NDArray[np.bool_]
 
 _DEEPER = 0.004  # in units of the mesh: how far behind the depth buffer rounding and facets put a point
 
@@ -40,12 +39,12 @@ class EdgeMarks:
         between: Doubles = one + share * (other - one)
         return between
 
-    def only(self, kept: Mark) -> "EdgeMarks":
+    def only(self, kept: BoolMask) -> "EdgeMarks":
         """Return those of which ``kept`` (N,) is true."""
         return EdgeMarks(self.edges[kept], self.share[kept])
 
 
-def zero_marks(surface: Surface, field: Doubles, usable: Mark) -> EdgeMarks:
+def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
     """Return where ``field`` (V,) changes sign along an edge with both ends ``usable`` (V,)."""
     one, other = field[surface.edges.T]
     crossed = np.flatnonzero(((one < 0) != (other < 0)) & usable[surface.edges].all(axis=1))
@@ -53,7 +52,7 @@ def zero_marks(surface: Surface, field: Doubles, usable: Mark) -> EdgeMarks:
     return EdgeMarks(crossed, one / (one - other))
 
 
-def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, Mark]:
+def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
     """Return where points (N, 3) lie in the sketch, (N, 2), and which nothing hides.
 
     A point counts as seen if the surface is as deep in one of the nine pixels of the buffers about it: on

@@ -4,14 +4,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.lines.marks import Mark
+from normalgan.arrays import BoolMask, Doubles
 from normalgan.rendering.strokes.chain import Indices, chain
-from normalgan.rendering.strokes.stroke import Doubles
 
 __all__ = ["thin", "without_specks"]
 
 
-def without_specks(inked: Mark, shortest: float) -> Mark:
+def without_specks(inked: BoolMask, shortest: float) -> BoolMask:
     """Return the inked pixels (H, W) without connected patches that span less than ``shortest`` pixels.
 
     What a patch spans is the longer side of its bounding box; corners connect.
@@ -22,11 +21,11 @@ def without_specks(inked: Mark, shortest: float) -> Mark:
     _, labels, stats, _ = cv2.connectedComponentsWithStats(inked.astype(np.uint8), connectivity=8)
     large = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) >= shortest
     large[0] = False
-    kept: Mark = large[labels]
+    kept: BoolMask = large[labels]
     return kept
 
 
-def thin(inked: Mark) -> list[tuple[Doubles, Doubles]]:
+def thin(inked: BoolMask) -> list[tuple[Doubles, Doubles]]:
     """Return the lines along the middle of inked areas, and how thick the ink is there.
 
     Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns", 1984, as scikit-image has it.
@@ -45,7 +44,7 @@ def thin(inked: Mark) -> list[tuple[Doubles, Doubles]]:
     """
     from skimage.morphology import skeletonize  # takes half a second: only for who draws with a brush
 
-    skeleton: Mark = skeletonize(inked)
+    skeleton: BoolMask = skeletonize(inked)
     rows, columns = np.nonzero(skeleton)
     if not len(rows):
         return []
@@ -57,7 +56,7 @@ def thin(inked: Mark) -> list[tuple[Doubles, Doubles]]:
     return [(points[path], width[path]) for path in (chain(points, links) if len(links) else [])]
 
 
-def _neighbours(skeleton: Mark, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Indices:
+def _neighbours(skeleton: BoolMask, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Indices:
     """Return pairs of neighbours on a skeleton, (L, 2); corner to corner only if no side joins them."""
     number = np.full((skeleton.shape[0] + 2, skeleton.shape[1] + 2), -1)
     number[rows + 1, columns + 1] = np.arange(len(rows))

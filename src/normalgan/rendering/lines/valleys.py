@@ -3,17 +3,16 @@
 import cv2
 import numpy as np
 
+from normalgan.arrays import BoolMask, Floats
 from normalgan.rendering.lines.crossings import PAIRS, Crossings, crossings, places
-from normalgan.rendering.lines.marks import Mark
 from normalgan.rendering.lines.sight import Sight
-from normalgan.rendering.maps import Floats
 
 __all__ = ["smooth_normals", "valley_depth", "zero_crossings"]
 
 _ROUNDING = 1e-6  # a slope of n·v in single precision that is as good as none: planes lie in no valley
 
 
-def smooth_normals(normal: Floats, known: Mark, sigma: float) -> Floats:
+def smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
     """Return unit normals (H, W, 3) smoothed over ``sigma`` pixels, from those at ``known`` pixels alone.
 
     A normalised convolution: with background and contours not known, neither the far surface nor
@@ -58,7 +57,7 @@ def _along(field: Floats, right: Floats, down: Floats) -> Floats:
     return result
 
 
-def zero_crossings(slope: Floats, bend: Floats, valid: Mark) -> Crossings:
+def zero_crossings(slope: Floats, bend: Floats, valid: BoolMask) -> Crossings:
     """Return where ``slope`` changes sign between two valid neighbours, to a fraction of a pixel.
 
     Their strength is ``bend`` at the pixel nearer to zero.

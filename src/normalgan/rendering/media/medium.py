@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.rendering.maps import Floats
 from normalgan.rendering.media.paper import on_paper, scanned
 from normalgan.rendering.media.tools import bleed, pencil
 

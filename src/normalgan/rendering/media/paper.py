@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from normalgan.rendering.maps import Floats
+from normalgan.arrays import Floats
 
 __all__ = ["on_paper", "scanned"]
 

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from normalgan.rendering.maps import Floats
+from normalgan.arrays import Floats
 
 __all__ = ["bleed", "pencil"]
 

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 from normalgan.rendering.views import Camera
 
-__all__ = ["CANCELLED", "Doubles", "EmbreeRenderer"]
+__all__ = ["CANCELLED", "EmbreeRenderer"]
 
-Doubles = NDArray[np.float64]
 
 CANCELLED = 1e-4
 """Interpolated normals shorter than this have cancelled each other out."""

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.rigs.accessors import read_accessor
 from normalgan.rendering.rigs.container import Container, bad_rig
-from normalgan.rendering.rigs.rig import Clip, Doubles, Nodes, Track
+from normalgan.rendering.rigs.rig import Clip, Nodes, Track
 
 __all__ = ["INTERPOLATIONS", "KINDS", "MOST_CHANNELS", "MOST_MOVED", "pose_at", "read_clips", "track_at"]
 

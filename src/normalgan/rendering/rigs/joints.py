@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from normalgan.arrays import BoolMask, Doubles
 from normalgan.rendering.rigs.animations import track_at
-from normalgan.rendering.rigs.rig import Doubles, Indices, Rig
+from normalgan.rendering.rigs.rig import Indices, Rig
 from normalgan.rendering.rigs.skinning import posed_vertices, world_matrices
 from normalgan.rendering.topology import components
 
@@ -18,13 +18,11 @@ __all__ = [
     "MOST_SEARCHED",
     "OUTLIERS",
     "SMALL",
-    "Flags",
     "Joints",
     "LooseRigError",
     "find_joints",
 ]
 
-Flags = NDArray[np.bool_]
 
 SMALL = np.deg2rad(12.0)
 """How far a joint may turn about each axis if no animation tells."""
@@ -104,7 +102,7 @@ def _owned(rig: Rig) -> tuple[Doubles, Indices]:
     return np.concatenate(points), np.concatenate(owners)
 
 
-def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: Flags) -> Indices:
+def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: BoolMask) -> Indices:
     """Return the parents with smaller trees hung on the joints of larger ones that they touch."""
     parents = np.where(moving, parents, -1)
     points, owners = _thinned(points, owners)
@@ -139,7 +137,7 @@ def _thinned(points: Doubles, owners: Indices) -> tuple[Doubles, Indices]:
     return points[kept], owners[kept]
 
 
-def _ordered(parents: Indices, moving: Flags) -> Indices:
+def _ordered(parents: Indices, moving: BoolMask) -> Indices:
     """Return the moving nodes, each after the one that it hangs on."""
 
     def depth(node: int) -> int:

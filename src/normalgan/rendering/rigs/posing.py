@@ -3,9 +3,10 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.joints import Joints, find_joints
-from normalgan.rendering.rigs.rig import Doubles, Rig
+from normalgan.rendering.rigs.rig import Rig
 from normalgan.rendering.rigs.skinning import world_matrices
 
 __all__ = ["draw_pose", "turned"]

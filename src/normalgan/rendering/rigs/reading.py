@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_limits import check_limits
 from normalgan.rendering.rigs.accessors import read_accessor
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.container import Container, bad_rig, read_container
-from normalgan.rendering.rigs.rig import Doubles, Indices, Nodes, Piece, Rig, Skin
+from normalgan.rendering.rigs.rig import Indices, Nodes, Piece, Rig, Skin
 
 __all__ = ["MOST_SETS", "SUM_TOLERANCE", "read_rig"]
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Clip", "Doubles", "Indices", "Nodes", "Piece", "Rig", "Skin", "Track"]
+from normalgan.arrays import Doubles
 
-Doubles = NDArray[np.float64]
+__all__ = ["Clip", "Indices", "Nodes", "Piece", "Rig", "Skin", "Track"]
+
 Indices = NDArray[np.int64]
 
 

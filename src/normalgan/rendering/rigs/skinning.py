@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from normalgan.rendering.rigs.rig import Doubles, Indices, Nodes, Piece, Rig
+from normalgan.arrays import Doubles
+from normalgan.rendering.rigs.rig import Indices, Nodes, Piece, Rig
 
 __all__ = ["local_matrices", "posed_surface", "posed_vertices", "world_matrices"]
 

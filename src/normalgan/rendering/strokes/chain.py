@@ -5,7 +5,7 @@ from collections import defaultdict
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.strokes.stroke import Doubles
+from normalgan.arrays import Doubles
 
 __all__ = ["End", "Indices", "Neighbours", "Piece", "chain"]
 

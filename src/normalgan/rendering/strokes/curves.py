@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from normalgan.rendering.strokes.stroke import Doubles
+from normalgan.arrays import Doubles
 
 __all__ = ["resample", "settle", "smooth"]
 

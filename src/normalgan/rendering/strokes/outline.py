@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.arrays import Doubles
+from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["outline"]
 

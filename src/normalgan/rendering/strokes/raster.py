@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.maps import Floats
+from normalgan.arrays import Doubles, Floats
 from normalgan.rendering.strokes.chain import Indices
-from normalgan.rendering.strokes.stroke import Doubles, Stroke
+from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["rasterise"]
 

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Doubles", "Stroke"]
+from normalgan.arrays import Doubles
 
-Doubles = NDArray[np.float64]
+__all__ = ["Stroke"]
 
 
 @dataclass(frozen=True)

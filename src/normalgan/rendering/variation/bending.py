@@ -7,11 +7,11 @@ A. H. Barr, "Global and local deformations of solid primitives", SIGGRAPH 1984. 
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Deformation", "Deformed", "Doubles", "bend", "in_turn", "scale", "taper", "together", "twist"]
+from normalgan.arrays import Doubles
 
-Doubles = NDArray[np.float64]
+__all__ = ["Deformation", "Deformed", "bend", "in_turn", "scale", "taper", "together", "twist"]
+
 Deformed = tuple[Doubles, Doubles]
 Deformation = Callable[[Doubles], Deformed]
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.repair import face_vectors
-from normalgan.rendering.variation.bending import Doubles
 
 __all__ = ["ACROSS", "COARSE", "FINE", "PROBES", "Frame", "find_frame"]
 

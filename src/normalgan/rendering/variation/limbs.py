@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.variation.bending import Deformed, Doubles
+from normalgan.arrays import Doubles
+from normalgan.rendering.variation.bending import Deformed
 
 __all__ = ["BELLY_SHARE", "BLEND", "REACH", "Middle", "belly", "lengthen", "thicken"]
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from normalgan.rendering.variation.bending import Deformed, Doubles
+from normalgan.arrays import Doubles
+from normalgan.rendering.variation.bending import Deformed
 
 __all__ = ["bump", "swell"]
 

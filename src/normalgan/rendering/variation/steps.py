@@ -5,17 +5,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.variation.bending import (
-    Deformation,
-    Deformed,
-    Doubles,
-    bend,
-    scale,
-    taper,
-    together,
-    twist,
-)
-from normalgan.rendering.variation.dice import PARTS, Dice
+from normalgan.arrays import Doubles
+from normalgan.rendering.variation.bending import Deformation, Deformed, bend, scale, taper, together, twist
+from normalgan.rendering.variation.draws import PARTS, VariationDraws
 from normalgan.rendering.variation.lattice import free_form
 from normalgan.rendering.variation.limbs import Middle, belly, lengthen, thicken
 from normalgan.rendering.variation.local import bump, swell
@@ -55,51 +47,51 @@ class Object:
         return np.searchsorted(self._cumulated, shares).clip(0, len(self.points) - 1)
 
 
-def steps(thing: Object, strength: Variation, dice: Dice) -> list[Deformation]:
-    """Return the deformations that make the individual of these dice, in order.
+def steps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
+    """Return the deformations that make the individual of these draws, in order.
 
     Args:
         thing: the object.
-        strength: how much the dice count.
-        dice: what chance has drawn.
+        strength: how much the draws count.
+        draws: what chance has drawn.
     """
     odd = strength.asymmetry
     half = float(np.abs(thing.points[:, 0]).max())
-    length, thickness = dice.limbs * [strength.limb_length, strength.limb_thickness]
-    up, sideways = np.deg2rad(strength.bend) * dice.bend * [1.0, odd] / (2 * half)
+    length, thickness = draws.limbs * [strength.limb_length, strength.limb_thickness]
+    up, sideways = np.deg2rad(strength.bend) * draws.bend * [1.0, odd] / (2 * half)
     # What is placed on the surface comes first, while it lies where it was found.
     return [
         partial(thicken, middle=thing.limbs, growth=float(thickness)),
-        partial(together, deformations=_parts(thing, strength, dice)),
-        partial(together, deformations=_bumps(thing, strength, dice)),
+        partial(together, deformations=_parts(thing, strength, draws)),
+        partial(together, deformations=_bumps(thing, strength, draws)),
         partial(lengthen, up=thing.up, line=thing.belly, growth=float(length)),
-        partial(scale, factors=(1 + strength.scale) ** dice.scale),
-        partial(taper, slope=strength.taper * dice.taper / half),
-        partial(_pull, pulls=_mirrored(strength.lattice * dice.lattice, odd)),
-        partial(twist, rate=float(np.deg2rad(strength.twist) * odd * dice.twist / (2 * half))),
+        partial(scale, factors=(1 + strength.scale) ** draws.scale),
+        partial(taper, slope=strength.taper * draws.taper / half),
+        partial(_pull, pulls=_mirrored(strength.lattice * draws.lattice, odd)),
+        partial(twist, rate=float(np.deg2rad(strength.twist) * odd * draws.twist / (2 * half))),
         partial(bend, curvature=float(up), across=1),
         partial(bend, curvature=float(sideways), across=2),
     ]
 
 
-def _parts(thing: Object, strength: Variation, dice: Dice) -> list[Deformation]:
+def _parts(thing: Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
     """Return the growth of parts, each with its mirror image; centres lie under the skin."""
-    centres, _ = thing.trunk.at(thing.points[thing.vertices_at(dice.part_places)])
-    widths = PART_WIDTH[0] + dice.widths[:PARTS] * (PART_WIDTH[1] - PART_WIDTH[0])
+    centres, _ = thing.trunk.at(thing.points[thing.vertices_at(draws.part_places)])
+    widths = PART_WIDTH[0] + draws.widths[:PARTS] * (PART_WIDTH[1] - PART_WIDTH[0])
     found: list[Deformation] = []
-    for centre, width, growth in zip(centres, widths, strength.parts * dice.parts, strict=True):
+    for centre, width, growth in zip(centres, widths, strength.parts * draws.parts, strict=True):
         own, other = _sides(centre, float(width), strength.asymmetry)
         found.append(partial(swell, centre=centre, width=width, growth=own * growth))
         found.append(partial(swell, centre=centre * MIRROR, width=width, growth=other * growth))
     return found
 
 
-def _bumps(thing: Object, strength: Variation, dice: Dice) -> list[Deformation]:
+def _bumps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
     """Return the bumps and hollows, along the normal, each with its mirror image."""
-    vertices = thing.vertices_at(dice.bump_places)
-    widths = BUMP_WIDTH[0] + dice.widths[PARTS:] * (BUMP_WIDTH[1] - BUMP_WIDTH[0])
+    vertices = thing.vertices_at(draws.bump_places)
+    widths = BUMP_WIDTH[0] + draws.widths[PARTS:] * (BUMP_WIDTH[1] - BUMP_WIDTH[0])
     found: list[Deformation] = []
-    for vertex, width, height in zip(vertices, widths, strength.bumps * dice.bumps, strict=True):
+    for vertex, width, height in zip(vertices, widths, strength.bumps * draws.bumps, strict=True):
         centre, shift = thing.points[vertex], height * width * thing.normals[vertex]
         own, other = _sides(centre, float(width), strength.asymmetry)
         found.append(partial(bump, centre=centre, width=width, shift=own * shift))

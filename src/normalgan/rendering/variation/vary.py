@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.variation.bending import Doubles, in_turn
-from normalgan.rendering.variation.dice import throw
+from normalgan.rendering.variation.bending import in_turn
+from normalgan.rendering.variation.draws import draw
 from normalgan.rendering.variation.frame import find_frame
 from normalgan.rendering.variation.steps import Object, steps
 from normalgan.rendering.variation.variation import Variation
@@ -33,9 +34,9 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
     points = frame.inward(mesh.vertices.astype(np.float64))
     normals = mesh.normals.astype(np.float64) @ frame.axes.T
     thing = Object(points, normals, frame.areas, mesh.faces, frame.up)
-    dice, amount = throw(rng), 1.0
+    draws, amount = draw(rng), 1.0
     while True:
-        moved, jacobian = in_turn(points, steps(thing, variation.times(amount), dice))
+        moved, jacobian = in_turn(points, steps(thing, variation.times(amount), draws))
         turned = cofactors(jacobian)
         # A row times its cofactors is the determinant.
         volume = np.einsum("vc,vc->v", jacobian[:, 0], turned[:, 0])

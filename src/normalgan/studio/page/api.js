@@ -67,8 +67,8 @@ export const named = async () => (await ask("/api/open")).json();
  * @param {Request} request @param {AbortSignal} [signal]
  * @throws {Lacking} if there is nothing to be painted.
  */
-export async function paint(request, signal) {
-  const response = await post("/api/paint", request, signal);
+export async function predict(request, signal) {
+  const response = await post("/api/predict", request, signal);
   if (response.status === 204) {
     const lacks = words(response, "X-Warning");
     if (lacks) throw new Lacking(lacks);
@@ -95,7 +95,7 @@ export async function height(request, signal) {
  * @param {Request} request
  */
 export async function doubt(request) {
-  const response = await post("/api/doubt", request);
+  const response = await post("/api/uncertainty", request);
   if (response.status === 204) return null;
   const shares = new Uint8Array(await response.arrayBuffer());
   return { shares, width: number(response, "X-Width"), height: number(response, "X-Height"), known: shares.length > 0 };

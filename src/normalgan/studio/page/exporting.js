@@ -40,12 +40,12 @@ async function toBase64(blob) {
 export class Exporting {
   /**
    * @param {import("./editor.js").Editor} editor
-   * @param {import("./painter.js").Painter} painter
+   * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
    */
-  constructor(editor, painter, status) {
+  constructor(editor, predictor, status) {
     this.editor = editor;
-    this.painter = painter;
+    this.predictor = predictor;
     this.status = status;
     $("export-what").addEventListener("change", () => this.#formats());
     $("export-format").addEventListener("change", () => this.#rows());
@@ -104,7 +104,7 @@ export class Exporting {
       more.line_art = await toBase64(lines);
     }
     // At its own size the file is of the very pixels that the map on show is of.
-    return longest === own ? this.painter.ask(exported, more) : this.painter.askAt(longest, exported, more);
+    return longest === own ? this.predictor.ask(exported, more) : this.predictor.askAt(longest, exported, more);
   }
 
   #wish() {

@@ -10,14 +10,14 @@ const LAST = 6000;
 
 /**
  * @param {import("./editor.js").Editor} editor
- * @param {import("./painter.js").Painter} painter
+ * @param {import("./predictor.js").Predictor} predictor
  * @param {import("./result.js").Result} result
  */
-export function teach(editor, painter, result) {
+export function teach(editor, predictor, result) {
   let at = Number(recalled(KEY) ?? 0);
   /** @type {{words: string, done: () => boolean}[]} */
   const steps = [
-    { words: text.firstDraw, done: () => painter.whole && painter.painted !== null },
+    { words: text.firstDraw, done: () => predictor.whole && predictor.painted !== null },
     { words: text.firstLight, done: () => result.view !== "map" },
     { words: text.firstPoint, done: () => editor.layer.hints.length > 0 && editor.chosen < 0 },
     { words: text.firstExport, done: () => /** @type {HTMLDialogElement} */ ($("export-dialog")).open },
@@ -44,7 +44,7 @@ export function teach(editor, painter, result) {
   };
   $("first-skip").addEventListener("click", end);
   for (const name of ["change", "state"]) editor.addEventListener(name, look);
-  painter.addEventListener("painted", look);
+  predictor.addEventListener("painted", look);
   $("views").addEventListener("click", look);
   $("export").addEventListener("click", () => setTimeout(look));
   if (at < steps.length) show();

@@ -15,7 +15,7 @@ import { Inks } from "./ink.js";
 import { followKeyboard } from "./keyboard_pen.js";
 import { followLayers } from "./layers.js";
 import { Lights } from "./lights.js";
-import { Painter } from "./painter.js";
+import { Predictor } from "./predictor.js";
 import { Panes } from "./panes.js";
 import { followPaper } from "./paper.js";
 import { followPointers } from "./pointer.js";
@@ -43,11 +43,11 @@ const inks = new Inks();
 const view = new View();
 const board = new Board($("board"), $("sheet"), editor, inks, view);
 const overlay = new Board($("overlay"), $("result-sheet"), editor, inks, view, $("viewer"));
-const painter = new Painter(editor, inks, connection, tab);
-const result = new Result(painter, status);
+const predictor = new Predictor(editor, inks, connection, tab);
+const result = new Result(predictor, status);
 const lights = new Lights(result.viewer, () => result.view, (each) => result.show(each));
 result.onLight = (/** @type {number[]} */ light) => lights.took(light);
-const panes = new Panes(board, overlay, painter, status);
+const panes = new Panes(board, overlay, predictor, status);
 // Marks would hide the map from whoever only looks at it.
 overlay.marked = () => panes.layout === "result" || ["hint", "region", "brush"].includes(editor.tool);
 overlay.onMoved = () => {
@@ -58,11 +58,11 @@ overlay.onMoved = () => {
 const autosave = new Autosave(editor, connection, tab);
 const projects = new Projects(editor, autosave, status);
 const importing = new Importing(editor, view, status, projects);
-const exporting = new Exporting(editor, painter, status);
+const exporting = new Exporting(editor, predictor, status);
 const lines = new LineTool(editor, inks);
-const pins = new HintTool(editor, () => painter.painted, (words) => status.say(words));
-const areas = new AreaTool(editor, () => painter.painted, (words) => status.say(words));
-const points = new Points([board, overlay], pins, painter, status);
+const pins = new HintTool(editor, () => predictor.painted, (words) => status.say(words));
+const areas = new AreaTool(editor, () => predictor.painted, (words) => status.say(words));
+const points = new Points([board, overlay], pins, predictor, status);
 const mask = new MaskTool(editor, (words) => status.say(words));
 const select = new SelectTool(editor);
 const light = new LightTool((x, y) => lights.move(x, y));
@@ -175,6 +175,6 @@ $("keys").replaceChildren(...rows);
 
 const served = await about().catch((error) => status.fail(error));
 if (served) $("about").textContent = say("about", { version: served.version, model: served.model.name });
-teach(editor, painter, result);
+teach(editor, predictor, result);
 await begin({ projects, importing, autosave, status });
 document.documentElement.dataset.ready = "true";

@@ -31,35 +31,35 @@ function tinted(width, height, [red, green, blue], opacity) {
 /** Draws how unsure the model is: the more, the more amber. @param {{shares: Uint8Array, width: number, height: number}} doubt */
 const veilOf = ({ shares, width, height }) => tinted(width, height, AMBER, (pixel) => Math.min(235, 2.2 * shares[pixel]));
 
-/** Draws where the object is. @param {import("./painter.js").Painted} painted */
+/** Draws where the object is. @param {import("./predictor.js").Painted} painted */
 const objectOf = ({ rgba, width, height }) => tinted(width, height, OBJECT, (pixel) => Math.round(0.3 * rgba[4 * pixel + 3]));
 
 export class Panes {
   /**
    * @param {import("./board.js").Board} drawing
    * @param {import("./board.js").Board} result
-   * @param {import("./painter.js").Painter} painter
+   * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
    */
-  constructor(drawing, result, painter, status) {
+  constructor(drawing, result, predictor, status) {
     this.drawing = drawing;
     this.result = result;
-    this.painter = painter;
+    this.predictor = predictor;
     this.status = status;
     /** @type {"both" | "drawing" | "result"} */
     this.layout = "both";
     /** @type {number | null} share of the result's width where the drawing ends; null does not compare */
     this.divider = null;
     this.lines = false;
-    /** @type {import("./painter.js").Painter["doubt"]} what the veil shows */
+    /** @type {import("./predictor.js").Predictor["doubt"]} what the veil shows */
     this.doubted = null;
     $("drawing-large").addEventListener("click", () => this.enlarge("drawing"));
     $("result-large").addEventListener("click", () => this.enlarge("result"));
     $("compare").addEventListener("click", () => this.compare());
     $("lines").addEventListener("click", () => this.overlay());
-    $("doubt").addEventListener("click", () => painter.wantDoubt(!painter.wantsDoubt));
-    painter.addEventListener("doubt", () => this.#show());
-    for (const name of ["painted", "empty"]) painter.addEventListener(name, () => this.#showObject());
+    $("doubt").addEventListener("click", () => predictor.wantDoubt(!predictor.wantsDoubt));
+    predictor.addEventListener("doubt", () => this.#show());
+    for (const name of ["painted", "empty"]) predictor.addEventListener(name, () => this.#showObject());
     this.tool = "";
     drawing.editor.addEventListener("state", () => {
       if (this.tool === drawing.editor.tool) return;
@@ -92,7 +92,7 @@ export class Panes {
   /** Tints the object in the drawing, where the mask is worked on. */
   #showObject() {
     const { sheet } = this.drawing;
-    const { painted } = this.painter;
+    const { painted } = this.predictor;
     const veil = this.drawing.editor.tool === "mask" && painted ? objectOf(painted) : null;
     if (veil === sheet.veil) return;
     sheet.veil = veil;
@@ -100,19 +100,19 @@ export class Panes {
   }
 
   #show() {
-    const { layout, divider, lines, painter } = this;
+    const { layout, divider, lines, predictor } = this;
     /** @type {HTMLElement} */ (document.querySelector("main")).dataset.layout = layout;
     for (const pane of ["drawing", "result"]) $(`${pane}-large`).setAttribute("aria-pressed", String(layout === pane));
     $("compare").setAttribute("aria-pressed", String(divider !== null));
     $("lines").setAttribute("aria-pressed", String(lines));
-    $("doubt").setAttribute("aria-pressed", String(painter.wantsDoubt));
+    $("doubt").setAttribute("aria-pressed", String(predictor.wantsDoubt));
     $("divider").hidden = divider === null;
     $("divider").style.left = `${100 * (divider ?? 0)}%`;
     $("divider").setAttribute("aria-valuenow", String(Math.round(100 * (divider ?? 0))));
     const { sheet } = this.result;
     // As large as the map: it is not drawn anew for each step of the divider.
-    if (this.doubted !== painter.doubt) [this.doubted, sheet.veil] = [painter.doubt, painter.doubt && veilOf(painter.doubt)];
-    if (painter.wantsDoubt && painter.unsure === false) this.status.say(text.noDoubt, "warning");
+    if (this.doubted !== predictor.doubt) [this.doubted, sheet.veil] = [predictor.doubt, predictor.doubt && veilOf(predictor.doubt)];
+    if (predictor.wantsDoubt && predictor.unsure === false) this.status.say(text.noDoubt, "warning");
     // A large result is drawn on: its lines must be seen then.
     const over = { lines: lines || layout === "result", paper: false };
     sheet.parts = divider === null

@@ -19,14 +19,14 @@ export class Points {
   /**
    * @param {import("./board.js").Board[]} boards that show points; the card is in the one that was touched last
    * @param {import("./tools.js").HintTool} tool
-   * @param {import("./painter.js").Painter} painter
+   * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
    */
-  constructor(boards, tool, painter, status) {
+  constructor(boards, tool, predictor, status) {
     /** @type {import("./board.js").Board} */
     this.board = boards[0];
     this.tool = tool;
-    this.painter = painter;
+    this.predictor = predictor;
     this.status = status;
     this.editor = this.board.editor;
     this.popover = $("point");
@@ -50,7 +50,7 @@ export class Points {
     });
     this.editor.addEventListener("change", () => this.#show());
     this.editor.addEventListener("state", () => this.#show());
-    painter.addEventListener("empty", () => this.editor.suggestions.length && this.editor.set({ suggestions: [] }));
+    predictor.addEventListener("empty", () => this.editor.suggestions.length && this.editor.set({ suggestions: [] }));
     for (const board of boards) board.onDrawn = () => board === this.board && this.#place();
     this.#show();
   }
@@ -97,11 +97,11 @@ export class Points {
 
   /** Asks the server where a point would help most. */
   async suggest() {
-    const { editor, painter, status } = this;
+    const { editor, predictor, status } = this;
     const { layer } = editor;
     if (!layer.strokes.length) return;
     try {
-      const points = await painter.ask(suggest, { count: COUNT }, [layer]);
+      const points = await predictor.ask(suggest, { count: COUNT }, [layer]);
       // What was asked for an older drawing may lie beside the object.
       if (layer.strokes !== editor.layer.strokes) return;
       editor.set({ suggestions: points, tool: "hint", chosen: -1 });

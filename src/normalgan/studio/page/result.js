@@ -1,4 +1,4 @@
-/** Result: the viewer with its tabs, fed by the painter. */
+/** Result: the viewer with its tabs, fed by the predictor. */
 
 import { Lacking, Refused } from "./api.js";
 import { $ } from "./dom.js";
@@ -15,25 +15,25 @@ const KEY = "normalgan-view";
 
 export class Result {
   /**
-   * @param {import("./painter.js").Painter} painter
+   * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
    */
-  constructor(painter, status) {
+  constructor(predictor, status) {
     /** What is on show. @type {View} */
     this.view = "map";
-    this.painter = painter;
+    this.predictor = predictor;
     this.status = status;
     /** Called with the light that keys have moved. @type {(light: number[]) => void} */
     this.onLight = () => {};
     this.viewer = createViewer($("viewer"), {
       text: text.viewerTexts, onError: (words) => this.#say(words), onMove: ({ light }) => this.onLight(light),
     });
-    painter.addEventListener("painting", () => $("result").setAttribute("aria-busy", "true"));
-    painter.addEventListener("painted", (event) => this.#painted(/** @type {CustomEvent} */ (event).detail));
-    painter.addEventListener("raising", () => status.note(text.raising));
-    painter.addEventListener("height", () => this.#raised());
-    painter.addEventListener("empty", () => this.#emptied());
-    painter.addEventListener("failed", (event) => this.#failed(/** @type {CustomEvent} */ (event).detail));
+    predictor.addEventListener("painting", () => $("result").setAttribute("aria-busy", "true"));
+    predictor.addEventListener("painted", (event) => this.#painted(/** @type {CustomEvent} */ (event).detail));
+    predictor.addEventListener("raising", () => status.note(text.raising));
+    predictor.addEventListener("height", () => this.#raised());
+    predictor.addEventListener("empty", () => this.#emptied());
+    predictor.addEventListener("failed", (event) => this.#failed(/** @type {CustomEvent} */ (event).detail));
     for (const tab of this.#tabs()) {
       tab.addEventListener("click", () => this.show(viewOf(tab)));
       tab.addEventListener("keydown", (event) => this.#walk(event, tab));
@@ -54,7 +54,7 @@ export class Result {
     this.view = view;
     $("result").dataset.view = view;
     this.viewer.setView(view);
-    this.painter.wantHeight(view === "relief" && this.viewer.available);
+    this.predictor.wantHeight(view === "relief" && this.viewer.available);
   }
 
   /** @returns {HTMLElement[]} */
@@ -75,8 +75,8 @@ export class Result {
 
   /** @param {{ms: number, whole: boolean}} detail */
   #painted({ ms, whole }) {
-    if (!this.painter.painted) return;
-    const { rgba, width, height, warning } = this.painter.painted;
+    if (!this.predictor.painted) return;
+    const { rgba, width, height, warning } = this.predictor.painted;
     this.viewer.setMap(rgba, width, height);
     $("empty-result").hidden = true;
     $("result").setAttribute("aria-busy", String(!whole));
@@ -97,8 +97,8 @@ export class Result {
   }
 
   #raised() {
-    if (!this.painter.heights) return;
-    const { heights, width, height } = this.painter.heights;
+    if (!this.predictor.heights) return;
+    const { heights, width, height } = this.predictor.heights;
     this.viewer.setHeight(heights, width, height);
     this.status.note("");
   }

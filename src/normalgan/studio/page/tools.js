@@ -111,7 +111,7 @@ export class LineTool {
 export class HintTool {
   /**
    * @param {import("./editor.js").Editor} editor
-   * @param {() => import("./painter.js").Painted | null} map what was painted last
+   * @param {() => import("./predictor.js").Painted | null} map what was painted last
    * @param {(words: string) => void} announce
    */
   constructor(editor, map, announce) {
@@ -196,7 +196,7 @@ export class HintTool {
 export class AreaTool {
   /**
    * @param {import("./editor.js").Editor} editor
-   * @param {() => import("./painter.js").Painted | null} map what was painted last
+   * @param {() => import("./predictor.js").Painted | null} map what was painted last
    * @param {(words: string) => void} announce
    */
   constructor(editor, map, announce) {

@@ -7,7 +7,7 @@
  * writes the three sRGB levels of a unit normal into out, from index at on */
 
 /**
- * The clay of normalgan.painting.outputs.lighting, so that the page and `generate --preview` look alike.
+ * The clay of normalgan.inference.outputs.lighting, so that the page and `generate --preview` look alike.
  * @type {{colour: number[], lamp: number[], sky: number[], ground: number[], gloss: number, sharpness: number}}
  */
 export const CLAY = await (await fetch(new URL("clay.json", import.meta.url))).json();

@@ -1,0 +1,13 @@
+"""Arrays: the types of numpy arrays that the package passes on, each defined once."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["BoolMask", "Doubles", "Floats"]
+
+Floats = NDArray[np.float32]
+"""Pictures, normals and other values in single precision."""
+Doubles = NDArray[np.float64]
+"""Geometry in double precision."""
+BoolMask = NDArray[np.bool_]
+"""Which pixels, or which elements, belong to something."""

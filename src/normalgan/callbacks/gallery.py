@@ -1,0 +1,149 @@
+"""The gallery: rows of sketch, hints, generated map, ground truth and error, as one picture."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.files.writing import write_bytes
+from normalgan.normals import angles, encode, normalize, paint_flat
+
+__all__ = ["COLUMNS", "MAX_ERROR", "Row", "colours", "draw_gallery", "write_gallery"]
+
+COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
+MAX_ERROR = 60.0
+"""Degrees at the top of the error scale; larger errors have its last colour."""
+
+_DPI = 100
+_EDGE, _GAP, _LINE, _HEAD = 10, 8, 24, 52  # pixels: margin, between cells, caption under a row, headings
+_NEUTRAL = (0.72, 0.72, 0.72)  # off the object; neither end of the error scale looks like it
+
+
+@dataclass(frozen=True)
+class Row:
+    """One sample of the gallery, as numpy arrays.
+
+    Args:
+        title: what is written under it.
+        sketch: (H, W) in [0, 1], ink 1.
+        hints: (4, H, W) normals at the hints and where they are.
+        preds: (3, H, W) generated normals of any length.
+        target: (3, H, W) true unit normals, 0 off the object.
+        mask: (H, W) True on the object.
+    """
+
+    title: str
+    sketch: Floats
+    hints: Floats
+    preds: Floats
+    target: Floats
+    mask: NDArray[np.bool_]
+
+    def error(self) -> Floats:
+        """Return the angular error in degrees, (H, W), nan off the object; 90° where nothing is painted."""
+        preds, target = normalize(np.moveaxis(self.preds, 0, -1)), np.moveaxis(self.target, 0, -1)
+        angle = angles(preds, target)
+        angle[~preds.any(-1)] = 90.0  # as `normalgan.metrics.angular_error` has it
+        return np.where(self.mask, angle, np.nan).astype(np.float32)
+
+
+def colours(normal: Floats, mask: NDArray[np.bool_] | None = None) -> NDArray[np.uint8]:
+    """Return the picture (H, W, 3) of a map (3, H, W); flat off the object.
+
+    Without a mask, what is shorter than half a unit is taken for background.
+    """
+    vectors = np.moveaxis(normal, 0, -1)
+    if mask is None:
+        mask = np.linalg.norm(vectors, axis=-1) > 0.5
+    return encode(paint_flat(normalize(vectors), mask)).astype(np.uint8)
+
+
+def draw_gallery(rows: Sequence[Row], caption: str = "") -> bytes:
+    """Return the gallery as a PNG, with a scale of the error in degrees.
+
+    Maps of up to 300 pixels are enlarged by a whole number, so that every pixel of them is seen.
+
+    Args:
+        rows: the samples, top to bottom, all of one size.
+        caption: one line above them.
+
+    Raises:
+        InputError: if there are no rows.
+    """
+    if not rows:
+        raise InputError("a gallery needs at least one row, but there are no samples to show.")
+    size = rows[0].mask.shape[0]
+    cell = size * max(1, round(200 / size)) if size <= 300 else 256
+    top = _EDGE + _HEAD + (_LINE if caption else 0)
+    width = 2 * _EDGE + len(COLUMNS) * cell + (len(COLUMNS) - 1) * _GAP
+    height = top + len(rows) * (cell + _LINE) + _EDGE
+    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
+
+    def box(x: float, y: float, w: float, h: float) -> Axes:
+        """Return axes with the given place, in pixels from the upper left."""
+        axes = figure.add_axes((x / width, 1 - (y + h) / height, w / width, h / height))
+        axes.set(xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
+        return axes
+
+    if caption:
+        figure.text(_EDGE / width, 1 - _EDGE / height, caption, fontsize=10, va="top")
+    lefts = [_EDGE + i * (cell + _GAP) for i in range(len(COLUMNS))]
+    for i, row in enumerate(rows):
+        shown = _draw_row(row, [box(x, top + i * (cell + _LINE), cell, cell) for x in lefts])
+    for name, x in zip(COLUMNS, lefts, strict=True):
+        # The scale goes between the last heading and its column.
+        y = top - (_HEAD if name == COLUMNS[-1] else 20)
+        figure.text((x + cell / 2) / width, 1 - y / height, name, fontsize=11, ha="center", va="top")
+    scale = figure.colorbar(shown, cax=box(lefts[-1], top - 29, cell, 9), orientation="horizontal")
+    scale.outline.set_visible(False)
+    scale.set_ticks([0, 15, 30, 45, MAX_ERROR], labels=["0°", "15°", "30°", "45°", f"≥{MAX_ERROR:.0f}°"])
+    scale.ax.tick_params(labelsize=8, length=0, pad=2)
+    labels = scale.ax.get_xticklabels()  # the outer ones must not stand out
+    labels[0].set_horizontalalignment("left")
+    labels[-1].set_horizontalalignment("right")
+    png = BytesIO()
+    figure.savefig(png, format="png")
+    return png.getvalue()
+
+
+def write_gallery(path: str | Path, rows: Sequence[Row], caption: str = "") -> None:
+    """Write the gallery as a PNG file."""
+    write_bytes(path, draw_gallery(rows, caption))
+
+
+def _draw_row(row: Row, axes: Sequence[Axes]) -> AxesImage:
+    """Draw one row into its axes and return the error map, which the scale is for."""
+    # Enlarged pixels stay squares; large maps are averaged down.
+    how = "nearest" if row.mask.shape[0] <= 300 else "antialiased"
+    error = row.error()
+    axes[0].imshow(1 - row.sketch, cmap="gray", vmin=0, vmax=1, interpolation=how)
+    axes[1].imshow(1 - row.sketch * 0.22, cmap="gray", vmin=0, vmax=1, interpolation=how)
+    axes[2].imshow(colours(row.preds), interpolation=how)
+    axes[3].imshow(colours(row.target, row.mask), interpolation=how)
+    magma = colormaps["magma"].with_extremes(bad=_NEUTRAL)
+    shown = axes[4].imshow(error, cmap=magma, vmin=0, vmax=MAX_ERROR, interpolation=how)
+    y, x = np.nonzero(row.hints[3] > 0.5)
+    dot = 42 if len(x) <= 40 else 18
+    axes[1].scatter(
+        x, y, s=dot, c=encode(row.hints[:3, y, x].T) / 255, edgecolors="black", linewidths=0.8, clip_on=False
+    )
+    for frame in axes[:2]:
+        frame.spines[:].set(visible=True, color="0.85")
+    captions = {
+        0: row.title,
+        1: f"{len(x) or 'no'} hint{'s' * (len(x) != 1)}",
+        4: f"mean {np.nanmean(error):.1f}°" if row.mask.any() else "no object",
+    }
+    for column, text in captions.items():
+        axes[column].set_xlabel(text, fontsize=9, labelpad=3)
+    return shown

@@ -1,0 +1,176 @@
+"""Plug-ins: the classes that a setting can name, ours and those of the libraries under us."""
+
+import contextlib
+import inspect
+from collections.abc import Iterator
+from importlib import import_module
+from importlib.metadata import entry_points
+from itertools import accumulate
+from typing import Any
+
+from normalgan.data.augmentation import AUGMENTATIONS
+from normalgan.data.sources import DATA_SOURCES
+from normalgan.errors import did_you_mean
+from normalgan.hints import HINT_SAMPLERS
+from normalgan.losses import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
+from normalgan.metrics import METRICS
+from normalgan.models import DISCRIMINATORS, GENERATORS
+from normalgan.registry import LeftOut, Registry, offerer, summary
+from normalgan.rendering.lines import LINE_DRAWINGS
+from normalgan.rendering.renderers import RENDERERS
+
+__all__ = [
+    "REGISTRIES",
+    "SETTINGS",
+    "described",
+    "load_plugins",
+    "misplaced",
+    "namable",
+    "safe_imports",
+]
+
+REGISTRIES: dict[str, Registry[Any]] = {
+    "renderer": RENDERERS,
+    "lines": LINE_DRAWINGS,
+    "hint_sampler": HINT_SAMPLERS,
+    "generator": GENERATORS,
+    "discriminator": DISCRIMINATORS,
+    "objective": ADVERSARIAL_OBJECTIVES,
+    "reconstruction": RECONSTRUCTIONS,
+    "source": DATA_SOURCES,
+    "augmentation": AUGMENTATIONS,
+    "metrics": METRICS,
+}
+"""The registry behind each setting that names a plug-in."""
+
+_SECTIONS = {
+    **dict.fromkeys(("renderer", "lines", "source", "augmentation"), "data"),
+    "metrics": "report",
+}
+SETTINGS = {kind: f"{_SECTIONS.get(kind, 'model')}.{kind}" for kind in REGISTRIES}
+"""The setting that names a plug-in of each kind."""
+
+
+def load_plugins() -> None:
+    """Import and register what other installed packages offer, of every kind; warn of what is left out."""
+    for registry in REGISTRIES.values():
+        registry.load_entry_points()
+
+
+def namable() -> dict[str, Registry[Any]]:
+    """Return what each setting that takes a class may name, by the last part of the setting."""
+    # Late: lightning takes ten seconds to import, and a list of our plug-ins does without.
+    from lightning.pytorch import Callback
+    from lightning.pytorch.loggers import Logger
+    from torch.optim import Optimizer
+    from torch.optim.lr_scheduler import LRScheduler
+
+    optimizers = _subclasses(Optimizer)
+    return {
+        **REGISTRIES,
+        "styles": LINE_DRAWINGS,  # of a mixture
+        "generator_optimizer": optimizers,
+        "discriminator_optimizer": optimizers,
+        "lr_scheduler": _subclasses(LRScheduler),
+        "logger": _subclasses(Logger),
+        "callbacks": _subclasses(Callback),
+    }
+
+
+_OPTIMIZERS = "ASGD Adadelta Adagrad Adam AdamW Adamax NAdam RAdam RMSprop Rprop SGD"
+_SCHEDULES = (
+    "ConstantLR CosineAnnealingLR CosineAnnealingWarmRestarts CyclicLR ExponentialLR LinearLR MultiStepLR "
+    "OneCycleLR PolynomialLR ReduceLROnPlateau StepLR"
+)
+_CALLBACKS = (
+    "DeviceStatsMonitor EarlyStopping LearningRateMonitor ModelSummary RichModelSummary RichProgressBar "
+    "TQDMProgressBar Timer"
+)
+_SAFE = {
+    "torch.optim": _OPTIMIZERS,
+    "torch.optim.lr_scheduler": _SCHEDULES,
+    "lightning.pytorch.cli": "ReduceLROnPlateau",
+    "lightning.pytorch.callbacks": _CALLBACKS,
+    "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
+    "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
+    "normalgan.callbacks.checkpoints": "AtomicCheckpointIO LastCheckpoint",
+    "normalgan.data.sources": "MeshGroup",
+    "normalgan.rendering": "Views",
+    "normalgan.rendering.hand": "Hand",
+    "normalgan.rendering.media": "Medium",
+    "normalgan.rendering.variation": "Variation",
+    "normalgan.gan": "_rmsprop",
+    "normalgan.optimizers": "MuonRAdam",
+}
+"""What a stranger's configuration may name beside plug-ins: none takes a function or a path to write to."""
+
+
+def safe_imports() -> list[str]:
+    """Return every import path that a configuration may name under ``--safe-config``, in dots.
+
+    These are the registered classes and a few of torch, Lightning and this package, each where it is defined
+    and as each package above may show it.
+
+    >>> "torch.optim.RAdam" in safe_imports(), "torch.optim.radam.RAdam" in safe_imports()
+    (True, True)
+    """
+    named = [
+        getattr(import_module(module), name) for module, names in _SAFE.items() for name in names.split()
+    ]
+    plugins = [cls for registry in REGISTRIES.values() for cls in registry]
+    return sorted(
+        f"{package}.{found.__qualname__}"
+        for found in {*named, *plugins}
+        if found.__qualname__.isidentifier()  # no setting can name one that is defined in a function
+        for package in accumulate(found.__module__.split("."), "{}.{}".format)
+    )
+
+
+def misplaced() -> list[LeftOut]:
+    """Return what packages offer in groups that look like ours and are none: a typo nobody would notice."""
+    groups = [registry.group for registry in REGISTRIES.values()]
+    strange = [g for g in entry_points().groups if g.startswith("normalgan.") and g not in groups]
+    return [
+        LeftOut(
+            entry.name,
+            entry.value,
+            entry.group,
+            offerer(entry),
+            f"there is no group {entry.group}.{did_you_mean(entry.group, groups)}".rstrip("."),
+        )
+        for group in sorted(strange)
+        for entry in entry_points(group=group)
+    ]
+
+
+def described(section: str = "") -> str:
+    """Return every plug-in with its summary, by setting, as the end of a command's help.
+
+    Args:
+        section: ``model`` or ``data`` gives those of its settings alone; empty if there are none.
+    """
+    parts = []
+    for kind, registry in REGISTRIES.items():
+        if not SETTINGS[kind].startswith(section):
+            continue
+        parts.append(f"\n  --{SETTINGS[kind]}")
+        width = max(map(len, registry.names()))
+        parts += [f"    {cls.__name__:{width}}  {summary(cls)}".rstrip() for cls in registry]
+    opening = "plug-ins by setting; normalgan plugins tells which package each is from:"
+    return "\n".join([opening, *parts]) + "\n" if parts else ""
+
+
+def _subclasses(base: type[Any]) -> Registry[Any]:
+    """Return the concrete classes imported so far that derive from a library's base."""
+    registry: Registry[Any] = Registry(base, "")
+    for cls in list(_descend(base))[1:] or [base]:
+        if not cls.__name__.startswith("_") and not inspect.isabstract(cls):
+            with contextlib.suppress(ValueError):  # a second class of the name: the first will do
+                registry.register(cls)
+    return registry
+
+
+def _descend(cls: type[Any]) -> Iterator[type[Any]]:
+    yield cls
+    for child in cls.__subclasses__():
+        yield from _descend(child)

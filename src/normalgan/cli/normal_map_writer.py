@@ -1,0 +1,178 @@
+"""NormalMapWriter: what `normalgan predict` leaves on disk."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Literal
+
+import torch
+from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch.callbacks import BasePredictionWriter
+from torch import Tensor
+
+from normalgan.batch import Sketches
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError, RunError, one_line, unwritable, with_subject
+from normalgan.gan import NormalGAN
+from normalgan.inference.composites.series import flat_map
+from normalgan.inference.jobs.plan import Job, plan
+from normalgan.inference.network.torch_backend import channels_last
+from normalgan.inference.network.upsampling import enlarge, upsampler
+from normalgan.inference.normal_map import Format
+from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.inference.pipeline import finish
+from normalgan.normals import Bits, Green
+
+__all__ = ["NormalMapWriter"]
+
+
+class NormalMapWriter(BasePredictionWriter):
+    """Writes ``<name>_normal.png`` for each sketch, at the sketch's own size; flat off the object.
+
+    Args:
+        folder: where the maps go.
+        bits: of each channel of a PNG, 8 or 16.
+        format: of the map; exr and tiff hold floats.
+        y: up is green as in OpenGL, down as in DirectX.
+        alpha: write the object's mask as alpha channel.
+        suffix: of the map's name, after the drawing's.
+        show_input: write what the model saw.
+        preview: write the map under a lamp that goes around it.
+        height: write a height map: png is 16 bits from the lowest to the highest, tiff floats in pixels.
+        relief: write a relief mesh.
+        height_scale: pixels from black to white of a height png; batch takes those of the highest drawing.
+        faces: triangles of the relief at most; null is four for each pixel.
+        ao: write the ambient occlusion.
+        curvature: write the curvature, ridges light and hollows dark.
+        specular: write how much each place reflects, ridges polished and hollows dull.
+        strength: what the slopes of the map are multiplied by.
+    """
+
+    def __init__(
+        self,
+        folder: str = "normals",
+        bits: Bits = 8,
+        format: Format = "png",
+        y: Green = "up",
+        alpha: bool = False,
+        suffix: str = "_normal",
+        show_input: bool = False,
+        preview: Literal["png", "gif"] | None = None,
+        height: Literal["png", "tiff"] | None = None,
+        relief: Literal["glb", "obj"] | None = None,
+        height_scale: float | Literal["batch"] | None = None,
+        faces: int | None = None,
+        ao: bool = False,
+        curvature: bool = False,
+        specular: bool = False,
+        strength: float = 1.0,
+    ) -> None:
+        super().__init__(write_interval="batch")
+        self.folder = Path(folder)
+        self.outputs = Outputs(
+            suffix=suffix,
+            format=format,
+            bits=bits,
+            y=y,
+            alpha=alpha,
+            show_input=show_input,
+            preview=preview,
+            height=height,
+            relief=relief,
+            height_scale=height_scale,
+            faces=faces,
+            ao=ao,
+            curvature=curvature,
+            specular=specular,
+        )
+        flat_map((8, 8)).stronger(strength)  # refuses what is none
+        self.strength = strength
+        self._jobs: dict[str, Job] = {}
+        self._failed = self._total = 0
+        self._heights: Heights = []
+        self._upsample = enlarge
+
+    def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
+        """Make sure that the maps can be written before anything is computed.
+
+        Raises:
+            InputError: if they cannot.
+        """
+        if stage != "predict":
+            return
+        # Another one's module has no refiner.
+        refined = isinstance(pl_module, NormalGAN) and pl_module.refined
+        self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
+        drawings = _data_of(trainer).drawings
+        jobs = plan(drawings.files, self.folder, self.outputs.ending, list(self.outputs.others()))
+        self._jobs, self._heights = {job.files.drawing.stem: job for job in jobs}, []
+        self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
+            with TemporaryFile(dir=self.folder) as probe:
+                probe.write(b"0")
+        except OSError as error:
+            raise unwritable(
+                f"the normal maps cannot be written to {self.folder}: {error.strerror}.", error
+            ) from None
+        for sentence in drawings.unusable:
+            self._leave_out(sentence)
+
+    def _leave_out(self, sentence: InputError) -> None:
+        self._failed += 1
+        print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
+
+    def write_on_batch_end(
+        self,
+        trainer: Trainer,
+        pl_module: LightningModule,
+        prediction: Tensor,
+        batch_indices: Sequence[int] | None,
+        batch: Sketches,
+        batch_idx: int,
+        dataloader_idx: int,
+    ) -> None:
+        """Write what belongs to the drawings of one batch, each file whole or not at all.
+
+        Raises:
+            InputError: if the only drawing cannot be used; one of several is named, and the rest are painted.
+        """
+        drawings = _data_of(trainer).drawings
+        for name, preds in zip(batch["name"], prediction, strict=True):
+            job = self._jobs[name]
+            try:
+                predicted = finish(drawings.prepared(name), channels_last(preds), None, self._upsample)
+            except InputError as error:
+                sentence = with_subject(job.files.drawing, error)
+                if self._total == 1:
+                    raise sentence from error
+                self._leave_out(sentence)
+                continue
+            self._heights += self.outputs.write(job, predicted.stronger(self.strength))
+            if predicted.warning:
+                print(
+                    one_line(f"normalgan: warning: {job.files.drawing}: {predicted.warning}."),
+                    file=sys.stderr,
+                )
+
+    def on_predict_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Say where the maps are.
+
+        Raises:
+            RunError: if some of several drawings could not be used.
+        """
+        if self.outputs.height_scale == "batch":
+            level_heights(self._heights)
+        if trainer.is_global_zero:
+            print(f"Normal maps: {self.folder.resolve()}")
+        if self._failed:
+            raise RunError(f"{self._failed} of {self._total} sketches could not be used.")
+
+
+def _data_of(trainer: Trainer) -> MeshDataModule:
+    data = getattr(trainer, "datamodule", None)
+    if not isinstance(data, MeshDataModule):
+        raise TypeError("NormalMapWriter needs the MeshDataModule, which knows the drawings.")
+    return data

@@ -1,0 +1,69 @@
+"""What plug-ins give, as errors name it: a wrong shape is refused where it comes from, not where it hurts."""
+
+from collections.abc import Collection, Mapping
+
+from torch import Tensor
+
+from normalgan.errors import InputError
+
+__all__ = ["check_kinds", "class_name", "describe", "refused"]
+
+
+def check_kinds(given: Mapping[str, tuple[object, type]], optional: Collection[str] = ()) -> None:
+    """Make sure that settings are objects of their kinds, as in Python anything may be given.
+
+    Args:
+        given: the value of each setting and its kind.
+        optional: those that may be None.
+
+    Raises:
+        InputError: if one is a name, a class that was not called, or anything else.
+    """
+    for setting, (value, kind) in given.items():
+        if not (isinstance(value, kind) or (value is None and setting in optional)):
+            raise _wrong_kind(setting, value, kind)
+
+
+def _wrong_kind(setting: str, value: object, kind: type) -> InputError:
+    given = repr(value) if isinstance(value, str) else describe(value)
+    if isinstance(value, type):
+        given = f"the class {value.__name__}"
+        given += f"; write {value.__name__}(…)" if issubclass(value, kind) else ""
+    return InputError(f"{setting} must be an object of a class of {kind.__name__}, not {given}.")
+
+
+def class_name(plugin: object) -> str:
+    """Return what a plug-in is called: the name of its class."""
+    return type(plugin).__name__
+
+
+def refused(plugin: object, gave: object, asked: str) -> InputError:
+    """Return what to raise for a thing that a plug-in gave.
+
+    Args:
+        plugin: that gave it.
+        gave: the thing.
+        asked: what would be right, a sentence without its full stop.
+    """
+    return InputError(f"{class_name(plugin)} gave {describe(gave)}; {asked}.")
+
+
+def describe(value: object) -> str:
+    """Return a value in few words: of a tensor its shape, of anything else its type.
+
+    >>> import torch
+    >>> describe(torch.zeros(2, 1)), describe((torch.zeros(2), 3)), describe(None)
+    ('a tensor (2, 1)', 'a tuple of (a tensor (2,), an int)', 'None')
+    """
+    match value:
+        case None:
+            return "None"
+        case Tensor():
+            return f"a tensor {tuple(value.shape)}"
+        case tuple() | list() if value:
+            return f"a {type(value).__name__} of ({', '.join(describe(each) for each in value[:3])})"
+        case tuple() | list() | dict() if not value:
+            return f"an empty {type(value).__name__}"
+        case _:
+            name = type(value).__name__
+            return f"a{'n' * (name[0].lower() in 'aeiou')} {name}"

@@ -1,0 +1,85 @@
+"""Retry: shards are rendered until all are, and a mesh that kills its worker is found and left out."""
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+from normalgan.data.jobs.pool import Killed, Pool, alone
+from normalgan.data.jobs.tasks import MeshTask, ShardTask, render_shard, try_mesh, validate_source
+from normalgan.errors import RunError
+
+__all__ = ["DEADLY", "render_shards", "validate_sources"]
+
+DEADLY = "it kills the process that works on it, most likely for want of memory."
+
+_NOBODY = (
+    "the workers are killed whatever mesh they render, most likely for want of memory; what is finished is "
+    "kept: give them more, and run again."
+)
+_HOPELESS = 3  # meshes found deadly in a row before anything is finished: then it is not the meshes
+
+
+def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[ShardTask, dict[str, str]]]:
+    """Yield every task with the meshes that failed, as it is finished.
+
+    A dead worker takes others' work with it, so a killed shard is only under suspicion. It and those that
+    share a mesh with it wait until all others are done. Then its meshes are tried one by one with nothing
+    beside them: the one whose worker dies now is to blame, is left out, and the rest goes on.
+
+    Raises:
+        RunError: if workers die whatever they are given.
+        InputError: if the machines cannot do the work; see `render_shard`.
+    """
+    deadly: dict[str, str] = {}
+    finished = 0
+    todo = list(tasks)
+    while todo:
+        suspects = []
+        for task, outcome in pool.run(render_shard, [_without(task, deadly) for task in todo], _meshes):
+            if isinstance(outcome, Killed):
+                suspects.append(task)
+            else:
+                finished += 1
+                yield task, outcome
+        todo = sorted(suspects, key=lambda task: (task.shard.split, task.shard.number))
+        if todo:
+            name = _killer(pool, todo[0])
+            if name is not None:
+                deadly[name] = DEADLY
+                if len(deadly) >= _HOPELESS and not finished:
+                    raise RunError(_NOBODY)
+                continue
+            task, outcome = todo[0], alone(pool, render_shard, todo.pop(0))  # it stood beside a killer
+            if isinstance(outcome, Killed):
+                raise RunError(_NOBODY)
+            yield task, outcome
+
+
+def validate_sources(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[MeshTask, str | None]]:
+    """Yield every mesh with why it cannot be used, or None if it can. Raises as `validate_source` does."""
+    suspects = []
+    for task, outcome in pool.run(validate_source, tasks, _meshes):
+        if isinstance(outcome, Killed):
+            suspects.append(task)
+        else:
+            yield task, outcome
+    for task in suspects:
+        outcome = alone(pool, validate_source, task)
+        yield task, DEADLY if isinstance(outcome, Killed) else outcome
+
+
+def _killer(pool: Pool, task: ShardTask) -> str | None:
+    """Return the first mesh of a shard that kills a worker which has nothing else to do."""
+    for name in task.meshes:
+        others = {mesh: "" for mesh in task.meshes if mesh != name}
+        if isinstance(alone(pool, try_mesh, _without(task, others)), Killed):
+            return name
+    return None
+
+
+def _meshes(task: ShardTask | MeshTask) -> tuple[str, ...]:
+    return task.meshes
+
+
+def _without(task: ShardTask, deadly: dict[str, str]) -> ShardTask:
+    known = {mesh: why for mesh, why in deadly.items() if mesh in task.shard.meshes}
+    return dataclasses.replace(task, failed={**task.failed, **known}) if known else task

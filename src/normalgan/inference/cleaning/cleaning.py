@@ -1,0 +1,77 @@
+"""Cleaning: from a drawing as it was made to its ink, and to the object where its opacity tells it."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.inference.cleaning.paper import ink_on_paper
+from normalgan.inference.cleaning.patches import patches
+from normalgan.inference.cleaning.polarity import is_light_on_dark
+from normalgan.inference.cleaning.silhouette import contour, is_silhouette, over_own_colour
+from normalgan.inference.reading.picture import Picture
+
+__all__ = ["Cleaned", "clean", "without_specks"]
+
+_GREY = np.array([0.299, 0.587, 0.114], np.float32)
+
+
+@dataclass(frozen=True)
+class Cleaned:
+    """A drawing's ink.
+
+    Args:
+        ink: (H, W) in [0, 1], lines about 1 and paper 0.
+        silhouette: (H, W), the object, if the drawing's opacity tells it.
+        scenery: whether what is behind the object is painted too, so that lines do not tell the object.
+    """
+
+    ink: Floats
+    silhouette: NDArray[np.bool_] | None
+    scenery: bool = False
+
+
+def clean(picture: Picture) -> Cleaned:
+    """Return the ink of a drawing: a photo, a scan, pencil, chalk, coloured, painted or transparent.
+
+    Raises:
+        InputError: if it holds no line, or none that is told from a painted ground.
+    """
+    colour, silhouette = picture.colour, None
+    if picture.alpha is not None and is_silhouette(picture.alpha):
+        silhouette = picture.alpha > 0.5
+        colour = over_own_colour(colour, picture.alpha)
+    elif picture.alpha is not None:
+        seen = float((colour @ _GREY * picture.alpha).sum() / max(float(picture.alpha.sum()), 1e-6))
+        paper = 1.0 if seen < 0.6 else 0.0  # light lines on nothing were drawn for a dark ground
+        colour = colour * picture.alpha[..., None] + paper * (1 - picture.alpha[..., None])
+    if is_light_on_dark(np.asarray(cv2.transform(colour, _GREY[None]), np.float32)):
+        colour = 1 - colour
+    ink, scenery = ink_on_paper(colour)
+    ink = without_specks(ink)
+    if silhouette is not None:
+        ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
+    if float(ink.max()) < 0.3:
+        raise InputError(
+            "its ground is painted, and no line is told from it; draw on plain paper, or cut the object out."
+            if scenery
+            else "no line is seen in it; a sketch needs lines that differ from their paper."
+        )
+    return Cleaned(ink.astype(np.float32), silhouette, scenery and picture.alpha is None)
+
+
+def without_specks(ink: Floats) -> Floats:
+    """Return ink (H, W) without dust: patches that span less than a 150th of all that is inked.
+
+    A patch is a connected area of more than a tenth; what it spans is the longer side of its box.
+    """
+    numbers, sizes = patches(ink > 0.1)
+    # Paler than half all over is no dot of a pen either.
+    dark = np.zeros(len(sizes), np.bool_)
+    dark[numbers[ink > 0.5]] = True
+    kept = (sizes.max(1) >= max(ink.shape) / 150) & dark
+    kept[0] = True
+    return ink if kept.all() else np.where(kept[numbers], ink, 0)

@@ -1,0 +1,125 @@
+"""Islands: the drawings of a sheet that nobody says the places of: what hangs together is one."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import BoolMask
+from normalgan.decoding import Decoded
+from normalgan.errors import InputError
+from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.silhouette import enclosed_by
+from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.sheets import MOST_CELLS
+from normalgan.inference.reading.drawings import SMALLEST
+from normalgan.inference.reading.picture import MOST_WORKED, fitted, resize, to_picture
+
+__all__ = ["find_islands"]
+
+_GAP = 0.004
+"""Half the gap across which parts hang together, as a share of the sheet's longer side."""
+_INK, _FAINT = 0.35, 8
+"""Ink that is a line; opacity, of 255, that is still none."""
+_SMALL = 0.2
+"""What spans less than this share of the largest drawing may be a part of the one beside it."""
+_BESIDE = 0.1
+"""How far from it, as a share of that one's span; farther away it is a drawing of its own."""
+
+_Boxes = NDArray[np.intp]
+
+
+def find_islands(sheet: Decoded) -> list[Cell]:
+    """Return the drawings of a sheet, row by row: islands of opacity, or of connected lines.
+
+    Parts hang together across narrow gaps, and a small part, such as an eye or a spark, belongs to the large
+    one that it is close to.
+
+    Args:
+        sheet: its pixels, not reduced.
+
+    Raises:
+        InputError: if there are none, or too many.
+    """
+    shape = sheet.pixels.shape[0], sheet.pixels.shape[1]
+    opaque = _opaque(sheet)
+    near = (_lines(sheet) if opaque is None else opaque).astype(np.uint8)
+    if opaque is None:  # a pen leaves gaps
+        reach = max(round(_GAP * max(shape)), 1)
+        near = np.asarray(cv2.dilate(near, np.ones((2 * reach + 1,) * 2, np.uint8)))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(near, connectivity=8)
+    if count < 2:
+        raise InputError("no drawing is seen in it; a sheet holds drawings with room between them.")
+    if count > 16 * MOST_CELLS:
+        raise InputError(
+            f"it falls into {count - 1} parts; --split auto needs drawings with room about them."
+        )
+    starts = stats[1:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP]].astype(np.intp)
+    sizes = stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].astype(np.intp)
+    boxes = np.hstack([starts, starts + sizes])
+    owner = _owners(boxes)
+    whole = np.flatnonzero(owner == np.arange(len(owner)))
+    if len(whole) > MOST_CELLS:
+        raise InputError(f"it holds {len(whole)} drawings; a sheet has {MOST_CELLS} at most.")
+    cells = []
+    for island in whole:
+        parts = np.flatnonzero(owner == island)
+        left, top = boxes[parts, :2].min(0)
+        right, bottom = boxes[parts, 2:].max(0)
+        box = np.s_[top:bottom, left:right]
+        own = np.isin(labels[box], np.append(parts + 1, 0))
+        cells.append(Cell("", int(left), int(top), int(right - left), int(bottom - top), own=own))
+    return _in_rows([cell for cell in cells if min(cell.width, cell.height) >= SMALLEST])
+
+
+def _opaque(sheet: Decoded) -> BoolMask | None:
+    """Return where something is, (H, W), by a sheet's opacity; None if it has none."""
+    pixels = sheet.pixels
+    if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels[..., 3].min() == 255:
+        return None
+    return np.asarray(pixels[..., 3] > _FAINT)
+
+
+def _lines(sheet: Decoded) -> BoolMask:
+    """Return the lines of a sheet and what they enclose, (H, W)."""
+    picture = to_picture(sheet)
+    worked = picture.size if max(picture.size) <= MOST_WORKED else fitted(picture.size, MOST_WORKED)
+    lines = enclosed_by(clean(picture.resized(worked)).ink > _INK)
+    return lines if worked == picture.size else resize(lines.astype(np.float32), picture.size) > 0.5
+
+
+def _owners(boxes: _Boxes) -> NDArray[np.intp]:
+    """Return for each part (left, top, right, bottom) the one that it belongs to; a drawing is its own."""
+    spans = (boxes[:, 2:] - boxes[:, :2]).max(1)
+    owner = np.arange(len(boxes))
+    large = np.flatnonzero(spans >= _SMALL * spans.max())
+    for part in np.flatnonzero(spans < _SMALL * spans.max()):
+        apart = np.maximum(boxes[large, :2] - boxes[part, 2:], boxes[part, :2] - boxes[large, 2:])
+        away = np.hypot(*np.maximum(apart, 0).T)
+        nearest = int(np.argmin(away))
+        if away[nearest] <= _BESIDE * spans[large[nearest]] or spans[part] < SMALLEST:
+            owner[part] = large[nearest]
+    # What lies in the box of another, such as an eye in a head, is a part of it.
+    for part in large:
+        inside = (boxes[large, :2] <= boxes[part, :2]).all(1) & (boxes[large, 2:] >= boxes[part, 2:]).all(1)
+        inside &= spans[large] > spans[part]
+        if inside.any():
+            owner[owner == part] = owner[large[np.flatnonzero(inside)[0]]]
+    return owner
+
+
+def _in_rows(cells: list[Cell]) -> list[Cell]:
+    """Return drawings in the order in which one reads, each named by its number."""
+    if not cells:
+        raise InputError(f"its drawings are smaller than {SMALLEST} pixels.")
+    rows: list[list[Cell]] = []
+    for cell in sorted(cells, key=lambda each: each.top):
+        middle = cell.top + cell.height / 2
+        if rows and middle < max(each.top + each.height for each in rows[-1]):
+            rows[-1].append(cell)
+        else:
+            rows.append([cell])
+    ordered = [cell for row in rows for cell in sorted(row, key=lambda each: each.left)]
+    return [
+        Cell(f"drawing {number}", each.left, each.top, each.width, each.height, own=each.own)
+        for number, each in enumerate(ordered, 1)
+    ]

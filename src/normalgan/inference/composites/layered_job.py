@@ -1,0 +1,151 @@
+"""Layered job: each visible layer of a file painted for itself, and all of them written."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from normalgan.decoding import DecodedLayer, DecodedLayers
+from normalgan.errors import InputError
+from normalgan.files.writing import write_bytes
+from normalgan.inference.composites.layers import (
+    cut,
+    encode_layers,
+    is_plain,
+    layered_kind,
+    picture_of,
+    read_layers,
+)
+from normalgan.inference.composites.series import Member, predict_series
+from normalgan.inference.jobs.plan import Job
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.outputs import Heights, Outputs
+from normalgan.inference.parallel import stream
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.picture import fitted
+
+__all__ = ["LayeredJob", "goes_in_one", "layered_target"]
+
+_LONGEST = 48
+"""Characters of a layer's name in that of a file."""
+
+
+@dataclass(frozen=True)
+class LayeredJob:
+    """Paints the layers of one file.
+
+    Args:
+        predictor: the network.
+        outputs: what is written.
+        size: longer side of the maps in pixels; None is the drawing's.
+        shared: whether the frames of a layer that moves share what the network is shown, and are steadied.
+        strength: what the slopes of all maps are multiplied by.
+    """
+
+    predictor: Predictor
+    outputs: Outputs
+    size: int | None = None
+    shared: bool = True
+    strength: float = 1.0
+
+    def __call__(self, job: Job) -> tuple[str, Heights]:
+        """Paint and write; return what is to be said of it, and the height maps.
+
+        Raises:
+            InputError: if the file has no layers, or none of them can be painted.
+            OSError: if a file cannot be written.
+        """
+        path = job.files.drawing
+        target, kind = layered_target(job, self.outputs), layered_kind(path, job.files.content)
+        if job.files.hints is not None or isinstance(job.files.mask, Path):
+            raise InputError(f"{path} is painted layer by layer; a mask or hints are those of one drawing.")
+        found = read_layers(path, job.files.content)
+        drawn = [layer for layer in found.layers if not is_plain(layer, found.shape)]
+        numbers = sorted({layer.number for layer in drawn})
+        predicted: list[DecodedLayer] = []
+        said: list[str] = []
+        heights: Heights = []
+        failed: list[InputError] = []
+        for number, got in stream(numbers, lambda number: self._predict(job, found, number)):
+            name = next(layer.name for layer in drawn if layer.number == number)
+            if isinstance(got, InputError):
+                failed.append(got)
+                said.append(f"layer {name!r}: it is left out, as {str(got).rstrip('.')}")
+                continue
+            if isinstance(got, Exception):
+                raise got
+            predicted += got[0]
+            said += [f"layer {name!r}: {got[1]}"] if got[1] else []
+            heights += got[2]
+        if len(failed) == len(numbers):
+            raise failed[0] if failed else InputError("none of its layers holds a drawing.")
+        if kind is not None and goes_in_one(self.outputs):
+            shape = found.shape if self.size is None else fitted(found.shape, self.size)
+            predicted.sort(key=lambda layer: (layer.frame, layer.number))
+            write_bytes(target, encode_layers(kind, shape, predicted, found.durations))
+        return "; ".join(said), heights
+
+    def _predict(
+        self, job: Job, found: DecodedLayers, number: int
+    ) -> tuple[list[DecodedLayer], str, Heights]:
+        """Return what a layer is painted as, frame by frame, what is to be said of it, and its heights."""
+        own = [layer for layer in found.layers if layer.number == number]
+        where = job.files.mask if isinstance(job.files.mask, str) else None
+        members = [Member(picture_of(layer, found.shape), None, where) for layer in own]
+        several = self.shared and len(own) > 1
+        predicted: list[DecodedLayer] = []
+        said: list[str] = []
+        heights: Heights = []
+        failed: list[InputError] = []
+        for layer, preds in zip(
+            own, predict_series(self.predictor, members, several, several, self.size), strict=True
+        ):
+            if not isinstance(preds, NormalMap):
+                failed.append(preds)
+                continue
+            said += [preds.warning] if preds.warning else []
+            stronger = preds.stronger(self.strength)
+            each = _job_of(job, layer, self.outputs.ending, len(found.durations))
+            heights += self.outputs.write_others(each, stronger)
+            if not goes_in_one(self.outputs):
+                self.outputs.write_map(each, stronger)
+                continue
+            inside = cut(layer, stronger.pixels(self.outputs.y, alpha=True))
+            predicted += [] if inside is None else [inside]
+        if len(failed) == len(own):
+            raise failed[0]
+        return predicted, said[0] if said else "", heights
+
+
+def goes_in_one(outputs: Outputs) -> bool:
+    """Return whether painted layers go into one layered file: it has 8 bits, and engines want pictures."""
+    return outputs.format == "png" and outputs.bits == 8 and outputs.engine is None
+
+
+def layered_target(job: Job, outputs: Outputs) -> Path:
+    """Return where the painted layers of a file go; of files of their own that of the first.
+
+    Raises:
+        InputError: if the file has no layers, or one file was named for them.
+    """
+    drawing = job.files.drawing
+    kind = layered_kind(drawing, job.files.content)
+    if job.exact:
+        raise InputError(f"{job.target} holds one map; --layers needs a folder (-o).")
+    if not goes_in_one(outputs):
+        found = read_layers(drawing, job.files.content)
+        first = next((each for each in found.layers if not is_plain(each, found.shape)), found.layers[0])
+        return _job_of(job, first, outputs.ending, len(found.durations)).target
+    if kind is None:
+        read_layers(drawing, job.files.content)  # says that it has none, or that it is missing
+    target = job.target.with_suffix(f".{kind}")
+    if target.resolve() == drawing.resolve():
+        raise InputError(f"{target} is read and would be written over; give another folder (-o) or --suffix.")
+    return target
+
+
+def _job_of(job: Job, layer: DecodedLayer, ending: str, frames: int) -> Job:
+    """Return the job of one layer, named after it, its groups, its place in the stack, and its frame."""
+    name = re.sub(r"[^\w-]+", "-", "_".join((*layer.groups, layer.name))).strip("-_")[:_LONGEST]
+    stem = f"{job.stem}_{layer.number + 1:02d}{'_' if name else ''}{name}"
+    stem += f"_{layer.frame + 1:04d}" if frames > 1 else ""
+    return Job(job.files, job.target.with_name(stem + ending), stem)

@@ -1,0 +1,256 @@
+"""Layers: those of a layered file, read one by one, and painted ones written back as a layered file.
+
+A PSD is written as PSD, a KRA or ORA as ORA, which Krita and GIMP open, an Aseprite file as such.
+"""
+
+import io
+import struct
+import zipfile
+import zlib
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+from typing import Any, Literal
+from xml.etree import ElementTree as Tree
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from normalgan.decoding import Decoded, DecodedLayer, DecodedLayers, decode_layers
+from normalgan.decoding.layered_files import kind_of
+from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, to_picture
+
+__all__ = ["LayeredKind", "cut", "encode_layers", "is_plain", "layered_kind", "picture_of", "read_layers"]
+
+LayeredKind = Literal["psd", "ora", "aseprite"]
+"""Of a layered file that can be written; what its name ends in."""
+_KINDS: dict[str | None, LayeredKind] = {"psd": "psd", "zip": "ora", "aseprite": "aseprite"}
+_GROUND = (128, 128, 255, 0)
+"""A flat normal of which nothing is seen."""
+_THUMBNAIL = 256
+
+
+def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None:
+    """Return the kind that the layers of a file are written back as; None if it has none.
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+    """
+    try:
+        with io.BytesIO(content) if content is not None else path.open("rb") as file:
+            return _KINDS.get(kind_of(file.read(128)))
+    except OSError:
+        return None  # who reads the drawing tells why
+
+
+def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:
+    """Read the visible layers of a .psd, .kra, .ora, .ase or .aseprite, the lowest first.
+
+    Hidden ones, those that only alter others, and those that nothing is drawn on are left out. Each is cut to
+    what is opaque in it, and comes with its place, its opacity and the names of its groups.
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+
+    Raises:
+        InputError: if it is missing or too large, has no visible layer, or one that cannot be read.
+    """
+    return decode_layers(str(path), read_content(path, content), (SMALLEST, LARGEST))
+
+
+def picture_of(layer: DecodedLayer, shape: tuple[int, int]) -> Picture:
+    """Return a layer as a drawing (H, W), transparent where it has nothing; its opacity does not count."""
+    picture = to_picture(Decoded(_on_canvas(layer, shape), shape))
+    if max(shape) <= MOST_WORKED:
+        return picture
+    return replace(picture.resized(fitted(shape, MOST_WORKED)), full=shape)
+
+
+def is_plain(layer: DecodedLayer, shape: tuple[int, int]) -> bool:
+    """Return whether a layer covers all of a picture (H, W) in one colour, as a sheet of paper does."""
+    return layer.pixels.shape[:2] == shape and bool((layer.pixels == layer.pixels[:1, :1]).all())
+
+
+def cut(layer: DecodedLayer, pixels: NDArray[np.uint8]) -> DecodedLayer | None:
+    """Return a layer with other pixels (H, W, 4), of all of the picture, cut to what is opaque; None of none.
+
+    >>> drawn = np.zeros((8, 8, 4), np.uint8)
+    >>> drawn[2:4, 5] = 255
+    >>> layer = cut(DecodedLayer("arm", (), 255, 0, 0, 0, 0, drawn), drawn)
+    >>> layer.left, layer.top, layer.pixels.shape
+    (5, 2, (2, 1, 4))
+    """
+    opaque = pixels[..., 3] > 0
+    if not opaque.any():
+        return None
+    rows, columns = np.flatnonzero(opaque.any(1)), np.flatnonzero(opaque.any(0))
+    inside = pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    return replace(layer, left=int(columns[0]), top=int(rows[0]), pixels=inside.copy())
+
+
+def encode_layers(
+    kind: LayeredKind, shape: tuple[int, int], layers: Sequence[DecodedLayer], durations: Sequence[int] = (0,)
+) -> bytes:
+    """Return a layered file.
+
+    Args:
+        kind: of the file.
+        shape: (H, W) of the picture.
+        layers: as `read_layers` gives them; frame by frame, in each the lowest first.
+        durations: milliseconds that each frame is shown; of more than one only Aseprite knows.
+    """
+    match kind:
+        case "psd":
+            return _psd(shape, layers)
+        case "ora":
+            return _openraster(shape, layers)
+        case "aseprite":
+            return _aseprite(shape, layers, durations)
+
+
+def _on_canvas(layer: DecodedLayer, shape: tuple[int, int]) -> NDArray[np.uint8]:
+    canvas = np.zeros((*shape, 4), np.uint8)
+    height, width = layer.pixels.shape[:2]
+    canvas[layer.top : layer.top + height, layer.left : layer.left + width] = layer.pixels
+    return canvas
+
+
+def _merged(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> Image.Image:
+    """Return what all layers show together."""
+    canvas = Image.new("RGBA", shape[::-1], _GROUND)
+    for layer in layers:
+        image = Image.fromarray(layer.pixels)
+        image.putalpha(image.getchannel("A").point([value * layer.opacity // 255 for value in range(256)]))
+        canvas.alpha_composite(image, (layer.left, layer.top))
+    return canvas
+
+
+_Node = DecodedLayer | tuple[str, list[DecodedLayer]]
+
+
+def _nodes(layers: Sequence[DecodedLayer], depth: int) -> Iterator[_Node]:
+    """Yield layers, and groups of those that lie in one, some groups deep, in the order of the layers."""
+
+    def group(layer: DecodedLayer) -> str | None:
+        return layer.groups[depth] if len(layer.groups) > depth else None
+
+    for name, inside in groupby(layers, group):
+        if name is None:
+            yield from inside
+        else:
+            yield name, list(inside)
+
+
+def _psd(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes:
+    from psd_tools import PSDImage
+
+    psd: Any = PSDImage.frompil(_merged(shape, layers))
+
+    def add(parent: Any, layers: Sequence[DecodedLayer], depth: int) -> None:
+        for node in _nodes(layers, depth):
+            if isinstance(node, DecodedLayer):
+                image = Image.fromarray(node.pixels)
+                parent.create_pixel_layer(
+                    image, name=node.name or "Layer", top=node.top, left=node.left, opacity=node.opacity
+                )
+            else:
+                add(parent.create_group(name=node[0] or "Group"), node[1], depth + 1)
+
+    add(psd, layers, 0)
+    file = io.BytesIO()
+    psd.save(file)
+    return file.getvalue()
+
+
+def _openraster(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes:
+    """Return an ORA; https://www.openraster.org/baseline/file-layout-spec.html."""
+    root = Tree.Element("image", {"version": "0.0.3", "w": str(shape[1]), "h": str(shape[0])})
+    pictures: list[tuple[str, NDArray[np.uint8]]] = []
+
+    def add(stack: Tree.Element, layers: Sequence[DecodedLayer], depth: int) -> None:
+        for node in _nodes(layers, depth):
+            if isinstance(node, DecodedLayer):
+                name = f"data/layer{len(pictures):03d}.png"
+                pictures.append((name, node.pixels))
+                about = {"name": node.name, "src": name, "x": str(node.left), "y": str(node.top)}
+                each = Tree.Element("layer", about | {"opacity": f"{node.opacity / 255:.4f}"})
+            else:
+                each = Tree.Element("stack", {"name": node[0]})
+                add(each, node[1], depth + 1)
+            stack.insert(0, each)  # the first is the highest
+
+    add(Tree.SubElement(root, "stack"), layers, 0)
+    merged = _merged(shape, layers)
+    small = merged.copy()
+    small.thumbnail((_THUMBNAIL, _THUMBNAIL))
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:  # PNG is packed already
+        every = {
+            "mimetype": b"image/openraster",
+            "stack.xml": Tree.tostring(root, "utf-8", xml_declaration=True),
+            **{name: _png(Image.fromarray(pixels)) for name, pixels in pictures},
+            "mergedimage.png": _png(merged),
+            "Thumbnails/thumbnail.png": _png(small),
+        }
+        for name, content in every.items():
+            # A fixed time: the same drawing gives the same bytes.
+            archive.writestr(zipfile.ZipInfo(name), content)
+    return file.getvalue()
+
+
+def _png(image: Image.Image) -> bytes:
+    file = io.BytesIO()
+    image.save(file, "PNG")
+    return file.getvalue()
+
+
+def _aseprite(shape: tuple[int, int], layers: Sequence[DecodedLayer], durations: Sequence[int]) -> bytes:
+    """Return an Aseprite file; https://github.com/aseprite/aseprite/blob/main/docs/ase-file-specs.md."""
+    # A layer is the same in all frames; what a frame shows of it may be paler.
+    first = {layer.number: layer for layer in sorted(layers, key=lambda each: each.opacity)}
+    numbers: dict[int, int] = {}
+    chunks: list[bytes] = []
+
+    def add(layers: Sequence[DecodedLayer], depth: int) -> None:
+        for node in _nodes(layers, depth):
+            if isinstance(node, DecodedLayer):
+                numbers[node.number] = len(chunks)
+                chunks.append(_ase_layer(node.name, 0, depth, node.opacity))
+            else:
+                chunks.append(_ase_layer(node[0], 1, depth, 255))
+                add(node[1], depth + 1)
+
+    add([first[number] for number in sorted(first)], 0)
+    body = b""
+    for frame, duration in enumerate(durations):
+        inside = [] if frame else list(chunks)
+        for layer in (each for each in layers if each.frame == frame):
+            opacity = first[layer.number].opacity
+            own = min(round(255 * layer.opacity / opacity), 255) if opacity else 0
+            height, width = layer.pixels.shape[:2]
+            head = struct.pack("<HhhBHh5x", numbers[layer.number], layer.left, layer.top, own, 2, 0)
+            size = struct.pack("<HH", width, height)
+            inside.append(_ase_chunk(0x2005, head + size + zlib.compress(layer.pixels.tobytes())))
+        data = b"".join(inside)
+        shown = min(max(duration, 1), 2**16 - 1)
+        few = min(len(inside), 2**16 - 1)
+        body += struct.pack("<IHHH2xI", 16 + len(data), 0xF1FA, few, shown, len(inside)) + data
+    head = struct.pack(
+        "<IHHHHHIH8xB3xH", 128 + len(body), 0xA5E0, len(durations), *shape[::-1], 32, 1, 100, 0, 0
+    )
+    return head.ljust(128, b"\0") + body
+
+
+def _ase_layer(name: str, kind: int, depth: int, opacity: int) -> bytes:
+    text = name.encode()
+    # 3: visible and editable.
+    return _ase_chunk(0x2004, struct.pack("<HHHHHHB3xH", 3, kind, depth, 0, 0, 0, opacity, len(text)) + text)
+
+
+def _ase_chunk(kind: int, data: bytes) -> bytes:
+    return struct.pack("<IH", len(data) + 6, kind) + data

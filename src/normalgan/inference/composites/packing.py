@@ -1,0 +1,82 @@
+"""Packing: how the drawings of a sheet are found: a grid, an atlas, or what hangs together."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from normalgan.decoding import Decoded
+from normalgan.errors import InputError
+from normalgan.inference.composites.atlas import ENDINGS, read_atlas
+from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.islands import find_islands
+from normalgan.inference.composites.sheets import grid_cells, parse_grid
+from normalgan.inference.reading.drawings import find_companion
+
+__all__ = ["Packing"]
+
+
+@dataclass(frozen=True)
+class Packing:
+    """How the drawings of a sheet are found.
+
+    Args:
+        sheet: a grid, columns x rows, such as 4x3.
+        split: auto finds islands of opacity or of connected lines.
+        atlas: JSON of TexturePacker or Aseprite, or a folder of <sketch>.json.
+
+    Raises:
+        InputError: if they cannot be used, or more than one is given.
+    """
+
+    sheet: str | None = None
+    split: str | None = None
+    atlas: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is no packing."""
+        given = [name for name in ("sheet", "split", "atlas") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise InputError(
+                f"{' and '.join(f'--{each}' for each in given)} each say where the drawings of a sheet are; "
+                "give one of them."
+            )
+        if self.sheet is not None:
+            parse_grid(self.sheet)
+        if self.split not in {None, "auto"}:
+            raise InputError(f"split is {self.split!r}; the one way to split a sheet by itself is auto.")
+        if self.atlas is not None and not Path(self.atlas).exists():
+            raise InputError(f"there is no atlas {self.atlas}; name a JSON file, or a folder of them.")
+
+    @property
+    def given(self) -> bool:
+        """Whether drawings are sheets at all."""
+        return any(each is not None for each in (self.sheet, self.split, self.atlas))
+
+    def beside(self, path: Path, below: Path | None = None) -> list[Path]:
+        """Return what is read beside a sheet: its atlas, if it has one.
+
+        Args:
+            path: the sheet's file.
+            below: the folder below that of the atlases to look in first.
+        """
+        found = None if self.atlas is None else find_companion(path, Path(self.atlas), ENDINGS, below)
+        return [] if found is None else [found]
+
+    def cells(self, sheet: Decoded, path: Path, below: Path | None = None) -> list[Cell]:
+        """Return where the drawings of a sheet lie.
+
+        Args:
+            sheet: its pixels, not reduced.
+            path: its file.
+            below: as `beside` has it.
+
+        Raises:
+            InputError: if it has none, or the grid or the atlas disagrees with it.
+        """
+        if self.sheet is not None:
+            return grid_cells(*parse_grid(self.sheet), sheet.shape, path)
+        if self.atlas is None:
+            return find_islands(sheet)
+        found = self.beside(path, below)
+        if not found:
+            raise InputError(f"{self.atlas} holds no atlas for {path}; it is named {path.stem}.json.")
+        return read_atlas(found[0], sheet.shape, path)

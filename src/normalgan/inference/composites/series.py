@@ -1,0 +1,185 @@
+"""Series: drawings that belong together, cells of a sheet or frames of an animation, painted alike."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
+from normalgan.inference.jobs.plan import MODEL, OUTLINE
+from normalgan.inference.network.framing import bounds_of, united
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.parallel import stream
+from normalgan.inference.pipeline import finish
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.preparation import Prepared, hinted, prepare, reframed
+from normalgan.inference.reading.hint_files import Hints
+from normalgan.inference.reading.picture import Picture, fitted
+
+__all__ = ["Member", "flat_map", "left_flat", "predict_series", "steadied"]
+
+_REACH = 4
+"""Frames before and after that a frame is averaged with, as far as they show the same."""
+_AROUND = 1 / 32
+"""Standard deviation of the window, as a share of the network's side, in which frames are compared."""
+_ALIKE = 0.075
+"""Mean difference of the ink in a window from which two frames no longer show the same."""
+_PASSES = 3
+"""How often frames are averaged: what moves on from each to the next is alike in neighbours alone."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """One drawing of a series.
+
+    Args:
+        picture: the drawing.
+        hints: in pixels of the drawing, or None.
+        mask: (H, W), the object; `OUTLINE` or `MODEL`; or None, as `Predictor` has it.
+    """
+
+    picture: Picture
+    hints: Hints | None = None
+    mask: BoolMask | str | None = None
+
+
+def predict_series(
+    predictor: Predictor,
+    members: Sequence[Member],
+    shared: bool = False,
+    steady: bool = False,
+    size: int | None = None,
+) -> Iterator[NormalMap | InputError]:
+    """Yield the map of each drawing, or what is wrong with it.
+
+    Args:
+        predictor: the network.
+        members: the drawings; of one size if ``shared``.
+        shared: show the network the same square of all: the one that holds the lines of all. What stays where
+            it is then has the same pixels in each; and a drawing of few lines is not enlarged to fill it.
+        steady: average each drawing's normals with those of its neighbours in the series where they show the
+            same lines, so that what stands still does not flicker; needs ``shared``.
+        size: longer side of the maps in pixels; None is the drawings'.
+
+    Raises:
+        InputError: if ``shared``, and the sizes differ.
+    """
+    prepared = [got for _, got in stream(members, lambda each: _prepared(predictor, each, size))]
+    good = [i for i, each in enumerate(prepared) if isinstance(each, Prepared)]
+    if shared and good:
+        _check_sizes(members)
+        bounds = united(bounds_of(each.ink) for each in prepared if isinstance(each, Prepared))
+        for i in good:
+            prepared[i] = reframed(_known(prepared[i]), bounds)
+    for i in good:
+        prepared[i] = hinted(_known(prepared[i]), members[i].hints, members[i].picture.shape)
+
+    def predict(each: Prepared | Exception) -> tuple[Floats, Floats | None]:
+        if isinstance(each, Exception):
+            raise each
+        return predictor.backend.predict(each.seen, each.hints)
+
+    predicted = [got for _, got in stream(prepared, predict)]
+    if shared and steady:
+        fine = [i for i in good if not isinstance(predicted[i], Exception)]
+        averaged = steadied([_known(prepared[i]).seen for i in fine], [_pair(predicted[i])[0] for i in fine])
+        for i, normals in zip(fine, averaged, strict=True):
+            predicted[i] = normals, _pair(predicted[i])[1]
+
+    def place(i: int) -> NormalMap:
+        return finish(_known(prepared[i]), *_pair(predicted[i]), predictor.upsample)
+
+    for _, got in stream(range(len(members)), place):
+        yield _map_or_input_error(got)
+
+
+def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
+    """Return what was painted for the frames of an animation, each averaged with its neighbours.
+
+    A neighbour counts at a pixel as far as its lines about it are those of the frame itself: the difference
+    of both drawings, blurred over a window, tells. Where something moves, a frame keeps its own; where it
+    moves slowly, frames farther apart count by way of those between them.
+
+    Args:
+        seen: (S, S) each, what the network was shown, all framed alike.
+        preds: (S, S, 3) each, what it painted.
+
+    Example:
+        >>> still = np.zeros((32, 32), np.float32)
+        >>> tilted = [np.full((32, 32, 3), each, np.float32) for each in (0.0, 1.0)]
+        >>> [float(each.mean()) for each in steadied([still, still], tilted)]
+        [0.5, 0.5]
+    """
+    width = max(_AROUND * seen[0].shape[0], 0.5) if seen else 1.0
+    alike: dict[tuple[int, int], Floats] = {}
+    for i, own in enumerate(seen):
+        for j in range(i + 1, min(i + _REACH + 1, len(seen))):
+            differ = cv2.GaussianBlur(np.abs(own - seen[j]), (0, 0), width)
+            weight = np.exp(-np.square(np.asarray(differ, np.float32) / np.float32(_ALIKE)))
+            alike[i, j] = alike[j, i] = weight[..., None]
+    means = list(preds)
+    for _ in range(_PASSES):
+        totals = [each.astype(np.float32) for each in means]
+        weights = [np.ones((*each.shape[:2], 1), np.float32) for each in means]
+        for (i, j), weight in alike.items():
+            totals[i] += weight * means[j]
+            weights[i] += weight
+        means = [np.asarray(total / weight) for total, weight in zip(totals, weights, strict=True)]
+    return means
+
+
+def left_flat(error: InputError) -> str:
+    """Return what is to be said of a drawing that could not be painted, a part of a sentence."""
+    return f"it is left flat, as {str(error).rstrip('.')}"
+
+
+def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
+    """Return the map of a drawing (H, W) that could not be painted: flat, and nowhere an object.
+
+    Args:
+        shape: of the drawing.
+        size: longer side of the map in pixels; None is the drawing's.
+    """
+    shape = shape if size is None else fitted(shape, size)
+    normals = np.zeros((*shape, 3), np.float32)
+    normals[..., 2] = 1
+    nothing = np.zeros(shape, np.float32)
+    return NormalMap(normals, nothing > 0, nothing, np.zeros((8, 8), np.float32), None, "")
+
+
+def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepared:
+    source = member.mask if isinstance(member.mask, str) else None
+    assert source in {None, OUTLINE, MODEL}
+    mask = None if isinstance(member.mask, str) else member.mask
+    widths = predictor.backend.line_widths
+    return prepare(member.picture, predictor.size, mask, None, size, source, line_widths=widths)
+
+
+def _check_sizes(members: Sequence[Member]) -> None:
+    sizes = {each.picture.shape for each in members}
+    if len(sizes) > 1:
+        (height, width), (other_height, other_width) = sorted(sizes)[:2]
+        raise InputError(
+            f"drawings of {width} × {height} and {other_width} × {other_height} pixels cannot share a frame; "
+            "those of one size can, the others need --frame own."
+        )
+
+
+def _known(prepared: Prepared | Exception) -> Prepared:
+    if isinstance(prepared, Exception):
+        raise prepared
+    return prepared
+
+
+def _pair(predicted: tuple[Floats, Floats | None] | Exception) -> tuple[Floats, Floats | None]:
+    if isinstance(predicted, Exception):
+        raise predicted
+    return predicted
+
+
+def _map_or_input_error(outcome: NormalMap | Exception) -> NormalMap | InputError:
+    if isinstance(outcome, NormalMap | InputError):
+        return outcome
+    raise outcome

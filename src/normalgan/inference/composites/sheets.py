@@ -1,0 +1,160 @@
+"""Sheets: several drawings in one picture; each is painted for itself and put back in its place."""
+
+import re
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import BoolMask
+from normalgan.decoding import Decoded, Pixels
+from normalgan.errors import InputError
+from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.composition import tiled
+from normalgan.inference.composites.series import Member, left_flat, predict_series
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.drawings import SMALLEST
+from normalgan.inference.reading.hint_files import Hints
+from normalgan.inference.reading.picture import to_picture
+
+__all__ = ["MOST_CELLS", "grid_cells", "parse_grid", "predict_sheet"]
+
+MOST_CELLS = 4096
+"""Drawings in one sheet; the largest atlases in use have some hundreds."""
+_NAMED = 3
+"""Cells of which a warning tells; of more it tells how many."""
+
+
+def parse_grid(text: str) -> tuple[int, int]:
+    """Return columns and rows.
+
+    Raises:
+        InputError: if the text is not like ``4x3``.
+
+    >>> parse_grid("4x3")
+    (4, 3)
+    """
+    match = re.fullmatch(r"(\d{1,4})\s*[x×*]\s*(\d{1,4})", text.strip().lower())
+    columns, rows = map(int, match.groups()) if match else (0, 0)
+    if not 0 < columns * rows <= MOST_CELLS:
+        raise InputError(
+            f"sheet is {text!r}; it is columns x rows, such as 4x3, of at most {MOST_CELLS} cells."
+        )
+    return columns, rows
+
+
+def grid_cells(columns: int, rows: int, shape: tuple[int, int], name: object) -> list[Cell]:
+    """Return the cells of a sheet (H, W) that is divided evenly, row by row.
+
+    Raises:
+        InputError: if it cannot be.
+    """
+    height, width = shape
+    if width % columns or height % rows:
+        raise InputError(
+            f"{name} is {width} × {height} pixels, which {columns} columns and {rows} rows do not divide "
+            "evenly."
+        )
+    w, h = width // columns, height // rows
+    if min(w, h) < SMALLEST:
+        raise InputError(
+            f"the cells of {name} would be {w} × {h} pixels; a drawing has {SMALLEST} a side at least."
+        )
+    return [
+        Cell(f"row {row + 1}, column {column + 1}", column * w, row * h, w, h)
+        for row in range(rows)
+        for column in range(columns)
+    ]
+
+
+def predict_sheet(
+    predictor: Predictor,
+    sheet: Decoded,
+    cells: Sequence[Cell],
+    hints: Hints | None = None,
+    mask: BoolMask | str | None = None,
+    shared: bool = False,
+) -> NormalMap:
+    """Return the map of a sheet, in which each cell is as if it had been cut out and painted alone.
+
+    Args:
+        predictor: the network.
+        sheet: its pixels, not reduced.
+        cells: where its drawings are. One in which nothing is drawn is left flat, and so is a tiny one.
+        hints: in pixels of the sheet.
+        mask: (H, W) the objects; or how they are found, as `Predictor` has it.
+        shared: whether the network is shown the same square of all cells, which are then of one size.
+
+    Raises:
+        InputError: if no cell can be painted, or cells that share a frame differ in size.
+    """
+    members = [(cell, _member(cell, sheet.pixels, hints, mask)) for cell in cells]
+    drawn = [(cell, member) for cell, member in members if member is not None]
+    if not drawn:
+        raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
+    large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]
+    predicted = predict_series(predictor, [member for _, member in large], shared, shared)
+    done = [(cell, each) for (cell, _), each in zip(large, predicted, strict=True)]
+    done += [(cell, _too_small(cell)) for cell, _ in drawn if min(cell.width, cell.height) < SMALLEST]
+    fine = [(cell, each) for cell, each in done if isinstance(each, NormalMap)]
+    if not fine:
+        cell, error = done[0]
+        raise InputError(f"{cell.name}: {error}")
+    return _assembled(sheet.shape, fine, _warning(done))
+
+
+def _member(cell: Cell, pixels: Pixels, hints: Hints | None, mask: BoolMask | str | None) -> Member | None:
+    """Return what is drawn in a cell; None if nothing is."""
+    part = pixels[cell.box].copy()
+    clear = part.ndim == 3 and part.shape[2] == 4
+    if cell.own is not None and not cell.own.all():
+        part[~cell.own] = 0 if clear else _ground(part, cell.own)
+    part = np.ascontiguousarray(cell.upright(part))
+    if not part[..., 3].any() if clear else (part == part[:1, :1]).all():
+        return None
+    own = cell.upright(mask[cell.box]) if isinstance(mask, np.ndarray) else mask
+    if isinstance(own, np.ndarray) and not own.any():
+        return None
+    picture = to_picture(Decoded(part, (part.shape[0], part.shape[1])))
+    return Member(picture, None if hints is None else cell.local(hints), own)
+
+
+def _too_small(cell: Cell) -> InputError:
+    return InputError(f"it is {cell.width} × {cell.height} pixels; a drawing has {SMALLEST} a side at least.")
+
+
+def _ground(part: Pixels, own: BoolMask) -> NDArray[np.generic]:
+    """Return the paper's colour about a drawing: that of most of the edge of what is its own."""
+    edge = own & (cv2.erode(own.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) == 0)
+    return np.asarray(np.median(part[edge], axis=0)).astype(part.dtype)
+
+
+def _assembled(
+    shape: tuple[int, int], predicted: Sequence[tuple[Cell, NormalMap]], warning: str
+) -> NormalMap:
+    """Return the map of a sheet (H, W) from those of its cells."""
+    normals = np.zeros((*shape, 3), np.float32)
+    normals[..., 2] = 1
+    mask, alpha = np.zeros(shape, np.bool_), np.zeros(shape, np.float32)
+    sure = any(each.confidence is not None for _, each in predicted)
+    confidence = np.zeros(shape, np.float32) if sure else None
+    for cell, preds in predicted:
+        # Boxes of drawings of any shape overlap: each writes where it is.
+        there = cell.turn(preds.mask | (preds.alpha > 0)) if cell.own is not None else np.s_[:]
+        normals[cell.box][there] = cell.turn(preds.extended)[there]
+        mask[cell.box][there] = cell.turn(preds.mask)[there]
+        alpha[cell.box][there] = cell.turn(preds.alpha)[there]
+        if confidence is not None and preds.confidence is not None:
+            confidence[cell.box][there] = cell.turn(preds.confidence)[there]
+    seen, cells = tiled([each.seen for _, each in predicted]), tuple(cell for cell, _ in predicted)
+    return NormalMap(normals, mask, alpha, seen, confidence, warning, cells=cells)
+
+
+def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]]) -> str:
+    """Return what is to be said of the cells, a part of a sentence; empty if nothing is."""
+    said = [(cell, left_flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
+    named = [f"{cell.name}: {words}" for cell, words in said if words]
+    more = f"; and so on, in {len(named)} of its {len(done)} drawings" if len(named) > _NAMED else ""
+    return "; ".join(named[:_NAMED]) + more

@@ -1,0 +1,194 @@
+"""Edits: a painted map held to what a hand says of it: exact normals at pins, directions of areas."""
+
+from collections.abc import Iterable
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.normals import normalize
+
+__all__ = ["MOST_PINS", "REACH", "brush", "enforce_pins", "paint_mask", "polygon", "stroke", "tilt"]
+
+REACH = 0.05
+"""How far a pin has an effect that says nothing else, as a share of the map's longer side."""
+MOST_PINS = 200
+"""More hints are areas painted in normals, not pins: the network alone follows them."""
+_LEAST_REACH = 2.0
+"""Pixels that a pin holds about itself at the least."""
+
+
+def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:
+    """Return a map that has given normals at given points, and goes over into what was painted about them.
+
+    At each pin there is a turn from what was painted to what is wanted. The turns are interpolated by radial
+    basis functions, exactly at all pins, so that two pins hold however near they are and however opposed.
+
+    Args:
+        normals: (H, W, 3), unit, as painted.
+        points: (K, 2), x and y in pixels.
+        wanted: (K, 3), unit.
+        reaches: (K,), how far each pin has an effect, in pixels.
+
+    References:
+        Wendland 1995, "Piecewise polynomial, positive definite and compactly supported radial functions of
+        minimal degree": the function C2 in three dimensions.
+
+    Example:
+        >>> flat = np.zeros((40, 40, 3), np.float32)
+        >>> flat[..., 2] = 1
+        >>> points = np.array([[10.5, 20.5], [26.5, 20.5]], np.float32)
+        >>> wanted = np.array([[-0.8, 0, 0.6], [0.8, 0, 0.6]], np.float32)
+        >>> held = enforce_pins(flat, points, wanted, np.array([30.0, 30.0], np.float32))
+        >>> bool(np.allclose(held[20, [10, 26]], wanted, atol=1e-3))
+        True
+    """
+    height, width = normals.shape[:2]
+    columns = np.clip(points[:, 0].astype(int), 0, width - 1)
+    rows = np.clip(points[:, 1].astype(int), 0, height - 1)
+    # Of pins in one pixel the last counts.
+    _, kept = np.unique((rows * width + columns)[::-1], return_index=True)
+    kept = len(rows) - 1 - kept
+    rows, columns, wanted, reaches = rows[kept], columns[kept], wanted[kept], reaches[kept]
+    reaches = np.maximum(reaches, _LEAST_REACH)
+    turns = _turns(normals[rows, columns], wanted)
+    apart = np.hypot(columns[:, None] - columns[None], rows[:, None] - rows[None])
+    basis = _wendland(apart / reaches[None]).astype(np.float64)
+    shares = np.linalg.lstsq(basis, turns.astype(np.float64), rcond=None)[0]
+    # Where no pin reaches, which is most of the map, nothing is computed.
+    whole = reaches.astype(int)
+    top, left = max(int((rows - whole).min()), 0), max(int((columns - whole).min()), 0)
+    reached = np.s_[top : int((rows + whole).max()) + 1, left : int((columns + whole).max()) + 1]
+    field = np.zeros(normals[reached].shape, np.float32)
+    for row, column, reach, share in zip(rows - top, columns - left, reaches, shares, strict=True):
+        first, leftmost = max(row - int(reach), 0), max(column - int(reach), 0)
+        box = np.s_[first : row + int(reach) + 1, leftmost : column + int(reach) + 1]
+        y, x = np.ogrid[: field[box].shape[0], : field[box].shape[1]]
+        away = np.hypot(x + leftmost - column, y + first - row) / reach
+        field[box] += _wendland(away)[..., None] * share.astype(np.float32)
+    touched = np.abs(field).sum(-1) > 1e-6
+    held = normals.copy()
+    part = held[reached]
+    part[touched] = _facing(_turned(part[touched], field[touched]))
+    return held
+
+
+def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floats) -> Floats:
+    """Return a map with an area turned as a whole, so that on the average it faces a direction.
+
+    What is bent in the area stays as bent as it was: a flat wall stays flat, where a pin would make a dent.
+
+    Args:
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+        area: (H, W) in [0, 1], how much each pixel belongs to it.
+        direction: (3,), unit.
+    """
+    inside = (area > 0.5) & mask
+    if not inside.any():
+        return normals
+    mean = normalize(normals[inside].mean(axis=0)[None])
+    touched = area > 1e-3
+    turn = _turns(mean, direction[None]) * area[touched][:, None]
+    turned = normals.copy()
+    turned[touched] = _facing(_turned(normals[touched], turn.astype(np.float32)))
+    return turned
+
+
+def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
+    """Return a map that faces a direction where it was brushed, as far as it was.
+
+    Args:
+        normals: (H, W, 3), unit.
+        area: (H, W) in [0, 1], how far the brush has covered each pixel.
+        direction: (3,), unit.
+    """
+    touched = area > 1e-3
+    own = normals[touched]
+    turn = _turns(own, np.broadcast_to(direction, own.shape)) * area[touched][:, None]
+    brushed = normals.copy()
+    brushed[touched] = _facing(_turned(own, turn.astype(np.float32)))
+    return brushed
+
+
+def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
+    """Return how much each pixel (H, W) belongs to a closed polygon, with an edge that is soft.
+
+    Args:
+        shape: (H, W).
+        points: (K, 2), x and y in pixels.
+        soft: width of the edge in pixels.
+    """
+    area = np.zeros(shape, np.uint8)
+    cv2.fillPoly(area, [np.rint(points * 16 - 8).astype(np.int32)], 255, cv2.LINE_AA, 4)
+    return _softened(area, soft)
+
+
+def stroke(shape: tuple[int, int], points: Floats, width: float) -> Floats:
+    """Return how much a stroke covers each pixel (H, W), with an edge as soft as an airbrush's.
+
+    Args:
+        shape: (H, W).
+        points: (K, 2), x and y in pixels.
+        width: in pixels.
+    """
+    area = np.zeros(shape, np.uint8)
+    thick = max(round(0.7 * width), 1)
+    line = np.rint(points * 16 - 8).astype(np.int32)
+    cv2.polylines(area, [np.concatenate([line, line[-1:]])], False, 255, thick, cv2.LINE_AA, 4)
+    return _softened(area, 0.3 * width)
+
+
+def paint_mask(shape: tuple[int, int], strokes: Iterable[tuple[Floats, float, bool]]) -> NDArray[np.int8]:
+    """Return 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; the last one counts.
+
+    Args:
+        shape: (H, W).
+        strokes: of each its points (K, 2), x and y in pixels, its width, and whether it adds.
+    """
+    painted = np.zeros(shape, np.int8)
+    for points, width, adds in strokes:
+        area = np.zeros(shape, np.uint8)
+        line = np.rint(points * 16 - 8).astype(np.int32)
+        cv2.polylines(
+            area, [np.concatenate([line, line[-1:]])], False, 1, max(round(width), 1), cv2.LINE_8, 4
+        )
+        painted[area > 0] = 1 if adds else -1
+    return painted
+
+
+def _softened(area: NDArray[np.uint8], soft: float) -> Floats:
+    values = np.asarray(area, np.float32) / np.float32(255)
+    return np.asarray(cv2.GaussianBlur(values, (0, 0), soft / 2), np.float32) if soft > 0.5 else values
+
+
+def _wendland(distance: NDArray[np.floating]) -> Floats:
+    near = np.clip(1 - distance, 0, None)
+    return np.asarray(near**4 * (4 * distance + 1), np.float32)
+
+
+def _turns(before: Floats, after: Floats) -> Floats:
+    """Return the turns (K, 3) from unit vectors to others: axes, as long as the angles."""
+    axis = np.cross(before, after)
+    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+    angle = np.arctan2(sine, (before * after).sum(-1, keepdims=True))
+    # Opposite vectors have no axis: any that is square to them does.
+    square = np.cross(before, np.where(np.abs(before[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]]))
+    square /= np.maximum(np.linalg.norm(square, axis=-1, keepdims=True), 1e-12)
+    return np.asarray(np.where(sine > 1e-6, axis / np.maximum(sine, 1e-6), square) * angle, np.float32)
+
+
+def _turned(vectors: Floats, turns: Floats) -> Floats:
+    """Return vectors (N, 3) turned by axes as long as angles (Rodrigues)."""
+    angle = np.linalg.norm(turns, axis=-1, keepdims=True)
+    axis = turns / np.maximum(angle, 1e-12)
+    along = (axis * vectors).sum(-1, keepdims=True) * axis
+    turned = vectors * np.cos(angle) + np.cross(axis, vectors) * np.sin(angle) + along * (1 - np.cos(angle))
+    return np.asarray(turned, np.float32)
+
+
+def _facing(vectors: Floats) -> Floats:
+    """Return unit vectors (N, 3) none of which faces away from the viewer."""
+    vectors[:, 2] = np.maximum(vectors[:, 2], 0)
+    return normalize(vectors)

@@ -1,0 +1,151 @@
+"""Height: the surface that a normal map belongs to, with its jumps where one part hides another."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage, sparse
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.inference.heights.height_pyramid import double, halve
+from normalgan.inference.heights.multigrid import Relaxation
+from normalgan.inference.heights.surface import Surface
+from normalgan.inference.network.tile import Tile, repeats, resize_tile
+from normalgan.inference.reading.picture import fitted, resize
+
+__all__ = ["integrate"]
+
+_SMALL = 16000
+"""Pixels up to which a map is solved at once."""
+_REFINED = 4
+"""Rounds at a size, after those at half of it."""
+_LARGE, _SETTLED = 40_000, 2
+"""Pixels from which only what is fine is settled at a size, and rounds: the rest was at half of it."""
+_MOST = 1536
+"""Longest side that is solved; of larger maps a reduced one, whose heights are enlarged."""
+
+
+def integrate(
+    normals: Floats,
+    mask: NDArray[np.bool_],
+    jumps: float = 2.0,
+    rounds: int = 30,
+    tolerance: float = 1e-3,
+    tile: Tile | None = None,
+) -> Floats:
+    """Return the height of a surface above the plane of the picture, by bilateral normal integration.
+
+    Least squares over all neighbours in the mask: along x, nz ∂h/∂x + nx = 0 at each side of a pixel, and
+    along y alike. Where the two sides of a pixel disagree, the one that fits counts more, and weights and
+    heights are found in turn; so a leg before a body keeps its distance, and a crease stays sharp.
+
+    Args:
+        normals: (H, W, 3) unit normals, x right, y up, z to the viewer. Zero where nothing is known: the
+            surface is then as flat as its surroundings let it be.
+        mask: (H, W) True on the object; it may have holes and several parts.
+        jumps: k of the paper, how readily the surface breaks; 0 gives plain Poisson integration.
+        rounds: weights and heights are found at most this often at the lowest size.
+        tolerance: and until the energy changes by less than this share of it.
+        tile: the ways in which the map is repeated: what lies at an edge is then a neighbour of what lies at
+            the opposite one, so that the heights can be repeated too.
+
+    Returns:
+        (H, W) height in pixels towards the viewer, of mean zero over each connected part, zero off the mask.
+
+    Raises:
+        InputError: if the sizes differ or a normal on the object is no number.
+
+    References:
+        Cao, Santo, Shi, Okura, Matsushita 2022, "Bilateral Normal Integration", ECCV.
+
+    Example:
+        A plane that rises by one pixel a pixel to the right:
+
+        >>> slope = np.broadcast_to(np.array([-1, 0, 1], np.float32) / np.sqrt(2), (2, 3, 3))
+        >>> np.diff(integrate(slope, np.ones((2, 3), dtype=bool))[0]).round(3).tolist()
+        [1.0, 1.0]
+    """
+    if normals.shape != (*mask.shape, 3):
+        raise InputError(
+            f"normals of shape {normals.shape} do not go with a mask of {mask.shape}; "
+            "they are H × W × 3 and H × W."
+        )
+    if not np.isfinite(normals[mask]).all():
+        raise InputError("a normal on the object is not a number; heights need finite normals.")
+    if max(mask.shape) > _MOST:
+        return _enlarged(normals, mask, jumps, rounds, tolerance, tile)
+    height = np.zeros(mask.shape, np.float32)
+    if mask.any():
+        known = np.where(mask[..., None], normals, 0).astype(np.float64)
+        height[mask] = _solved(known, mask, jumps, rounds, tolerance, tile)
+    return _centred(height, mask, tile)
+
+
+def _centred(height: Floats, mask: NDArray[np.bool_], tile: Tile | None) -> Floats:
+    """Return heights (H, W) of mean zero over each connected part of a mask."""
+    parts, count = _parts(mask, tile)
+    means = np.zeros(count + 1, np.float32)
+    means[1:] = ndimage.mean(height, parts, np.arange(1, count + 1))
+    return np.where(mask, height - means[parts], 0).astype(np.float32)
+
+
+def _parts(mask: NDArray[np.bool_], tile: Tile | None) -> tuple[NDArray[np.int32], int]:
+    """Return the number of each pixel's connected part (H, W), from 1, and how many there are."""
+    found, count = ndimage.label(mask)  # by four neighbours, as heights are linked
+    parts = np.asarray(found, np.int32)
+    down, across = repeats(tile)
+    pairs = [np.stack([parts[-1], parts[0]])] if down else []
+    pairs += [np.stack([parts[:, -1], parts[:, 0]])] if across else []
+    if not pairs:
+        return parts, count
+    one, other = np.concatenate(pairs, 1)
+    both = (one > 0) & (other > 0)
+    joined = sparse.coo_array((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1,) * 2)
+    number, labels = sparse.csgraph.connected_components(joined, directed=False)
+    # What is off the mask is joined with nothing, and stays number 0.
+    return np.asarray(labels[parts], np.int32), number - 1
+
+
+def _enlarged(
+    normals: Floats,
+    mask: NDArray[np.bool_],
+    jumps: float,
+    rounds: int,
+    tolerance: float,
+    tile: Tile | None,
+) -> Floats:
+    """Return the heights of a large map from those of a reduced one.
+
+    Normals of large drawings are enlarged themselves, so that there is hardly more in them.
+    """
+    shape = fitted((mask.shape[0], mask.shape[1]), _MOST)
+    there = resize(mask.astype(np.float32), shape) > 0
+    small = resize(np.where(mask[..., None], normals, np.float32(0)), shape)
+    small /= np.maximum(np.linalg.norm(small, axis=-1, keepdims=True), 1e-6)
+    height = integrate(small, there, jumps, rounds, tolerance, tile) * np.float32(mask.shape[0] / shape[0])
+    return _centred(resize_tile(height, (mask.shape[0], mask.shape[1]), tile), mask, tile)
+
+
+def _solved(
+    normals: NDArray[np.float64],
+    mask: NDArray[np.bool_],
+    jumps: float,
+    rounds: int,
+    tolerance: float,
+    tile: Tile | None,
+) -> NDArray[np.float64]:
+    """Return the heights (n,) on the mask.
+
+    Where the surface breaks is found at half the size first, and so on down to ten thousand pixels: there
+    each round costs little, and what lies far apart is but a few pixels away.
+    """
+    start = None
+    if jumps and np.count_nonzero(mask) > _SMALL:
+        half, there = halve(normals, mask, tile)
+        coarse = np.zeros(there.shape)
+        coarse[there] = _solved(half, there, jumps, rounds, tolerance, tile)
+        start = double(coarse, normals)[mask]
+        rounds = min(rounds, _REFINED)
+    surface = Surface(normals[mask], mask, tile)
+    if start is not None and len(start) > _LARGE:
+        return surface.solve(jumps, _SETTLED, 0, start, Relaxation())
+    return surface.solve(jumps, rounds, tolerance, start)

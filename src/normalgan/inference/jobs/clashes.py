@@ -1,0 +1,73 @@
+"""Clashes: drawings of one name in one folder, whose maps would be one file."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+from normalgan.errors import InputError
+from normalgan.inference.jobs.plan import DrawingFiles, Job
+from normalgan.inference.reading.drawings import LAYERED
+
+__all__ = ["without_clashes", "without_twins"]
+
+
+def without_twins(
+    files: Sequence[DrawingFiles], layers: bool = False
+) -> tuple[list[DrawingFiles], list[str]]:
+    """Return drawings without the other half of each pair of a layered file and its export, and what to say.
+
+    A paint program keeps ``fox.kra`` and exports ``fox.png`` beside it. The picture is what an engine shows,
+    at its size, so that the map is made of it; ``layers`` are in the layered file alone.
+
+    Example:
+        >>> pair = [DrawingFiles(Path("art", name)) for name in ("fox.kra", "fox.png")]
+        >>> [str(each.drawing.name) for each in without_twins(pair)[0]]
+        ['fox.png']
+        >>> [str(each.drawing.name) for each in without_twins(pair, layers=True)[0]]
+        ['fox.kra']
+    """
+    kinds: dict[Path, dict[bool, Path]] = {}
+    for each in files:
+        kinds.setdefault(each.drawing.with_suffix(""), {}).setdefault(_is_layered(each), each.drawing)
+    kept, said = [], []
+    for each in files:
+        pair = kinds[each.drawing.with_suffix("")]
+        if len(pair) == 1 or _is_layered(each) == layers:
+            kept.append(each)
+            continue
+        why = "has its layers" if layers else "is its export"
+        said.append(f"{each.drawing} is left out, as {pair[layers].name} beside it {why}.")
+    return kept, said
+
+
+def without_clashes(
+    jobs: Sequence[Job], written: Callable[[Job], Iterable[Path]]
+) -> tuple[list[Job], list[InputError]]:
+    """Return the jobs that write files of their own, and what is wrong with each of the others.
+
+    Of two drawings that would be written to one file neither is painted: which was meant nobody can tell.
+
+    Args:
+        jobs: the drawings.
+        written: what would be written for one of them; asked only of those whose maps may clash.
+    """
+    named = Counter(job.target for job in jobs)
+    files = {i: set(written(job)) for i, job in enumerate(jobs) if named[job.target] > 1}
+    counted = Counter(path for each in files.values() for path in each)
+    kept, wrong = [], []
+    for i, job in enumerate(jobs):
+        twice = sorted(path for path in files.get(i, ()) if counted[path] > 1)
+        if twice:
+            wrong.append(
+                InputError(
+                    f"{job.files.drawing}: {twice[0]} would be written twice; "
+                    "rename a sketch, or give another --suffix."
+                )
+            )
+        else:
+            kept.append(job)
+    return kept, wrong
+
+
+def _is_layered(files: DrawingFiles) -> bool:
+    return files.content is None and files.drawing.suffix.lower() in LAYERED

@@ -1,0 +1,81 @@
+"""Folders: the drawings that a user's words name, in folders and below them, and where their maps go."""
+
+import os
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from glob import glob
+from pathlib import Path
+
+from normalgan.errors import InputError
+from normalgan.inference.reading.drawings import SUFFIXES, is_drawing, without_companions
+
+__all__ = ["search"]
+
+
+def search(
+    words: Sequence[str],
+    companions: Sequence[str] = (),
+    recursive: bool = False,
+    leave_out: Path | None = None,
+    may_be_empty: bool = False,
+) -> tuple[dict[Path, Path], list[InputError]]:
+    """Return the drawings that are named, in order, and what is wrong with the words that name none.
+
+    Each comes with the folder below the output that its map goes to: with ``recursive`` that which it lies in
+    below the folder that was named, else none. Drawings of one name in different folders get folders that
+    tell them apart.
+
+    Args:
+        words: files, folders and globs.
+        companions: what lies beside a drawing and is named its stem with one of these is no drawing.
+        recursive: search folders to the bottom. What begins with a dot is passed over in any folder.
+        leave_out: a folder that is not searched: the output, if it lies in one that is.
+        may_be_empty: whether a folder without a drawing is no error, as the next drawing may go there.
+    """
+    found: dict[Path, Path] = {}
+    errors = []
+    for word in words:
+        place = Path(word)
+        if place.is_file():
+            here = {place: Path()}
+        elif place.is_dir():
+            files = list(_below(place, leave_out) if recursive else place.iterdir())
+            drawings = [path for path in files if is_drawing(path) and path.is_file()]
+            kept = without_companions(sorted(drawings), companions)
+            here = {path: path.parent.relative_to(place) for path in kept}
+        else:
+            matches = [Path(match) for match in sorted(glob(word, recursive=True)) if Path(match).is_file()]
+            here = dict.fromkeys(without_companions(matches, companions), Path())
+        if not here and not (may_be_empty and place.is_dir()):
+            errors.append(
+                InputError(
+                    f"no sketch found at {word!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
+                )
+            )
+        found |= {path: below for path, below in here.items() if path not in found}
+    return _apart(found), errors
+
+
+def _below(folder: Path, leave_out: Path | None) -> Iterator[Path]:
+    """Yield the files below a folder."""
+    left_out = None if leave_out is None else leave_out.resolve()
+    for path, folders, names in os.walk(folder):
+        here = Path(path)
+        if left_out is not None and left_out != folder.resolve():
+            folders[:] = [each for each in folders if (here / each).resolve() != left_out]
+        folders[:] = sorted(each for each in folders if not each.startswith("."))
+        yield from (here / name for name in names)
+
+
+def _apart(found: dict[Path, Path]) -> dict[Path, Path]:
+    """Return the same with drawings of one name from different folders in folders of their own."""
+    named = defaultdict(list)
+    for path, below in found.items():
+        named[below / path.stem].append(path)
+    for paths in named.values():
+        folders = {path.parent.resolve() for path in paths}
+        if len(folders) > 1:
+            top = os.path.commonpath(folders)
+            for path in paths:
+                found[path] = found[path] / path.parent.resolve().relative_to(top)
+    return found

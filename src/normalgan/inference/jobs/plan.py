@@ -1,0 +1,307 @@
+"""Jobs: which files are read for each drawing, and which are written."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Literal
+
+from normalgan.errors import InputError, unwritable
+from normalgan.inference.jobs.folders import search
+from normalgan.inference.mask.masks import ENDINGS as MASK_ENDINGS
+from normalgan.inference.reading.drawings import SUFFIXES, find_companion, find_drawings
+from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS
+
+__all__ = [
+    "COMPANIONS",
+    "FILES",
+    "MODEL",
+    "OUTLINE",
+    "STDIN",
+    "STDOUT",
+    "DrawingFiles",
+    "Job",
+    "check_writable",
+    "companions_of",
+    "find_files",
+    "find_many",
+    "format_of",
+    "is_file_name",
+    "plan",
+    "plan_file",
+]
+
+STDIN = STDOUT = "-"
+FILES: dict[str, Literal["png", "exr", "tiff"]] = {
+    **{".png": "png", ".apng": "png", ".gif": "png", ".webp": "png"},
+    **{".exr": "exr", ".tif": "tiff", ".tiff": "tiff"},
+}
+"""What a map's file may end in, and the format of a map in it; GIF and WebP hold animations."""
+_NO_MAPS = {
+    *(each for each in SUFFIXES if each not in FILES),
+    *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
+}
+"""What no folder's name ends in: who names such an output wants a file that is not written."""
+OUTLINE, MODEL = "outline", "model"
+"""What a mask may be in place of a file."""
+COMPANIONS = (
+    *("_hints", "_mask", "_input", "_preview", "_height", "_relief"),
+    *("_ao", "_curvature", "_specular"),
+)
+"""What is named so after a drawing lies beside it and is none."""
+
+
+@dataclass(frozen=True)
+class DrawingFiles:
+    """A drawing and what belongs to it.
+
+    Args:
+        drawing: its file, or what to call standard input.
+        content: what was read from standard input.
+        hints: the file of its hints.
+        mask: the file of its mask, or one of `OUTLINE` and `MODEL`.
+        below: the folder below the output that its map goes to.
+    """
+
+    drawing: Path
+    content: bytes | None = None
+    hints: Path | None = None
+    mask: Path | str | None = None
+    below: Path = Path()
+
+    @property
+    def beside(self) -> list[Path]:
+        """The files that are read beside the drawing's."""
+        return [each for each in (self.hints, self.mask) if isinstance(each, Path)]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One drawing to be painted.
+
+    Args:
+        files: what is read.
+        target: the normal map.
+        stem: what the names of everything else begin with.
+        exact: whether the user named the file of the map, so that its kind is settled.
+    """
+
+    files: DrawingFiles
+    target: Path
+    stem: str
+    exact: bool = False
+
+    def beside(self, ending: str) -> Path:
+        """Return the name of something else that is written for the drawing, such as ``_input.png``."""
+        return self.target.with_name(self.stem + ending)
+
+    def numbered(self, number: int, ending: str) -> "Job":
+        """Return the job of one frame, counted from 1; ``ending`` is that of a map's name."""
+        stem = f"{self.stem}_{number:04d}"
+        return Job(self.files, self.target.with_name(stem + ending), stem)
+
+
+def find_files(
+    sketches: str | Sequence[str],
+    ending: str = "_normal.png",
+    hints: str | None = None,
+    mask: str | None = None,
+    content: bytes | None = None,
+) -> list[DrawingFiles]:
+    """Return the drawings that are named, each with its hints and its mask.
+
+    Args:
+        sketches: files, folders and globs; ``-`` is ``content``.
+        ending: of a normal map's name; such files beside drawings are none.
+        hints: a file or a folder.
+        mask: a file, a folder, or one of `OUTLINE` and `MODEL`.
+        content: what standard input holds.
+
+    Raises:
+        InputError: if something is missing.
+    """
+    every = [sketches] if isinstance(sketches, str) else sketches
+    named = [each for each in every if each != STDIN]
+    drawings = find_drawings(named, ending, companions_of(ending)) if named else []
+    read = [DrawingFiles(drawing) for drawing in drawings]
+    if STDIN in every:
+        read.append(DrawingFiles(Path("stdin"), content))
+    return _with_companions(read, hints, mask)
+
+
+def find_many(
+    sketches: Sequence[str],
+    ending: str,
+    hints: str | None,
+    mask: str | None,
+    content: bytes | None,
+    recursive: bool,
+    folder: Path,
+    may_be_empty: bool = False,
+) -> tuple[list[DrawingFiles], list[InputError]]:
+    """Return the drawings that are named, and what is wrong with the words that name none.
+
+    Args:
+        sketches: files, folders and globs; ``-`` is ``content``.
+        ending: as `find_files` has it.
+        hints: as `find_files` has them.
+        mask: as `find_files` has it.
+        content: what standard input holds.
+        recursive: search folders to the bottom.
+        folder: where the maps go; it is not searched.
+        may_be_empty: whether a folder without a drawing is nothing wrong.
+
+    Raises:
+        InputError: if a file of hints or of the mask is missing.
+    """
+    named = [each for each in sketches if each != STDIN]
+    found, wrong = search(named, companions_of(ending), recursive, folder, may_be_empty)
+    read = [DrawingFiles(drawing, below=below) for drawing, below in found.items()]
+    if STDIN in sketches:
+        read.append(DrawingFiles(Path("stdin"), content))
+    return (_with_companions(read, hints, mask) if read else []), wrong
+
+
+def companions_of(ending: str) -> tuple[str, ...]:
+    """Return what is named so after a drawing lies beside it and is none.
+
+    Args:
+        ending: of a normal map's name, such as ``_normal.png``.
+    """
+    suffix = Path(ending).stem
+    return (*COMPANIONS, *([suffix] if suffix else []))
+
+
+def _with_companions(read: Sequence[DrawingFiles], hints: str | None, mask: str | None) -> list[DrawingFiles]:
+    of_hints = _companions(read, hints, "hints", HINT_ENDINGS)
+    of_masks: list[Path | str | None] = (
+        [mask] * len(read) if mask in {OUTLINE, MODEL} else [*_companions(read, mask, "mask", MASK_ENDINGS)]
+    )
+    found = zip(read, of_hints, of_masks, strict=True)
+    return [replace(each, hints=own, mask=where) for each, own, where in found]
+
+
+def plan(
+    files: Sequence[DrawingFiles],
+    folder: Path,
+    ending: str,
+    others: Sequence[str] = (),
+    may_clash: bool = False,
+) -> list[Job]:
+    """Return what is to be painted, and where it goes.
+
+    Args:
+        files: the drawings.
+        folder: where everything goes.
+        ending: of a normal map's name, such as ``_normal.png``.
+        others: endings of what else is written.
+        may_clash: whether two drawings may go to one file, as somebody else sees to that.
+
+    Raises:
+        InputError: if something that is read would be written over, or two files would have one name.
+    """
+    jobs = [
+        Job(each, folder / each.below / f"{each.drawing.stem}{ending}", each.drawing.stem) for each in files
+    ]
+    _check_names(jobs, others, may_clash)
+    return jobs
+
+
+def is_file_name(output: Path) -> bool:
+    """Return whether an output is the name of a map's file, and no folder.
+
+    Raises:
+        InputError: if it is the name of a file of a kind that is not written.
+    """
+    if output.is_dir():
+        return False
+    if output.suffix.lower() in _NO_MAPS:
+        raise InputError(
+            f"{output} is no name of a map, which ends in .png, .exr, .tif or .tiff, or if it moves in .gif, "
+            ".webp or .apng; name such a file, or a folder (-o)."
+        )
+    return output.suffix.lower() in FILES
+
+
+def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
+    """Return the format of a map whose file has a name.
+
+    Args:
+        target: the file.
+        asked: the format that was asked for; None if none was.
+
+    Raises:
+        InputError: if they disagree.
+    """
+    found = FILES[target.suffix.lower()]
+    if asked not in {None, found}:
+        raise InputError(f"{target} is no {asked}; name a file of that kind, or leave --format out.")
+    return found
+
+
+def plan_file(files: Sequence[DrawingFiles], target: Path, others: Sequence[str] = ()) -> Job:
+    """Return the job of the one drawing whose map goes to a file of a given name.
+
+    Raises:
+        InputError: if there are several, or something that is read would be written over.
+    """
+    if len(files) != 1:
+        raise InputError(f"{target} is one file, but there are {len(files)} sketches; name a folder (-o).")
+    job = Job(files[0], target, target.stem, exact=True)
+    _check_names([job], others)
+    return job
+
+
+def check_writable(jobs: Sequence[Job]) -> None:
+    """Raise `InputError` if a map cannot be written where it is to go."""
+    for target in (job.target for job in jobs if job.target.is_dir()):
+        raise InputError(f"the normal map cannot be written to {target}: it is a folder.")
+    for folder in {job.target.parent for job in jobs}:
+        there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+        try:
+            # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
+            with TemporaryFile(dir=there) as probe:
+                probe.write(b"0")
+        except OSError as error:
+            raise unwritable(
+                f"the normal map cannot be written to {folder}: {error.strerror}.", error
+            ) from None
+
+
+def _companions(
+    read: Sequence[DrawingFiles], named: str | None, kind: str, endings: Sequence[str]
+) -> list[Path | None]:
+    """Return the file of hints or of the mask for each drawing, if there is one."""
+    if named is None:
+        return [None] * len(read)
+    source = Path(named)
+    if not source.exists():
+        raise InputError(f"there is no file or folder {source} for the {kind}.")
+    if source.is_file() and len(read) > 1:
+        raise InputError(f"one file of {kind}, {source}, cannot serve {len(read)} sketches; name a folder.")
+    found = [find_companion(each.drawing, source, endings, each.below) for each in read]
+    if not any(found):
+        wanted = " or ".join(f"<sketch>{ending}" for ending in endings if ending.startswith("_"))
+        raise InputError(f"{named} holds no {kind} for any sketch; they are named {wanted}.")
+    return found
+
+
+def _check_names(jobs: Sequence[Job], others: Sequence[str], may_clash: bool = False) -> None:
+    """Raise `InputError` if something would be written over a sketch, its companions, or twice.
+
+    With ``may_clash`` it is twice for one drawing that counts.
+    """
+    given = [(job.files.drawing, job.files.hints, job.files.mask) for job in jobs]
+    read = {path.resolve() for each in given for path in each if isinstance(path, Path)}
+    written: set[Path] = set()
+    for job in jobs:
+        if may_clash:
+            written.clear()
+        for path in (job.target, *(job.beside(ending) for ending in others)):
+            if path.resolve() in read:
+                raise InputError(
+                    f"{path} is read and would be written over; give another folder (-o) or --suffix."
+                )
+            if path.resolve() in written:
+                raise InputError(f"{path} would be written twice; rename a sketch, or give another --suffix.")
+            written.add(path.resolve())

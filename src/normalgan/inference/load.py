@@ -1,0 +1,55 @@
+"""Saved models: any file of a trained model, or the one that comes with the package, as a predictor."""
+
+from pathlib import Path
+
+from normalgan.errors import InputError
+from normalgan.inference.network.backend import Backend
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.predictor import Predictor
+
+__all__ = ["SHIPPED_NAME", "load"]
+
+SHIPPED_NAME = "shipped"
+"""What the model that comes with the package is called."""
+
+
+def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Predictor:
+    """Return a trained model as a function of a drawing.
+
+    ONNX files, among them the one that comes with the package, need no torch and load in a moment.
+
+    Args:
+        path_or_name: ``shipped``, or a file: ``.onnx`` or ``.safetensors`` that `normalgan export` wrote, or
+            a checkpoint that `normalgan fit` saved.
+        size: side in pixels of the pictures of a checkpoint's training; None where it says so itself.
+
+    Raises:
+        InputError: if it cannot be used.
+    """
+    backend = _backend(str(path_or_name), size)
+    if size not in (None, backend.size):
+        raise InputError(
+            f"{path_or_name} paints pictures of {backend.size} pixels, not {size}; leave size out: drawings "
+            "of any size are shown to it so."
+        )
+    return Predictor(backend)
+
+
+def _backend(name: str, size: int | None) -> Backend:
+    if name == SHIPPED_NAME:
+        return OnnxBackend(find_model())
+    path = Path(name)
+    if not path.is_file():
+        raise InputError(
+            f"there is no model {name}; give a file (.onnx, .safetensors, .ckpt), or {SHIPPED_NAME!r} for "
+            "the one that comes with the package."
+        )
+    if path.suffix.lower() == ".onnx":
+        return OnnxBackend(path)
+    # Late: torch takes seconds to import.
+    from normalgan.inference.network.torch_backend import TorchBackend
+    from normalgan.weights.checkpoint import read_model
+
+    weights = read_model(path, size)
+    notes = weights.notes
+    return TorchBackend(weights.generator(), notes.size, refined=notes.refined, line_widths=notes.line_widths)

@@ -1,0 +1,57 @@
+"""Masks: pictures that say where the object is in a drawing; one rule for whoever gives them."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError
+from normalgan.inference.reading.picture import Picture, read_picture
+
+__all__ = ["ENDINGS", "load_mask", "mask_of"]
+
+ENDINGS = ("_mask.png", ".png")
+"""What the mask of a drawing is named, after its stem, in the order in which they are looked for."""
+
+
+def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") -> NDArray[np.bool_]:
+    """Return the object (H, W) that a picture shows: what is opaque on nothing, else what is white on black.
+
+    Where something is transparent, the opacity alone tells, whatever the colour of what is opaque.
+
+    Args:
+        picture: of the mask.
+        shape: (H, W) of the drawing.
+        name: what to call the mask in an error.
+
+    Raises:
+        InputError: if it is of another size, or empty.
+
+    Example:
+        >>> black, clear = np.zeros((8, 8, 3), np.float32), np.zeros((8, 8), np.float32)
+        >>> clear[2:4] = 1
+        >>> int(mask_of(Picture(black, clear), (8, 8)).sum())
+        16
+    """
+    if picture.shape != shape:
+        raise InputError(
+            f"{name} is {picture.shape[1]} × {picture.shape[0]} pixels, "
+            f"but its sketch {shape[1]} × {shape[0]}."
+        )
+    mask: NDArray[np.bool_] = picture.colour.mean(-1) > 0.5
+    if picture.alpha is not None and (picture.alpha <= 0.5).any():
+        mask = picture.alpha > 0.5
+    if not mask.any():
+        raise InputError(f"{name} is empty; paint the object white, and the rest black.")
+    return mask
+
+
+def load_mask(path: Path, shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """Read the mask (h, w) of a drawing of (H, W) pixels; see `mask_of`.
+
+    Of a larger one than is worked on it is a reduced one.
+
+    Raises:
+        InputError: if it cannot be used.
+    """
+    return mask_of(read_picture(path), shape, f"the mask {path}")

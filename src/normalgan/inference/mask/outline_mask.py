@@ -1,0 +1,65 @@
+"""Outline mask: the object that the lines of a drawing enclose, past gaps."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.mask.filling import MARGIN, Filling
+from normalgan.inference.network.framing import box_of
+from normalgan.inference.reading.picture import fitted, resize
+
+__all__ = ["Outline", "fill_outline"]
+
+_SIDE = 512
+"""Longest side at which areas are filled, and twice the shortest."""
+_FAILED = 0.5
+"""Below such a share of lines that enclose something, gaps of any width are closed."""
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What the lines of a drawing enclose.
+
+    Args:
+        mask: (H, W), the inside, the lines around it, and long loose lines that hang on it.
+        closed: share of the ink that lies in or around the inside; low where an outline has wide gaps.
+        guessed: whether a gap was closed that is so wide that it may have been meant.
+    """
+
+    mask: BoolMask
+    closed: float
+    guessed: bool = False
+
+
+def fill_outline(ink: Floats) -> Outline:
+    """Return what the lines of a drawing (H, W) enclose.
+
+    Gaps of more and more width are closed until nearly all lines enclose something: small ones by making all
+    lines thicker, wider ones by straight bridges from the ends of lines, which leave the rest as it is. What
+    cannot be reached from outside then is inside, and is given back what thick lines took from it. So a
+    narrow opening between two legs, which has no room behind it, is not filled.
+    """
+    shape = (ink.shape[0], ink.shape[1])
+    # A small drawing's lines hang together only between its pixels.
+    side = min(max(*shape, _SIDE // 2), _SIDE)
+    small = ink if side == max(shape) else resize(ink, fitted(shape, side))
+    inked = small > 0.35
+    if not inked.any():
+        return Outline(np.zeros(shape, bool), 0.0)
+    top, bottom, left, right = box_of(inked)
+    span = max(bottom - top, right - left)
+    margin = int(MARGIN * span) + 2
+    padded = cv2.copyMakeBorder(inked.view(np.uint8), *(margin,) * 4, cv2.BORDER_CONSTANT, value=0)
+    filling = Filling(padded > 0, span)
+    filling.fill()
+    guessed = filling.closed < _FAILED and filling.guess()
+    mask = filling.mask()[margin:-margin, margin:-margin]
+    if small is not ink:
+        mask = resize(_smooth(mask), shape) > 0.5
+    return Outline(mask, filling.closed, guessed)
+
+
+def _smooth(mask: BoolMask) -> Floats:
+    return np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 0.8), np.float32)

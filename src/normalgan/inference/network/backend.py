@@ -1,0 +1,41 @@
+"""Backend: what paints the coarse map of a prepared drawing: a network, by ONNX Runtime or torch."""
+
+from typing import Protocol
+
+from normalgan.arrays import Floats
+from normalgan.inference.network.upsampling import Upsampler
+from normalgan.line_widths import LineWidths
+
+__all__ = ["Backend"]
+
+
+class Backend(Protocol):
+    """A network that is shown one sketch at a time; safe to be called by several threads."""
+
+    @property
+    def size(self) -> int:
+        """Side in pixels of the pictures that it takes and paints."""
+        ...
+
+    @property
+    def line_widths(self) -> LineWidths:
+        """The lines that it is shown as they were drawn, in pixels of its pictures."""
+        ...
+
+    @property
+    def upsample(self) -> Upsampler:
+        """The step from that size to a drawing's."""
+        ...
+
+    def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
+        """Return what is painted for one sketch, and how sure the network is of it.
+
+        Args:
+            sketch: (S, S) ink in [0, 1].
+            hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
+
+        Returns:
+            (S, S, 3) vectors in camera space, as long as an object is probable, and the confidence κ (S, S)
+            or None.
+        """
+        ...

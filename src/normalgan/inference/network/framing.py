@@ -1,0 +1,160 @@
+"""Framing: the square of a drawing that a model is shown, and the way back."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Self
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.inference.histogram import median
+from normalgan.normals import normalize
+
+__all__ = ["Bounds", "Frame", "around", "bounds_of", "box_of", "united"]
+
+Bounds = tuple[int, int, int, int]
+"""First row, row after the last, first column, column after the last."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The square of a drawing that a model is shown, and the way back.
+
+    Args:
+        shape: (H, W) of the drawing.
+        left: x of the square's left edge in pixels of the drawing; may be negative.
+        top: y of its top edge; may be negative.
+        side: its side in pixels of the drawing.
+        size: its side in pixels of the model.
+    """
+
+    shape: tuple[int, ...]
+    left: float
+    top: float
+    side: float
+    size: int
+
+    @classmethod
+    def around(cls, ink: Floats, size: int, margin: float = 0.06) -> Self:
+        """Return the frame that holds the lines of a drawing (H, W) as training samples are held.
+
+        Args:
+            ink: the drawing.
+            size: side of the model's pictures.
+            margin: share of the frame left free at each side.
+        """
+        return cls.about(bounds_of(ink), ink.shape, size, margin)
+
+    @classmethod
+    def about(cls, bounds: Bounds, shape: tuple[int, ...], size: int, margin: float = 0.06) -> Self:
+        """Return the frame that holds a box of a drawing (H, W), as `around` does the box of its lines."""
+        top, bottom, left, right = bounds
+        side = max(bottom - top, right - left) / (1 - 2 * margin)
+        return cls(shape, (left + right - side) / 2, (top + bottom - side) / 2, side, size)
+
+    def cut(self, ink: Floats) -> Floats:
+        """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1]."""
+        shown = self.shrink(ink)
+        return np.asarray(np.minimum(shown / _darkness(shown), 1), np.float32)
+
+    def marked(self, ink: Floats) -> NDArray[np.bool_]:
+        """Return where `cut` gives more than half."""
+        shown = self.shrink(ink)
+        return np.asarray(shown > 0.5 * _darkness(shown))
+
+    def shrink(self, picture: Floats) -> Floats:
+        """Return the frame's part of a picture (H, W) at the model's size, (size, size), zero beyond it."""
+        # Averaging over areas keeps thin lines; it needs whole pixels, so first the square is cut out.
+        side = round(self.side)
+        left, top = round(self.left), round(self.top)
+        square = np.zeros((side, side), np.float32)
+        h, w = self.shape
+        x0, y0, x1, y1 = max(left, 0), max(top, 0), min(left + side, w), min(top + side, h)
+        square[y0 - top : y1 - top, x0 - left : x1 - left] = picture[y0:y1, x0:x1]
+        method = cv2.INTER_AREA if side > self.size else cv2.INTER_LINEAR
+        return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
+
+    def cut_hints(self, normals: Floats, where: NDArray[np.bool_]) -> Floats:
+        """Return hints (4, size, size) for the model: unit normals, averaged where they meet, and where."""
+        rows, columns = np.nonzero(where)
+        return self.cut_points(np.stack([columns, rows], axis=1) + 0.5, normals[rows, columns])
+
+    def cut_points(self, points: NDArray[np.floating], normals: Floats) -> Floats:
+        """Return hints (4, size, size) for the model, as `cut_hints` does.
+
+        Args:
+            points: (K, 2), x right and y down in pixels of the drawing, whose first has its middle at 0.5.
+            normals: (K, 3), unit.
+        """
+        corner = np.array([round(self.left), round(self.top)])
+        x, y = np.floor((points - corner) * self.size / round(self.side)).astype(int).T
+        inside = (x >= 0) & (x < self.size) & (y >= 0) & (y < self.size)
+        total = np.zeros((self.size, self.size, 3), np.float32)
+        np.add.at(total, (y[inside], x[inside]), normals[inside])
+        unit = normalize(total)
+        hinted = (np.abs(unit).sum(-1, keepdims=True) > 0).astype(np.float32)
+        return np.concatenate([unit, hinted], axis=-1).transpose(2, 0, 1)
+
+    def restore(self, predicted: Floats) -> Floats:
+        """Bring what the model painted, (size, size, C), to the drawing's own place and size, (H, W, C)."""
+        scale = round(self.side) / self.size
+        # Maps pixel centres of the model to those of the drawing.
+        x0, y0 = round(self.left) + (scale - 1) / 2, round(self.top) + (scale - 1) / 2
+        placed = np.array([[scale, 0, x0], [0, scale, y0]], np.float64)
+        h, w = self.shape
+        return np.asarray(cv2.warpAffine(predicted, placed, (w, h), flags=cv2.INTER_LINEAR), np.float32)
+
+
+def _darkness(shown: Floats) -> float:
+    """Return how dark most lines of a shrunken drawing are; 1 if there are none.
+
+    Averaging makes thin lines pale; training samples have lines as dark as ink, so the darker half of the
+    lines is brought back to that.
+    """
+    lines = shown[shown > 0.1]
+    return max(median(lines), 0.1) if lines.size else 1.0
+
+
+def bounds_of(ink: Floats) -> Bounds:
+    """Return the box of the lines of a drawing (H, W) that has some.
+
+    >>> bounds_of(np.pad(np.ones((2, 3), np.float32), 1))
+    (1, 3, 1, 4)
+    """
+    return box_of(ink > 0.1)
+
+
+def box_of(marked: NDArray[np.bool_]) -> Bounds:
+    """Return the box of what is marked (H, W); an empty one if nothing is.
+
+    >>> box_of(np.pad(np.ones((2, 3), bool), 1))
+    (1, 3, 1, 4)
+    """
+    left, top, width, height = cv2.boundingRect(marked.view(np.uint8))
+    return top, top + height, left, left + width
+
+
+def around(marked: NDArray[np.bool_], room: int) -> tuple[slice, slice]:
+    """Return the part of a picture (H, W) that holds what is marked, with so many pixels around it.
+
+    All of it if nothing is marked.
+
+    >>> around(np.pad(np.ones((2, 3), bool), 5), 1)
+    (slice(4, 8, None), slice(4, 9, None))
+    """
+    top, bottom, left, right = box_of(marked)
+    if top == bottom:
+        return np.s_[:, :]
+    return np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
+
+
+def united(boxes: Iterable[Bounds]) -> Bounds:
+    """Return the box that holds several; there is one at least.
+
+    >>> united([(1, 3, 1, 4), (0, 2, 2, 9)])
+    (0, 3, 1, 9)
+    """
+    top, bottom, left, right = zip(*boxes, strict=True)
+    return min(top), max(bottom), min(left), max(right)

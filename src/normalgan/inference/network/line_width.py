@@ -1,0 +1,147 @@
+"""Line width: a drawing's lines as wide as those that the model was trained on."""
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.histogram import median
+from normalgan.inference.network.framing import Frame, around
+from normalgan.line_widths import DRAWN_WIDTH, LineWidths
+
+__all__ = ["areas", "line_width", "middle", "render_model_input"]
+
+_FINER = 4
+"""Lines are thinned with as many pixels a side for each of the model."""
+_ROUGH = 2
+"""As many are enough to tell that a line is far from too thin or too wide."""
+_THIN = 0.02
+"""Half as wide as this share of the model's side a line is at least before it is an area."""
+
+
+def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
+    """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1].
+
+    Lines narrower than the model knows are made thicker, wider ones are drawn anew along their middle: anew
+    they lose some of their hand. Areas, whose width is no line's, are drawn as their outline.
+
+    Args:
+        ink: (H, W).
+        frame: the square that the model is shown.
+        widths: of the lines that the model knows.
+    """
+    if _is_known(ink, frame, widths):
+        return frame.cut(ink)
+    whole = _finer(frame, _FINER).marked(ink)
+    # Nothing is done about what is empty, which is most of the frame of a drawing that is not square.
+    box = around(whole, 2 * _FINER)
+    inked = whole[box]
+    depth = _depth(inked)
+    width = _width(inked, depth)
+    thick = areas(inked, width, depth, frame.size * _FINER)
+    kept, drawn_width = None, DRAWN_WIDTH * _FINER
+    if widths[0] * _FINER <= width <= widths[1] * _FINER:
+        if not thick.any():
+            return frame.cut(ink)
+        lines, kept = _edge(inked, thick), inked & ~thick
+    elif thick.any() or width > widths[1] * _FINER:
+        lines = middle(inked, width, thick)
+    else:
+        lines, drawn_width = inked, DRAWN_WIDTH * _FINER - width + 1
+    away = cv2.distanceTransform((~lines).view(np.uint8), cv2.DIST_L2, 5)
+    drawn = np.zeros(whole.shape, np.float32)
+    np.clip(np.float32(drawn_width / 2 + 0.5) - away, 0, 1, out=drawn[box])
+    if kept is not None:
+        drawn[box][kept] = 1
+    shown = cv2.resize(drawn, (frame.size, frame.size), interpolation=cv2.INTER_AREA)
+    return np.asarray(shown, np.float32)
+
+
+def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
+    """Return whether lines are surely as wide as the model knows, and none of them is an area.
+
+    It is told by a quarter of the pixels that they are thinned with. On these, a line is found to be half as
+    wide and deep, to a pixel: where that might make a difference the answer is no.
+    """
+    marked = _finer(frame, _ROUGH).marked(ink)
+    inked = marked[around(marked, 1)]
+    depth = _depth(inked)
+    known = widths[0] * _ROUGH + 1 <= _width(inked, depth) <= widths[1] * _ROUGH - 1
+    return known and float(depth.max()) + 1 <= _THIN * frame.size * _ROUGH
+
+
+def _finer(frame: Frame, times: int) -> Frame:
+    return Frame(frame.shape, frame.left, frame.top, frame.side, frame.size * times)
+
+
+def line_width(inked: BoolMask) -> float:
+    """Return how wide most of the lines of a drawing (H, W) are in pixels, by the length of their edges.
+
+    >>> inked = np.zeros((60, 60), bool)
+    >>> inked[10:15] = inked[30:35] = True
+    >>> round(line_width(inked))
+    5
+    """
+    inked = inked[around(inked, 1)]
+    return _width(inked, _depth(inked))
+
+
+def _width(inked: BoolMask, depth: Floats) -> float:
+    # Pixels as far inside as their neighbours or farther lie on the middle of a line.
+    ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(1e-4))
+    return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
+
+
+def areas(inked: BoolMask, width: float, depth: Floats, side: int) -> BoolMask:
+    """Return the parts of a drawing (H, W) too thick for a line, when most lines are ``width`` wide.
+
+    A patch that is thick for the most part is an area with all its thin parts: a silhouette's legs.
+
+    Args:
+        inked: (H, W).
+        width: of most lines in pixels.
+        depth: (H, W), how far inside the ink each pixel lies.
+        side: of the whole picture in pixels.
+    """
+    thickest = min(max(1.5 * width, _THIN * side), 0.035 * side)  # half the width that is none of a line
+    core: BoolMask = depth > thickest
+    if not core.any():
+        return core
+    away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
+    thick: BoolMask = inked & np.asarray(away <= 1.2 * thickest)
+    count, labels = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)
+    whole = np.maximum(np.bincount(labels.ravel(), minlength=count), 1)  # ink may be everywhere
+    share = np.bincount(labels[thick], minlength=count) / whole
+    found: BoolMask = thick | (inked & (share > 0.5)[labels])
+    return found
+
+
+def middle(inked: BoolMask, width: float, thick: BoolMask) -> BoolMask:
+    """Return lines one pixel wide: the middle of the lines of a drawing (H, W), the outline of its areas.
+
+    Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns", 1984, as scikit-image has it.
+
+    Args:
+        inked: (H, W).
+        width: of most lines in pixels.
+        thick: (H, W), its areas.
+    """
+    from skimage.morphology import skeletonize  # takes half a second, and most drawings do without
+
+    blur = max(width / 4, 0.5)  # a line's rough edges would grow hairs
+    smooth = cv2.GaussianBlur(inked.astype(np.float32), (0, 0), blur) > 0.5
+    lines: BoolMask = skeletonize(smooth & ~thick)
+    return lines | _edge(inked, thick)
+
+
+def _edge(inked: BoolMask, thick: BoolMask) -> BoolMask:
+    """Return the outline of areas (H, W) but where they go over into a line: there is no edge."""
+    inner = cv2.erode(thick.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    onto = cv2.dilate((inked & ~thick).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    return thick & ~inner & ~onto
+
+
+def _depth(inked: BoolMask) -> Floats:
+    """Return how far inside the ink each pixel lies, (H, W), 1 at its edge."""
+    padded = cv2.copyMakeBorder(inked.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)
+    return np.asarray(depth[1:-1, 1:-1], np.float32)

@@ -1,0 +1,70 @@
+"""Tile: a picture that goes on past its edges with what lies at the opposite ones."""
+
+from typing import Any, Literal, get_args
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.inference.reading.picture import resize
+
+__all__ = ["Tile", "check_tile", "middle", "repeats", "resize_tile", "wrapped"]
+
+Tile = Literal["both", "x", "y"]
+"""Ways in which a picture is repeated: side by side (x), one above the other (y)."""
+_REACH = 4
+"""Pixels beyond an edge that count when a picture is enlarged; two do."""
+
+
+def check_tile(tile: str | None) -> None:
+    """Raise `InputError` if a drawing cannot be repeated so."""
+    if tile is not None and tile not in get_args(Tile):
+        raise InputError(f"tile is {tile!r}; a drawing is repeated along x, y or both.")
+
+
+def repeats(tile: Tile | None) -> tuple[bool, bool]:
+    """Return whether there are repeats below each other, and whether side by side.
+
+    >>> repeats("x"), repeats(None)
+    ((False, True), (False, False))
+    """
+    return tile in {"both", "y"}, tile in {"both", "x"}
+
+
+def wrapped(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -> NDArray[Any]:
+    """Return a picture (H, W, …) with so many more rows and columns at each edge, where it is repeated.
+
+    >>> wrapped(np.array([[1, 2, 3]]), "x", (1, 1)).tolist()
+    [[3, 1, 2, 3, 1]]
+    """
+    if tile is None:
+        return picture
+    room = [(n, n) if there else (0, 0) for n, there in zip(beside, repeats(tile), strict=True)]
+    return np.pad(picture, room + [(0, 0)] * (picture.ndim - 2), mode="wrap")
+
+
+def middle(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -> NDArray[Any]:
+    """Return what `wrapped` has put so many rows and columns about.
+
+    >>> middle(np.array([[3, 1, 2, 3, 1]]), "x", (1, 1)).tolist()
+    [[1, 2, 3]]
+    """
+    top, left = (n if there else 0 for n, there in zip(beside, repeats(tile), strict=True))
+    return picture[top : picture.shape[0] - top, left : picture.shape[1] - left]
+
+
+def resize_tile(picture: Floats, shape: tuple[int, int], tile: Tile | None) -> Floats:
+    """Return a picture (H, W) or (H, W, C) with another (H, W) that is repeated as before; see `resize`."""
+    if tile is None or shape[0] <= picture.shape[0]:  # averages over areas do not reach across an edge
+        return resize(picture, shape)
+    around = wrapped(picture, tile, (_REACH, _REACH))
+    down, right = (picture.shape[axis] / shape[axis] for axis in (0, 1))
+    top, left = (_REACH if there else 0 for there in repeats(tile))
+    # From the middles of the pixels of the larger picture to those of the smaller one.
+    back = np.array([[right, 0, left + (right - 1) / 2], [0, down, top + (down - 1) / 2]], np.float64)
+    flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
+    return np.asarray(
+        cv2.warpAffine(around, back, shape[::-1], flags=flags, borderMode=cv2.BORDER_REPLICATE), np.float32
+    )

@@ -1,0 +1,165 @@
+"""Windows: a drawing that goes on past its edges, shown to the network in parts that overlap."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import ceil, floor
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.inference.network.backend import Backend
+from normalgan.inference.network.framing import Frame, bounds_of
+from normalgan.inference.network.line_width import render_model_input
+from normalgan.inference.network.tile import Tile, repeats
+from normalgan.inference.reading.hint_files import Hints
+
+__all__ = ["Window", "predict_windows", "repeated", "windows"]
+
+_SIDE = 1.5
+"""Of a window, as a share of the drawing's longer side."""
+_IN = 6
+"""In how many windows each place of a repeated drawing lies, along each way, at the least."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """A part of a repeated drawing.
+
+    Args:
+        corner: its first row and column, in pixels of the drawing.
+        ink: (h, w), its lines.
+        frame: the square of it that the network is shown.
+    """
+
+    corner: tuple[int, int]
+    ink: Floats
+    frame: Frame
+
+    def weight(self, tile: Tile) -> Floats:
+        """Return how much each pixel of the network counts, (size, size): nothing at an edge that repeats."""
+        hills = []
+        for first, extent, there in zip(_corner(self.frame), self.ink.shape, repeats(tile), strict=True):
+            place = (first + (np.arange(self.frame.size) + 0.5) * _pixel(self.frame)) / extent
+            hill = np.sin(np.pi * place) ** 2 if there else np.ones_like(place)
+            hills.append(np.where((place > 0) & (place < 1), hill, 0))
+        return np.outer(*hills).astype(np.float32)
+
+
+def windows(ink: Floats, tile: Tile, size: int) -> list[Window]:
+    """Return the parts of a repeated drawing (H, W) that a network of a size is shown.
+
+    They overlap, so that what the network paints depends little on where an edge of the drawing is. Half as
+    many are too few for that.
+    """
+    top, bottom, left, right = bounds_of(ink)
+    down, across = repeats(tile)
+    own = [extent for extent, there in zip(ink.shape, (down, across), strict=True) if there]
+    side = max(round(_SIDE * max(own)), 0 if down else bottom - top, 0 if across else right - left)
+    rows = (0, side) if down else (top, bottom)
+    columns = (0, side) if across else (left, right)
+    found = []
+    for corner in product(_steps(ink.shape[0], side, down), _steps(ink.shape[1], side, across)):
+        part = ink
+        for axis, there in enumerate((down, across)):
+            if there:
+                part = part.take(range(corner[axis], corner[axis] + side), axis, mode="wrap")
+        found.append(Window(corner, part, Frame.about((*rows, *columns), part.shape, size)))
+    return found
+
+
+def predict_windows(
+    backend: Backend,
+    shown: Sequence[Window],
+    frame: Frame,
+    tile: Tile,
+    shape: tuple[int, int],
+    origin: tuple[int, int],
+    hints: Hints | None = None,
+) -> tuple[Floats, Floats | None]:
+    """Return what a network paints in windows, brought together: as `Backend.paint`, in another frame.
+
+    Args:
+        backend: the network.
+        shown: the windows.
+        frame: the frame, in a picture of the drawing and what is around it.
+        tile: the ways in which the drawing is repeated.
+        shape: (H, W) of the drawing.
+        origin: its first row and column in that picture.
+        hints: in pixels of the drawing.
+    """
+    total: Floats = np.zeros((frame.size, frame.size, 5), np.float32)
+    sure = False
+    for each in shown:
+        own = None
+        if hints is not None:
+            near = repeated(hints, tile, shape, each.corner, each.ink.shape)
+            own = each.frame.cut_points(near.points, near.normals)
+        normals, confidence = backend.predict(
+            render_model_input(each.ink, each.frame, backend.line_widths), own
+        )
+        sure = confidence is not None
+        weight = each.weight(tile)
+        values = np.dstack([normals, np.zeros_like(weight) if confidence is None else confidence])
+        values = np.dstack([values * weight[..., None], weight])
+        first = np.array([_corner(each.frame), each.corner, origin], np.intp).sum(0)
+        ratio = _pixel(frame) / _pixel(each.frame)
+        for shift in _shifts(tile, shape, first, round(each.frame.side), frame.shape):
+            # From the middles of the frame's pixels to those of the window's.
+            row, column = (np.array(_corner(frame)) - first - shift) / _pixel(each.frame) + (ratio - 1) / 2
+            there = np.array([[ratio, 0, column], [0, ratio, row]])
+            flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+            total += cv2.warpAffine(values, there, (frame.size, frame.size), flags=flags)
+    total[..., :4] /= np.maximum(total[..., 4:], 1e-6)
+    return np.ascontiguousarray(total[..., :3]), total[..., 3] if sure else None
+
+
+def repeated(
+    hints: Hints, tile: Tile, shape: tuple[int, int], corner: tuple[int, int], extent: Sequence[int]
+) -> Hints:
+    """Return hints and their repeats in a part of a repeated drawing, in pixels of that part.
+
+    Args:
+        hints: in pixels of the drawing.
+        tile: the ways in which it is repeated.
+        shape: (H, W) of the drawing.
+        corner: first row and column of the part, in pixels of the drawing.
+        extent: rows and columns of the part.
+    """
+    away: NDArray[np.intp] = np.array(corner, np.intp)
+    found = [
+        hints.points + (shift - away)[::-1].astype(np.float32)
+        for shift in _shifts(tile, shape, -away, max(shape), extent)
+    ]
+    points, normals = np.concatenate(found), np.tile(hints.normals, (len(found), 1))
+    inside = ((points >= 0) & (points < np.array(extent[::-1]))).all(1)
+    return Hints(points[inside], normals[inside])
+
+
+def _shifts(
+    tile: Tile, shape: tuple[int, int], first: NDArray[np.intp], side: int, extent: Sequence[int]
+) -> Iterator[NDArray[np.intp]]:
+    """Yield how far down and to the right there are repeats of a square that show in a picture."""
+    every = []
+    for period, begin, length, there in zip(shape, first, extent, repeats(tile), strict=True):
+        least, most = floor((-begin - side) / period) + 1, ceil((length - begin) / period)
+        every.append([n * period for n in (range(least, most) if there else (0,))])
+    for shift in product(*every):
+        yield np.array(shift)
+
+
+def _steps(extent: int, side: int, there: bool) -> Sequence[int]:
+    """Return where windows begin."""
+    count = ceil(_IN * extent / side)
+    return [round(i * extent / count) for i in range(count)] if there else (0,)
+
+
+def _corner(frame: Frame) -> tuple[int, int]:
+    return round(frame.top), round(frame.left)
+
+
+def _pixel(frame: Frame) -> float:
+    """Return the side of the network's pixels, in those of the drawing."""
+    return round(frame.side) / frame.size

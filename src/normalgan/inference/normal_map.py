@@ -1,0 +1,201 @@
+"""NormalMap: what comes out of painting: normals, mask, confidence; as arrays, pictures and files."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, get_args
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.files.writing import write_bytes
+from normalgan.inference.composites.cells import Cell
+from normalgan.inference.network.framing import box_of
+from normalgan.inference.network.tile import Tile
+from normalgan.inference.vectors import unit
+from normalgan.normals import (
+    Bits,
+    Green,
+    encode_exr,
+    encode_tiff,
+    flip_green,
+    pack_png,
+    paint_flat,
+    pixels_of,
+    strips,
+)
+
+__all__ = ["Format", "NormalMap", "as_it_lies", "part_of"]
+
+Format = Literal["png", "exr", "tiff"]
+_FLAT = np.array([[[0, 0, 1]]], np.float32)
+_SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".tiff": "tiff"}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NormalMap:
+    """A normal map and what came with it; axes are x right, y up, z to the viewer.
+
+    Args:
+        extended: (H, W, 3), unit everywhere: off the object they are those on it, smoothly continued.
+        mask: (H, W), the object.
+        alpha: (H, W) in [0, 1], the drawing's own opacity if that tells the mask, else the mask with a
+            soft edge.
+        seen: (S, S), what the network was shown.
+        confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
+        warning: what went wrong, a part of a sentence; empty if nothing did.
+        tile: the ways in which the map goes on past its edges with what lies at the opposite ones, or None.
+        cells: of a sheet the drawings in it, each a surface of its own; none of another map. The normals of
+            one that is turned are those of the upright drawing.
+    """
+
+    extended: Floats
+    mask: NDArray[np.bool_]
+    alpha: Floats
+    seen: Floats
+    confidence: Floats | None
+    warning: str
+    tile: Tile | None = None
+    cells: tuple[Cell, ...] = ()
+
+    def __repr__(self) -> str:
+        height, width = self.mask.shape
+        said = f", warning={self.warning!r}" if self.warning else ""
+        return f"<NormalMap of {width} × {height} pixels, {self.mask.mean():.0%} of them the object{said}>"
+
+    @cached_property
+    def normal(self) -> Floats:
+        """(H, W, 3), unit normals on the object and zero off it."""
+        return np.where(self.mask[..., None], self.extended, np.float32(0))
+
+    def stronger(self, strength: float) -> "NormalMap":
+        """Return the map of a surface that is as many times as high: its slopes are multiplied.
+
+        Raises:
+            InputError: if the strength is none: negative, or more than 100.
+        """
+        if not 0 <= strength <= 100:
+            raise InputError(
+                f"strength is {strength}; 1 leaves a map as it is, and 0 to 100 can be asked for."
+            )
+        if strength == 1:
+            return self
+        scaled = self.extended * np.array([strength, strength, 1], np.float32)
+        return replace(self, extended=unit(scaled, front=True))
+
+    def height(self) -> Floats:
+        """Return the surface that the normals belong to, (H, W) in pixels towards the viewer.
+
+        It has a mean of zero over each connected part and is zero off the object; see
+        `normalgan.inference.heights.height.integrate`.
+        """
+        from normalgan.inference.heights.height import integrate  # here: its solver takes a while to import
+
+        if not self.cells:
+            return integrate(self.extended, self.mask, tile=self.tile)
+        whole = np.zeros(self.mask.shape, np.float32)
+        for cell in self.cells:
+            cell.put(whole, part_of(self, cell).height())
+        return whole
+
+    def encode(self, form: Format = "png", bits: Bits = 8, y: Green = "up", alpha: bool = False) -> bytes:
+        """Return the content of a file: flat off the object, or what is transparent there.
+
+        Args:
+            form: of the file; exr and tiff hold floats.
+            bits: of each channel of a PNG.
+            y: up is green as in OpenGL, down as in DirectX.
+            alpha: whether the object's mask is the alpha channel.
+        """
+        opacity = self.alpha if alpha else None
+        match form:
+            case "png":
+                return pack_png(self._pixels(bits, y, alpha, blue_first=True))
+            case "exr":
+                return encode_exr(self._flat(y, alpha), opacity)
+            case "tiff":
+                return encode_tiff(self._flat(y, alpha), opacity)
+
+    def pixels(self, y: Green = "up", alpha: bool = False) -> NDArray[np.uint8]:
+        """Return the map's colours of 8 bits, (H, W, 3), or (H, W, 4) with alpha; see `encode`."""
+        return np.asarray(self._pixels(8, y, alpha), np.uint8)
+
+    def _pixels(
+        self, bits: Bits, y: Green, alpha: bool, *, blue_first: bool = False
+    ) -> NDArray[np.uint8] | NDArray[np.uint16]:
+        opaque = self.alpha > 0 if alpha else self.mask
+        none = np.zeros((1, 1), np.float32)
+        flat = pixels_of(_FLAT, bits, none if alpha else None, blue_first=blue_first)
+        pixels = np.empty((*opaque.shape, flat.shape[-1]), flat.dtype)
+        pixels[:] = np.repeat(flat, opaque.shape[1], axis=1)
+        # Only the box of the object is computed, which is half of most maps.
+        top, bottom, left, right = box_of(opaque)
+        box = np.s_[top:bottom, left:right]
+        inside, there, normals = pixels[box], opaque[box].view(np.uint8), self.extended[box]
+        for rows in strips(inside.shape):
+            turned = flip_green(normals[rows]) if y == "down" else normals[rows]
+            opacity = self.alpha[box][rows] if alpha else None
+            colours = pixels_of(turned, bits, opacity, blue_first=blue_first)
+            inside[rows] = cv2.copyTo(colours, there[rows], inside[rows])
+        return pixels
+
+    def _flat(self, y: Green, alpha: bool) -> Floats:
+        normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)
+        return flip_green(normals) if y == "down" else normals
+
+    def save(self, path: str | Path, bits: Bits = 8, y: Green = "up", alpha: bool = False) -> None:
+        """Write the map as PNG, EXR or TIFF, as the path ends, whole or not at all.
+
+        Args:
+            path: of the file; its folder is made where missing.
+            bits: of each channel of a PNG, 8 or 16.
+            y: ``up`` is green as in OpenGL, ``down`` as in DirectX.
+            alpha: whether the object's mask is the alpha channel.
+
+        Raises:
+            InputError: if a setting cannot be used.
+            OSError: if the file cannot be written.
+        """
+        form = _SUFFIXES.get(Path(path).suffix.lower())
+        if form is None:
+            raise InputError(f"the normal map {path} is to end in one of {' '.join(_SUFFIXES)}.")
+        if bits not in get_args(Bits) or (bits == 16 and form != "png"):
+            raise InputError(f"bits are 8 or 16, of a PNG; {path} with {bits} is neither.")
+        if y not in get_args(Green):
+            raise InputError(f"y is up or down, not {y!r}.")
+        write_bytes(path, self.encode(form, bits, y, alpha))
+
+    def _repr_png_(self) -> bytes:
+        """Return the map as a notebook shows it."""
+        return self.encode()
+
+
+def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
+    """Return the map of one drawing of a sheet, upright."""
+    mask = sheet.mask[cell.box] if cell.own is None else sheet.mask[cell.box] & cell.own
+    confidence = None if sheet.confidence is None else cell.upright(sheet.confidence[cell.box])
+    return NormalMap(
+        np.ascontiguousarray(cell.upright(sheet.extended[cell.box])),
+        np.ascontiguousarray(cell.upright(mask)),
+        cell.upright(sheet.alpha[cell.box]),
+        sheet.seen,
+        confidence,
+        sheet.warning,
+    )
+
+
+def as_it_lies(sheet: NormalMap) -> Floats:
+    """Return normals as a sheet is lit that is looked at as a picture, (H, W, 3).
+
+    Those of drawings that lie turned are turned along: in the map they are those of the upright drawing.
+    """
+    if not any(cell.turned for cell in sheet.cells):
+        return sheet.extended
+    whole = sheet.extended.copy()
+    for cell in (each for each in sheet.cells if each.turned):
+        x, y, z = np.moveaxis(sheet.extended[cell.box], -1, 0)
+        whole[cell.box] = np.stack([y, -x, z], -1)  # clockwise by a quarter
+    return whole

@@ -1,0 +1,72 @@
+"""Occlusion: how much of the light from all around each place of a surface gets, from heights and normals."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.inference.reading.picture import fitted, resize
+
+__all__ = ["occlusion"]
+
+_SIDE = 512
+"""Longest side at which it is worked out; occlusion is smooth."""
+_WAYS = 12
+"""Directions in which is looked."""
+_REACH = 0.12
+"""How far is looked, as a share of the longer side."""
+_STEPS = 7
+_BIAS = 0.12
+"""Less than this is noise of the heights, and at the rim of their steepness."""
+
+
+def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_], longest: int | None = None) -> Floats:
+    """Return the share of the sky (H, W) that is not hidden by the surface about it; 1 off the object.
+
+    Args:
+        height: (H, W), in pixels towards the viewer.
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+        longest: longer side in pixels of the drawing, if its repeats are about it; None is that of the map.
+
+    References:
+        Bavoil, Sainz, Dimitrov 2008, "Image-space horizon-based ambient occlusion".
+
+    Example:
+        >>> y, x = np.mgrid[-32:32, -32:32] + 0.5
+        >>> groove = np.abs(x).astype(np.float32)
+        >>> lean = np.stack([-np.sign(x), 0 * x, np.ones_like(x)], -1).astype(np.float32) / np.float32(2**0.5)
+        >>> open_sky = occlusion(groove, lean, np.ones((64, 64), bool))
+        >>> bool(open_sky[32, 32] < 0.8 < open_sky[32, 60])
+        True
+    """
+    shape = (mask.shape[0], mask.shape[1])
+    longest = longest or max(shape)
+    small = fitted(shape, round(_SIDE * max(shape) / longest)) if longest > _SIDE else shape
+    scale = small[1] / shape[1]
+    cover = resize(mask.astype(np.float32), small) > 0.5
+    level = resize(np.where(mask, height, 0).astype(np.float32), small) * np.float32(scale)
+    facing = resize(normals, small)
+    depth = np.maximum(facing[..., 2], 0.1)
+    reach = max(_REACH * longest * scale, 4.0)
+    far = np.geomspace(1.5, reach, _STEPS)
+    hidden = np.zeros(small, np.float32)
+    rows, columns = (grid.astype(np.float32) for grid in np.mgrid[: small[0], : small[1]])
+    for angle in np.arange(_WAYS) * (2 * np.pi / _WAYS):
+        right, down = float(np.cos(angle)), float(np.sin(angle))
+        # How steeply the surface itself rises that way: only what rises above it hides anything.
+        slope = -(facing[..., 0] * right - facing[..., 1] * down) / depth
+        tangent = slope / np.sqrt(1 + slope**2)
+        worst = np.zeros(small, np.float32)
+        for distance in far:
+            x, y = columns + np.float32(distance * right), rows + np.float32(distance * down)
+            there = cv2.remap(level, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+            on = cv2.remap(cover.astype(np.float32), x, y, cv2.INTER_LINEAR) > 0.99
+            rise = (there - level) / np.float32(distance)
+            sine = rise / np.sqrt(1 + rise**2)
+            fading = np.float32(1 - (distance / reach) ** 2 * 0.9)
+            worst = np.maximum(worst, np.where(on, (sine - tangent - _BIAS) * fading, 0))
+        hidden += worst
+    open_sky = np.where(cover, 1 - np.clip(hidden / _WAYS, 0, 1), 1).astype(np.float32)
+    open_sky = np.asarray(cv2.GaussianBlur(open_sky, (0, 0), 0.8), np.float32)
+    return np.where(mask, np.clip(resize(open_sky, shape), 0, 1), np.float32(1))

@@ -1,0 +1,142 @@
+"""Preview: a normal map under a lamp that goes around it, as a sheet of pictures and as an animation."""
+
+from io import BytesIO
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from scipy import ndimage
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
+from normalgan.normals import normalize
+
+__all__ = ["Opacity", "Pixels", "lit", "preview_gif", "preview_png", "sheet", "turn"]
+
+Pixels = NDArray[np.uint8]
+Opacity = NDArray[np.bool_] | Floats
+
+_PAPER = (0.020, 0.022, 0.026)  # linear; darker than the clay in its shadow
+_FINE = 4  # samples a side of a pixel of the ball, for a smooth edge
+
+
+def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25.0) -> Pixels:
+    """Return a map as clay under a lamp, (H, W, 3) sRGB, with a small ball in the corner under the same one.
+
+    Args:
+        normals: (H, W, 3) unit normals, x right, y up, z to the viewer.
+        opacity: (H, W) in [0, 1] or bool, 1 on the object.
+        azimuth: of the lamp in degrees, counter-clockwise from the right; 90 is above.
+        elevation: of the lamp in degrees; 90 is behind the viewer.
+
+    Raises:
+        InputError: if the sizes differ.
+    """
+    if normals.shape != (*opacity.shape, 3):
+        raise InputError(
+            f"a map of shape {normals.shape} does not go with an opacity of {opacity.shape}; "
+            "they are H × W × 3 and H × W."
+        )
+    light = lamp_direction(azimuth, elevation)
+    surface, cover = _soften(normalize(normals), opacity)
+    picture = shade(surface, light) * cover + np.array(_PAPER, np.float32) * (1 - cover)
+    side = max(min(opacity.shape) // 8, 8)
+    height, width = opacity.shape
+    if side + 4 <= min(height, width):
+        margin = side // 4
+        rows = slice(height - margin - side, height - margin)
+        columns = slice(width - margin - side, width - margin)
+        picture[rows, columns] = _ball(side, light, picture[rows, columns])
+    return to_srgb(picture)
+
+
+def turn(normals: Floats, opacity: Opacity, frames: int = 24, elevation: float = 25.0) -> list[Pixels]:
+    """Return pictures of a map while the lamp goes once around, clockwise from the upper left.
+
+    Args:
+        normals: (H, W, 3) unit normals.
+        opacity: (H, W), 1 on the object.
+        frames: number of pictures.
+        elevation: of the lamp in degrees.
+
+    Raises:
+        InputError: if there are no frames.
+    """
+    if frames < 1:
+        raise InputError(f"a turn of the light has one picture or more, not {frames}.")
+    return [lit(normals, opacity, 135 - 360 * i / frames, elevation) for i in range(frames)]
+
+
+def sheet(pictures: list[Pixels], columns: int = 4, gap: int = 2) -> Pixels:
+    """Return pictures of one size side by side, row by row, with a gap in pixels between them.
+
+    >>> sheet([np.zeros((4, 6, 3), np.uint8)] * 3, columns=2, gap=1).shape
+    (9, 13, 3)
+    """
+    height, width = pictures[0].shape[:2]
+    columns = min(columns, len(pictures))
+    rows = -(-len(pictures) // columns)
+    whole = np.empty((rows * (height + gap) - gap, columns * (width + gap) - gap, 3), np.uint8)
+    whole[:] = to_srgb(np.array(_PAPER, np.float32))
+    for i, picture in enumerate(pictures):
+        top, left = i // columns * (height + gap), i % columns * (width + gap)
+        whole[top : top + height, left : left + width] = picture
+    return whole
+
+
+def preview_png(normals: Floats, opacity: Opacity, frames: int = 8) -> bytes:
+    """Return a sheet of a turn of the light as a PNG; the same map gives the same bytes."""
+    file = BytesIO()
+    Image.fromarray(sheet(turn(normals, opacity, frames))).save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
+def preview_gif(normals: Floats, opacity: Opacity, frames: int = 36, seconds: float = 3.0) -> bytes:
+    """Return a turn of the light as a GIF that repeats; the same map gives the same bytes.
+
+    Args:
+        normals: (H, W, 3) unit normals.
+        opacity: (H, W), 1 on the object.
+        frames: number of pictures.
+        seconds: that one turn takes.
+    """
+    pictures = turn(normals, opacity, frames)
+    # One palette for all, of the colours of all: with one for each the tones would flicker.
+    palette = Image.fromarray(sheet(pictures[:: max(frames // 12, 1)])).quantize(
+        256, Image.Quantize.MEDIANCUT
+    )
+    first, *rest = (Image.fromarray(p).quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
+    file = BytesIO()
+    # GIF counts in hundredths of a second.
+    delay = max(round(100 * seconds / frames), 2) * 10
+    first.save(file, "GIF", save_all=True, append_images=rest, duration=delay, loop=0, disposal=1)
+    return file.getvalue()
+
+
+def _soften(normals: Floats, opacity: Opacity) -> tuple[Floats, Floats]:
+    """Return normals that go on past the outline, and how much of each pixel they cover, (H, W, 1).
+
+    An outline that is only there or not is a staircase; it is blurred by less than a pixel.
+    """
+    there = opacity.astype(np.bool_)
+    if opacity.dtype != np.bool_:
+        return normals, opacity.astype(np.float32)[..., None]
+    if not there.any():
+        return normals, np.zeros((*there.shape, 1), np.float32)
+    nearest = ndimage.distance_transform_edt(~there, return_distances=False, return_indices=True)
+    cover = ndimage.gaussian_filter(there.astype(np.float32), 0.8, truncate=2.5)
+    return normals[nearest[0], nearest[1]], np.clip(2 * cover - 0.5, 0, 1)[..., None]
+
+
+def _ball(side: int, light: tuple[float, float, float], behind: Floats) -> Floats:
+    """Return a lit ball that fills a square of ``side`` pixels, over what is behind it."""
+    along = (np.arange(side * _FINE) + 0.5) / (side * _FINE) * 2 - 1
+    x, y = np.meshgrid(along, -along)
+    depth = 1 - x**2 - y**2
+    normals = np.stack([x, y, np.sqrt(np.maximum(depth, 0))], axis=-1).astype(np.float32)
+    inside = (depth > 0).astype(np.float32)
+    squares = (side, _FINE, side, _FINE)
+    cover = inside.reshape(squares).mean((1, 3))
+    colours = (shade(normals, light) * inside[..., None]).reshape(*squares, 3).mean((1, 3))
+    return np.asarray(colours + behind * (1 - cover[..., None]), np.float32)

@@ -1,0 +1,195 @@
+"""Pipeline: the one way from a prepared drawing to its map, whoever asks and whatever network paints.
+
+A drawing is read (`picture`, `inputs`), cleaned, its mask found and framed (`preparation`), painted by a
+`Backend`, brought to its own size (`upsampling`) and place, and written (`outputs`).
+"""
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
+from normalgan.inference.edits import MOST_PINS, REACH, enforce_pins
+from normalgan.inference.histogram import ranked
+from normalgan.inference.network.backend import Backend
+from normalgan.inference.network.upsampling import Coarse, Upsampler
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.preparation import Prepared
+from normalgan.inference.reading.picture import resize
+from normalgan.inference.vectors import lengths, unit
+from normalgan.normals import strips
+
+__all__ = ["CLOSED", "coarse_of", "finish", "hints_off", "predict"]
+
+_PRESENT = 0.6
+"""Share of the mask in which the model should see the object."""
+_LEAST = 0.02
+"""Painted vectors that are shorter have no direction."""
+CLOSED = 0.8
+"""Share of the ink that must enclose something for the outline to be believed."""
+
+_BESIDE = 0.005
+"""How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
+_FEW = 3
+"""Of so many hints it is said where they are."""
+
+_STRAIGHT = (
+    "its outline has a wide gap, which was closed by a straight line; "
+    "draw on there, or give --mask, if the object goes on"
+)
+
+_SCENERY = (
+    "its ground is painted too, and what is drawn there is taken for a part of the object; "
+    "draw it on plain paper or on nothing, or give --mask"
+)
+
+_HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
+
+
+def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
+    """Bring what the network painted back to the drawing's size and place; hold it to the mask and the pins.
+
+    Args:
+        prepared: as `prepare` gives it.
+        preds: (S, S, 3), vectors as long as an object is probable.
+        confidence: (S, S), or None.
+        upsample: the step to the drawing's size.
+
+    Raises:
+        InputError: if the model sees no object.
+    """
+    frame = prepared.frame
+    length = lengths(preds)
+    present = frame.restore(length[..., None]).reshape(prepared.ink.shape) > 0.5
+    mask, warning = _choose(prepared, present)
+    painted_share = int(np.count_nonzero(mask & present)) / max(int(np.count_nonzero(mask)), 1)
+    if painted_share < _PRESENT:
+        warning += "; " if warning else ""
+        warning += (
+            f"the model takes only {painted_share:.0%} of its mask for an object and is unsure of the rest"
+        )
+    coarse = coarse_of(prepared, preds, mask, length)
+    if not coarse.known.any():
+        raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
+    if not mask.any():
+        raise InputError("its mask is empty; paint the object white.")
+    normals = upsample(coarse, prepared, mask)
+    edge = _soft_edge(mask, prepared.shape)
+    shown = None
+    if confidence is not None:
+        shown = frame.restore(confidence[..., None]).reshape(mask.shape)
+    enlarged = prepared.shape != mask.shape
+    if enlarged:
+        mask = resize(mask.astype(np.float32), prepared.shape) > 0.5
+        normals = resize(normals, prepared.shape)
+        shown = None if shown is None else resize(shown, prepared.shape)
+    # Some have no direction: between opposite ones, and beyond the frame.
+    normals = unit(normals, front=True, out=normals if enlarged else None)
+    pins = prepared.pins
+    if pins is not None and 0 < len(pins.points) <= MOST_PINS:
+        reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
+        normals = enforce_pins(normals, pins.points, pins.normals, reaches)
+    if pins is not None and prepared.given is not None:
+        off = hints_off(prepared.given.points, pins.points, mask)
+        warning = "; ".join(filter(None, [warning, off]))
+    alpha = edge if prepared.alpha is None else np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
+    if prepared.alpha is not None and prepared.painted is not None:
+        by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
+        alpha = np.where(by_hand == 0, alpha, edge)
+    return NormalMap(normals, mask, alpha, prepared.seen, shown, warning)
+
+
+def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> str:
+    """Return what is to be said of hints that lie off the object, a part of a sentence; empty if none does.
+
+    Args:
+        drawn: (K, 2), where the hints are, in pixels of the drawing.
+        points: (K, 2), the same in pixels of the mask.
+        mask: (H, W), the object.
+    """
+    beside = max(round(_BESIDE * max(mask.shape)), 1)
+    near = cv2.dilate(mask.astype(np.uint8), np.ones((2 * beside + 1,) * 2, np.uint8))
+    columns, rows = np.floor(points).astype(int).T
+    inside = near[np.clip(rows, 0, mask.shape[0] - 1), np.clip(columns, 0, mask.shape[1] - 1)]
+    off = np.floor(drawn[inside == 0]).astype(int)
+    if not len(off):
+        return ""
+    more = f" and {len(off) - _FEW} more" if len(off) > _FEW else ""
+    places = "; ".join(f"x {x}, y {y}" for x, y in off[:_FEW])
+    lie, them = ("lies", "it") if len(off) == 1 else ("lie", "them")
+    return (
+        f"{len(off)} of {len(drawn)} hints {lie} off the object, at {places}{more}; move {them} onto it, or "
+        "give --mask if the mask is wrong"
+    )
+
+
+def _soft_edge(mask: BoolMask, shape: tuple[int, int]) -> Floats:
+    """Return a mask as opacity (H, W) at a picture's size: its staircase becomes an edge of a pixel."""
+    soft = np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 1.0), np.float32)
+    sharper = np.float32(1.6 * max(shape[1] / mask.shape[1], 1.0))
+    edge = soft if shape == soft.shape else resize(soft, shape)
+    for strip in strips(shape):
+        steep = edge[strip]  # in place: at each step a copy would take longer than the step
+        steep -= 0.5
+        steep *= sharper
+        steep += 0.5
+        np.clip(steep, 0, 1, out=steep)
+        steep *= 255
+        np.rint(steep, out=steep)
+        steep /= 255
+    return edge
+
+
+def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats | None = None) -> Coarse:
+    """Return what the network painted, and where it has a direction worth keeping.
+
+    Where there is an object for certain, the model's doubt of it, a short vector, is no doubt of the
+    direction: what is short beside most of the others is left out there.
+
+    Args:
+        prepared: as `prepare` gives it.
+        preds: (S, S, 3), vectors as long as an object is probable.
+        mask: (h, w), the object at the size of ``prepared.ink``.
+        length: (S, S), of the vectors, if it is known already.
+    """
+    length = lengths(preds) if length is None else length
+    needed = prepared.frame.shrink(mask.astype(np.float32)) > 0
+    known: BoolMask = length > 0.5
+    if needed.any():
+        usual = ranked(length[needed], 0.95)
+        known |= needed & (length > max(0.1 * usual, _LEAST))
+    return Coarse(unit(preds, length=length), known, needed)
+
+
+def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = None) -> NormalMap:
+    """Paint the normal map of a prepared drawing; ``upsample`` replaces the network's own step to its size.
+
+    Raises:
+        InputError: if the network sees no object.
+    """
+    return finish(prepared, *backend.predict(prepared.seen, prepared.hints), upsample or backend.upsample)
+
+
+def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
+    """Return the object's mask, and what is to be said of it."""
+    mask, warning = _found(prepared, present)
+    if prepared.painted is None:
+        return mask, warning
+    # The hand has the last word, and nothing is to be said of what it has settled.
+    return (mask | (prepared.painted > 0)) & (prepared.painted >= 0), ""
+
+
+def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
+    """Return the object's mask without what was painted on it, and what is to be said of it."""
+    if prepared.mask is None:
+        return present, ""
+    if prepared.held:
+        return prepared.mask, _HELD
+    if prepared.scenery:
+        return prepared.mask if prepared.closed >= CLOSED else prepared.mask | present, _SCENERY
+    if prepared.closed >= CLOSED:
+        return prepared.mask, _STRAIGHT if prepared.guessed else ""
+    return prepared.mask | present, (
+        f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "
+        "not, the mask is the model's guess (close the gaps, or give --mask)"
+    )

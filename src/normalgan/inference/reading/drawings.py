@@ -1,0 +1,265 @@
+"""Drawings of the user's own: finding and reading them, and the hints painted for them; the one reader."""
+
+from collections.abc import Sequence
+from glob import glob
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.decoding import Decoded, Pixels, decode
+from normalgan.errors import InputError
+from normalgan.files.limits import read_bounded
+from normalgan.normals import LEAST_Z, Green, flip_green, normalize, read_exr, vectors
+
+__all__ = [
+    "LARGEST",
+    "LAYERED",
+    "MOST_BYTES",
+    "SMALLEST",
+    "SUFFIXES",
+    "SVG_SIDE",
+    "find_companion",
+    "find_drawings",
+    "is_drawing",
+    "read_content",
+    "read_drawing",
+    "read_hints",
+    "read_normals",
+    "read_pixels",
+    "to_unit",
+    "without_companions",
+]
+
+
+LAYERED = (".psd", ".kra", ".ora", ".ase", ".aseprite")
+"""Files of paint programs, beside which there often lies a picture that was exported."""
+SUFFIXES = (
+    *(".png", ".apng", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg"),
+    *LAYERED,
+)
+SVG_SIDE = 1024
+"""Longer side in pixels that an SVG, which has none, is drawn with."""
+SMALLEST, LARGEST = 8, 8192
+"""Least and greatest side in pixels: less holds no line, more is a mistake or a decompression bomb."""
+MOST_BYTES = 2**29
+"""Larger files are refused; the largest picture has as many with 16 bits a channel, not packed at all."""
+
+
+def find_drawings(
+    source: str | Sequence[str], ending: str = "_normal.png", companions: Sequence[str] = ()
+) -> list[Path]:
+    """Return the drawings in a folder, matched by a glob, or listed, in order of their names.
+
+    Args:
+        source: folder, glob, file or a list of them.
+        ending: what is written for a drawing is named its stem with this.
+        companions: what lies beside a drawing in a folder or a glob and is named its stem with one of these,
+            such as ``_hints``, is no drawing.
+
+    Raises:
+        InputError: if something named is missing, or nothing is found, or two have one name.
+    """
+    paths: list[Path] = []
+    for entry in [source] if isinstance(source, str) else source:
+        if Path(entry).is_dir():
+            found = [path for path in Path(entry).iterdir() if is_drawing(path)]
+        elif Path(entry).is_file():
+            found = [Path(entry)]
+        else:
+            found = [Path(match) for match in glob(entry, recursive=True) if Path(match).is_file()]
+        if not found:
+            raise InputError(
+                f"no sketch found at {entry!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
+            )
+        if not Path(entry).is_file():
+            found = without_companions(found, companions)
+        paths += sorted(path for path in found if path not in paths)  # patterns may overlap
+    by_name: dict[str, Path] = {}
+    for path in paths:
+        other = by_name.setdefault(path.stem, path)
+        if other is not path:
+            raise InputError(f"{other} and {path} would both be written as {path.stem}{ending}; rename one.")
+    return paths
+
+
+def is_drawing(path: Path) -> bool:
+    """Return whether a file in a folder is a drawing by its name.
+
+    What begins with a dot is none: paint programs save so while they work, and macOS notes there what a disk
+    of another system has no place for.
+
+    >>> [is_drawing(Path(name)) for name in ("fox.png", "fox.txt", "._fox.png")]
+    [True, False, False]
+    """
+    return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
+
+
+def find_companion(
+    drawing: Path, source: Path, endings: Sequence[str], below: Path | None = None
+) -> Path | None:
+    """Return what lies beside a drawing, such as its hints or its mask.
+
+    Args:
+        drawing: the drawing's file.
+        source: the companion itself, or a folder of such files.
+        endings: what one is named after the drawing's stem, in the order in which they are looked for.
+        below: the folder below ``source`` to look in first.
+    """
+    if source.is_file():
+        return source
+    folders = dict.fromkeys([source / (below or ""), source])
+    candidates = [folder / f"{drawing.stem}{ending}" for folder in folders for ending in endings]
+    # It may lie beside its drawing; the drawing itself is not its own companion.
+    return next((c for c in candidates if c.is_file() and c.resolve() != drawing.resolve()), None)
+
+
+def without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list[Path]:
+    """Return paths without those that are named as another one's stem with one of ``companions``."""
+    stems = {path.with_suffix("") for path in paths}
+    return [
+        path
+        for path in paths
+        if not any(
+            path.stem.endswith(each) and path.with_name(path.stem.removesuffix(each)) in stems
+            for each in companions
+        )
+    ]
+
+
+def read_content(path: Path, content: bytes | None = None) -> bytes:
+    """Return what is in the file of a drawing, not decoded yet.
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+
+    Raises:
+        InputError: if it is missing, cannot be read, or is larger than any drawing.
+    """
+    try:
+        data = read_bounded(path, MOST_BYTES) if content is None else content
+    except FileNotFoundError:
+        raise InputError(f"there is no file {path}.") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read as an image: {error.strerror}.") from None
+    if len(data) > MOST_BYTES:
+        raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
+    return data
+
+
+def read_pixels(
+    path: Path,
+    content: bytes | None = None,
+    svg_side: int = SVG_SIDE,
+    longest: int | None = None,
+    grey: bool = False,
+    exact: bool = False,
+) -> Decoded:
+    """Read a picture of any format upright; an SVG is drawn, transparent where it has nothing.
+
+    Everything that reads a picture reads it so: it is decoded in a process of its own (`normalgan.decoding`).
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+        svg_side: longer side in pixels that an SVG is drawn with.
+        longest: longer side in pixels that a larger picture is reduced to.
+        grey: whether only how bright it is on white paper is wanted.
+        exact: whether the levels are wanted as they are stored, 16 bits a channel or floats.
+
+    Raises:
+        InputError: if it is missing, no image, or of no possible size, or takes too much to be decoded.
+    """
+    data = read_content(path, content)
+    return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey, exact)
+
+
+def to_unit(pixels: Pixels) -> Floats:
+    """Return pixels of any type as values in [0, 1]."""
+    if pixels.dtype == np.uint8:
+        return np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
+    grey = pixels.astype(np.float32)
+    # 16-bit greys come as such, or as integers with the same range; floats have none that is agreed on.
+    top = np.float32(1 if pixels.dtype == np.float32 and grey.max() <= 1 else 65535)
+    return np.asarray(np.clip(np.nan_to_num(grey / top), 0, 1), np.float32)
+
+
+def read_drawing(path: str | Path) -> Floats:
+    """Read a drawing as ink (H, W) in [0, 1], ink 1 and paper 0; any mode, transparent is paper.
+
+    Raises:
+        InputError: if it is missing, no image, of no possible size, or holds no line.
+    """
+    path = Path(path)
+    ink = np.float32(1) - to_unit(read_pixels(path, grey=True).pixels)
+    if ink.max() < 0.1:
+        raise InputError(f"{path} is all white; a sketch needs dark lines on light paper.")
+    return ink
+
+
+def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Read hints: a transparent PNG of the drawing's size with normals painted in normal-map colours.
+
+    Returns:
+        Unit normals (H, W, 3), zero where there is no hint, and where the hints are (H, W).
+
+    Raises:
+        InputError: if the picture is missing, opaque or of another size, or a colour is no normal.
+    """
+    path = Path(path)
+    pixels = read_pixels(path, exact=True).pixels
+    if pixels.shape[:2] != shape:
+        raise InputError(
+            f"the hints {path} are {pixels.shape[1]} × {pixels.shape[0]} pixels, "
+            f"but their sketch {shape[1]} × {shape[0]}."
+        )
+    if pixels.ndim == 2 or pixels.shape[2] < 4:
+        raise InputError(f"the hints {path} have no transparency; paint them on a transparent PNG.")
+    where = to_unit(pixels[..., 3]) > 0.5
+    rows, columns = np.nonzero(where)
+    colours = pixels[rows, columns, :3]
+    given = vectors(colours)
+    length = np.linalg.norm(given, axis=-1)
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is no number is wrong
+    if len(wrong):
+        first, half = wrong[0], {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
+        raise InputError(
+            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is no "
+            f"normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
+        )
+    away = np.flatnonzero(given[:, 2] < LEAST_Z * length)
+    if len(away):
+        first = away[0]
+        raise InputError(
+            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is a "
+            f"normal that looks away from the viewer: its z is {given[first, 2]:.2f}, and must be 0 or more."
+        )
+    normals = np.zeros((*shape, 3), np.float32)
+    normals[rows, columns] = normalize(given)
+    return normals, where
+
+
+def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats | None]:
+    """Read a normal map: PNG or TIFF of 8 or 16 bits a channel, TIFF or EXR of floats.
+
+    Args:
+        path: of the file.
+        green: which way of y it holds: up as in OpenGL, down as in DirectX.
+
+    Returns:
+        The vectors (H, W, 3), y up, as long as in the file; its opacity (H, W) in [0, 1], None without.
+
+    Raises:
+        InputError: if it is missing, cannot be read, or has no colours.
+    """
+    path = Path(path)
+    pixels = (
+        read_exr(path, LARGEST) if path.suffix.lower() == ".exr" else read_pixels(path, exact=True).pixels
+    )
+    if pixels.ndim == 2:
+        raise InputError(f"{path} is grey; a normal map has three colours, the axes of its vectors.")
+    found = vectors(pixels[..., :3])
+    alpha = to_unit(pixels[..., 3]) if pixels.shape[2] == 4 else None
+    return flip_green(found) if green == "down" else found, alpha

@@ -1,0 +1,120 @@
+"""Hint files: normals that a user gives at points of a drawing, painted as PNG or listed as JSON."""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.files.limits import read_bounded
+from normalgan.inference.reading.drawings import read_hints
+from normalgan.normals import LEAST_Z, normalize
+
+__all__ = ["ENDINGS", "MOST_LISTED", "Hints", "load_hints", "parse_hints"]
+
+ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
+"""What the hints of a drawing are named, after its stem, in the order in which they are looked for."""
+MOST_LISTED = 2**24
+"""Larger lists of hints are refused, in bytes; each hint takes some fifty."""
+
+
+@dataclass(frozen=True)
+class Hints:
+    """Normals at points of a drawing.
+
+    Args:
+        points: (K, 2), x right and y down in pixels; the middle of the first pixel is (0.5, 0.5).
+        normals: (K, 3), unit, in camera space.
+    """
+
+    points: Floats
+    normals: Floats
+
+
+def load_hints(path: Path, shape: tuple[int, int]) -> Hints:
+    """Read the hints of a drawing with (H, W) pixels.
+
+    Raises:
+        InputError: if the file cannot be used; it says which hint is wrong.
+    """
+    if path.suffix.lower() == ".json":
+        return parse_hints(_parsed(path), path, shape)
+    normals, where = read_hints(path, shape)
+    rows, columns = np.nonzero(where)
+    points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
+    return Hints(points, normals[rows, columns])
+
+
+def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints:
+    """Return the hints listed in a JSON text.
+
+    Args:
+        entries: what the text holds: ``[{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}, …]``, x and y in
+            whole pixels of the drawing from its upper left.
+        path: what to call it in an error.
+        shape: (H, W) of the drawing.
+
+    Raises:
+        InputError: if an entry cannot be used.
+    """
+    if not isinstance(entries, list):
+        raise InputError(
+            f'the hints {path} are no list; they are like [{{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}}].'
+        )
+    points, normals = [], []
+    for number, entry in enumerate(entries, 1):
+        match entry:
+            case {"x": x, "y": y, "normal": [nx, ny, nz]} if all(map(_is_number, (x, y, nx, ny, nz))):
+                pass
+            case _:
+                raise InputError(
+                    f"hint {number} of {path} is {json.dumps(entry, default=repr)[:80]}; a hint has x, y "
+                    "and a normal of three numbers."
+                )
+        if not (0 <= x < shape[1] and 0 <= y < shape[0]):
+            raise InputError(
+                f"hint {number} of {path} lies at x {x:g}, y {y:g}, outside its drawing of "
+                f"{shape[1]} × {shape[0]} pixels."
+            )
+        length = math.hypot(nx, ny, nz)
+        if abs(length - 1) > 0.25:
+            raise InputError(
+                f"the normal [{nx:g}, {ny:g}, {nz:g}] of hint {number} of {path}, at x {x:g}, y {y:g}, "
+                f"has length {length:.3g}; a normal has length 1."
+            )
+        if nz < LEAST_Z * length:
+            raise InputError(
+                f"the normal [{nx:g}, {ny:g}, {nz:g}] of hint {number} of {path}, at x {x:g}, y {y:g}, "
+                "looks away from the viewer; its z must be 0 or more."
+            )
+        points.append((math.floor(x) + 0.5, math.floor(y) + 0.5))
+        normals.append((nx, ny, nz))
+    return Hints(
+        np.array(points, np.float32).reshape(-1, 2), normalize(np.array(normals, np.float32).reshape(-1, 3))
+    )
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:  # a whole number beyond those of floats
+        return False
+
+
+def _parsed(path: Path) -> Any:
+    try:
+        content = read_bounded(path, MOST_LISTED)
+    except OSError as error:
+        raise InputError(f"the hints {path} cannot be read: {error.strerror}.") from None
+    try:
+        return json.loads(content.decode("utf-8"))
+    except json.JSONDecodeError as error:
+        raise InputError(f"the hints {path} are not JSON: line {error.lineno}: {error.msg}.") from None
+    except UnicodeDecodeError:
+        raise InputError(f"the hints {path} are not a text.") from None
+    except (ValueError, RecursionError):  # a number of thousands of digits, a list in a list in a list …
+        raise InputError(f"the hints {path} are no list of hints; they hold what none has.") from None

@@ -1,0 +1,99 @@
+"""Picture: a drawing's file as colours and opacity, before anything is known of its lines."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import Floats
+from normalgan.decoding import Decoded
+from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels, to_unit
+
+__all__ = ["MOST_WORKED", "Picture", "Resize", "fitted", "read_picture", "resize", "to_picture"]
+
+MOST_WORKED = 2048
+"""Longest side in pixels at which a drawing is worked on; maps of larger ones are enlarged to their size."""
+Resize = Callable[[Floats, tuple[int, int]], Floats]
+"""Brings a picture (H, W) or (H, W, C) to another (H, W)."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A drawing's colours and opacity.
+
+    Args:
+        colour: (h, w, 3) in [0, 1], red, green, blue; not multiplied by the opacity.
+        alpha: (h, w) opacity in [0, 1], or None where every pixel is opaque.
+        full: (H, W) of its file, if that has more pixels; None if it has the same.
+    """
+
+    colour: Floats
+    alpha: Floats | None
+    full: tuple[int, int] | None = None
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W) of its file, in whose pixels hints and masks are given."""
+        return self.full or self.size
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(h, w) of what is held of it."""
+        return self.colour.shape[0], self.colour.shape[1]
+
+    def resized(self, shape: tuple[int, int], by: "Resize | None" = None) -> "Picture":
+        """Return the picture with (H, W) pixels, brought there by `resize` or another; itself if it has."""
+        if shape == self.size:
+            return self
+        by = by or resize
+        if self.alpha is None:
+            return Picture(np.clip(by(self.colour, shape), 0, 1), None)
+        # Colours of pixels that nobody sees must not bleed into those that are seen.
+        seen = by(np.dstack([self.colour * self.alpha[..., None], self.alpha]), shape)
+        colour = seen[..., :3] / np.maximum(seen[..., 3:], 1e-4)
+        return Picture(np.clip(colour, 0, 1), np.clip(seen[..., 3], 0, 1))
+
+
+def resize(picture: Floats, shape: tuple[int, int]) -> Floats:
+    """Return a picture (H, W) or (H, W, C) with another (H, W): averaged over areas, or interpolated."""
+    shrinks = shape[0] < picture.shape[0]
+    method = cv2.INTER_AREA if shrinks else cv2.INTER_CUBIC
+    return np.asarray(cv2.resize(picture, shape[::-1], interpolation=method), np.float32)
+
+
+def fitted(shape: tuple[int, int], longest: int) -> tuple[int, int]:
+    """Return (H, W) of the same proportions whose longer side is ``longest``.
+
+    >>> fitted((300, 600), 1024)
+    (512, 1024)
+    """
+    scale = longest / max(shape)
+    return max(round(shape[0] * scale), 1), max(round(shape[1] * scale), 1)
+
+
+def read_picture(path: Path, content: bytes | None = None, longest: int | None = None) -> Picture:
+    """Read a drawing of any mode and format, upright; of a larger one than is worked on a reduced one.
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+        longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.
+
+    Raises:
+        InputError: if it is missing, no image, or of no possible size.
+    """
+    return to_picture(read_pixels(path, content, min(longest or SVG_SIDE, MOST_WORKED), MOST_WORKED))
+
+
+def to_picture(decoded: Decoded) -> Picture:
+    """Return decoded pixels of any kind as a picture."""
+    values, alpha = to_unit(decoded.pixels), None
+    full = decoded.shape if decoded.shape != values.shape[:2] else None
+    if values.ndim == 2:
+        return Picture(np.asarray(cv2.cvtColor(values, cv2.COLOR_GRAY2RGB), np.float32), None, full)
+    if values.shape[2] == 4:
+        values, alpha = values[..., :3], values[..., 3]
+        alpha = alpha if alpha.min() < 1 else None
+    return Picture(values, alpha, full)

@@ -1,0 +1,154 @@
+"""Suggestion: the points of a normal map where a hint would help most."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Floats
+from normalgan.inference.reading.picture import fitted, resize
+from normalgan.normals import normalize
+
+__all__ = ["Point", "suggest", "uncertainty"]
+
+_SIDE = 256
+"""Longest side at which points are looked for."""
+_RIM = 0.02
+"""Nearer to the edge than this share of the object's extent the outline tells the normal."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A place for a hint.
+
+    Args:
+        x: pixels from the left.
+        y: pixels from the top.
+        normal: what is painted there.
+        gain: how much a hint there would help, in [0, 1]; 1 is where most is to be gained.
+    """
+
+    x: float
+    y: float
+    normal: tuple[float, float, float]
+    gain: float
+
+
+def suggest(
+    normals: Floats, mask: NDArray[np.bool_], confidence: Floats | None, taken: Floats, count: int
+) -> list[Point]:
+    """Return at most ``count`` points, best first.
+
+    A hint helps where the model is in doubt and where the surface bends, for there a small mistake of its
+    guess turns the most normals; and it helps all about it. So gains are summed over the reach of a hint, the
+    best point is taken, the gain about it falls, and those within its reach are left out: points lie as blue
+    noise does, as with the best candidates of Mitchell.
+
+    Args:
+        normals: (H, W, 3), unit, as painted.
+        mask: (H, W), the object.
+        confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
+        taken: (K, 2), x and y in pixels of the hints that are there already.
+        count: of points.
+
+    References:
+        Mitchell 1991, "Spectrally Optimal Sampling for Distribution Ray Tracing".
+
+    Example:
+        A roof has its ridge in the middle; flat slopes gain less:
+
+        >>> roof = np.zeros((32, 32, 3), np.float32)
+        >>> roof[:, :16], roof[:, 16:] = (-0.6, 0, 0.8), (0.6, 0, 0.8)
+        >>> best = suggest(roof, np.ones((32, 32), bool), None, np.empty((0, 2), np.float32), 1)[0]
+        >>> 13 < best.x < 19
+        True
+    """
+    if not mask.any():
+        return []
+    scale = min(_SIDE / max(mask.shape), 1.0)
+    shape = fitted((mask.shape[0], mask.shape[1]), _SIDE) if scale < 1 else (mask.shape[0], mask.shape[1])
+    cover = resize(mask.astype(np.float32), shape)
+    small = cover > (0.5 if cover.max() > 0.5 else 0)  # a thread fills no pixel of the small map
+    step = np.array([shape[1] / mask.shape[1], shape[0] / mask.shape[0]], np.float32)
+    area = float(small.sum())
+    reach = max(0.55 * np.sqrt(area / (count + len(taken))), 2.0)
+    depth = _depth(small)
+    counts = np.clip(depth / 2, 0, 1).astype(np.float32)  # what is near the outline counts little
+    bent = _peaked(_bending(resize(normals, shape), small) * counts, reach / 2)
+    gain = bent.copy()
+    if confidence is not None:
+        gain = 0.7 * _peaked(uncertainty(resize(confidence, shape)) * counts, reach / 2) + 0.3 * bent
+    free = depth > min(1, 0.8 * depth.max())
+    rows, columns = np.mgrid[: shape[0], : shape[1]] + 0.5
+
+    def take(x: float, y: float) -> None:
+        away = np.hypot(columns - x, rows - y)
+        free[away < reach] = False
+        gain[:] *= 1 - np.exp(-((away / reach) ** 2) / 4)  # some of what is to be gained there is gained now
+
+    for x, y in taken * step:
+        take(x, y)
+    points: list[Point] = []
+    while free.any() and len(points) < count:
+        row, column = np.unravel_index(np.argmax(np.where(free, gain, -1)), shape)
+        points.append(_point(row, column, step, normals, mask, float(gain[row, column])))
+        take(column + 0.5, row + 0.5)
+    return points
+
+
+def uncertainty(confidence: Floats) -> Floats:
+    """Return how far off the model expects its normals to be, as a share of a right angle.
+
+    For the density exp(-κ θ) on the sphere the mean angle is 2κ / (κ² + 1) + π / (exp(π κ) + 1): minus the
+    derivative of the logarithm of its integral, 2π (1 + exp(-π κ)) / (κ² + 1), by κ.
+
+    References:
+        Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the Aleatoric Uncertainty in Surface Normal
+        Estimation", equation 5.
+
+    >>> uncertainty(np.array([0.0, 200.0], np.float32)).astype(float).round(3).tolist()
+    [1.0, 0.006]
+    """
+    kappa = np.clip(confidence.astype(np.float64), 0, 1e6)
+    angle = 2 * kappa / (kappa**2 + 1) + np.pi / (np.exp(np.minimum(np.pi * kappa, 700)) + 1)
+    return (angle / (np.pi / 2)).astype(np.float32)
+
+
+def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
+    """Return the length of the normals' change from pixel to pixel; steps across the mask's edge are none."""
+    squares = np.zeros(mask.shape, np.float32)
+    for before, after in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+        both = mask[before] & mask[after]
+        change = np.where(both, np.square(normals[after] - normals[before]).sum(-1), 0)
+        squares[before] += change / 2
+        squares[after] += change / 2
+    return np.sqrt(squares)
+
+
+def _peaked(values: Floats, reach: float) -> Floats:
+    """Return values summed within a reach, as shares of the greatest sum."""
+    around = cv2.GaussianBlur(values.astype(np.float32), (0, 0), reach)
+    return np.asarray(around / max(float(around.max()), 1e-6), np.float32)
+
+
+def _depth(mask: NDArray[np.bool_]) -> Floats:
+    """Return how far the object's edge is away, in rims; 0 off the object."""
+    rows, columns = np.nonzero(mask)
+    extent = max(np.ptp(rows), np.ptp(columns)) + 1
+    away = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+    return np.asarray(away / max(_RIM * extent, 1.5), np.float32)
+
+
+def _point(
+    row: np.intp, column: np.intp, step: Floats, normals: Floats, mask: NDArray[np.bool_], gain: float
+) -> Point:
+    """Return a point of the small map in pixels of the large one, moved onto the object if it lies beside."""
+    x, y = (column + 0.5) / step[0], (row + 0.5) / step[1]
+    at = min(int(y), mask.shape[0] - 1), min(int(x), mask.shape[1] - 1)
+    if not mask[at]:
+        rows, columns = np.nonzero(mask)
+        nearest = np.argmin(np.hypot(columns + 0.5 - x, rows + 0.5 - y))
+        at = int(rows[nearest]), int(columns[nearest])
+    normal = normalize(normals[at][None])[0]
+    return Point(at[1] + 0.5, at[0] + 0.5, tuple(normal.astype(float).tolist()), min(gain, 1.0))

@@ -1,0 +1,178 @@
+"""Tiling: from a drawing that goes on past its edges to a map that does."""
+
+from dataclasses import replace
+from functools import partial
+from math import ceil
+
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.jobs.plan import MODEL
+from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.network.backend import Backend
+from normalgan.inference.network.framing import Frame
+from normalgan.inference.network.line_width import render_model_input
+from normalgan.inference.network.tile import Tile, middle, repeats, resize_tile, wrapped
+from normalgan.inference.network.upsampling import Upsampler
+from normalgan.inference.network.windows import Window, predict_windows, repeated, windows
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.pipeline import CLOSED, finish, hints_off
+from normalgan.inference.preparation import Prepared
+from normalgan.inference.reading.hint_files import Hints
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
+from normalgan.inference.vectors import lengths, unit
+
+__all__ = ["MOST_TILED", "predict_tile"]
+
+_BESIDE = 0.25
+"""How much of its repeats is worked on around a drawing, as a share of its longer side."""
+MOST_TILED = int(MOST_WORKED / (1 + 2 * _BESIDE))
+"""Longest side in pixels at which a drawing is worked on that is repeated."""
+_SURE = 0.5
+"""Vectors that are longer belong to the object."""
+_STEEPEST = 0.2
+"""Least nz, of a unit vector, that a slope is taken from."""
+
+
+def predict_tile(
+    backend: Backend,
+    picture: Picture,
+    tile: Tile,
+    mask: BoolMask | None = None,
+    hints: Hints | None = None,
+    longest: int | None = None,
+    source: str | None = None,
+    upsample: Upsampler | None = None,
+) -> NormalMap:
+    """Paint the normal map of a drawing that is repeated; the map can be repeated in the same ways.
+
+    The network takes what it is shown for one object, round as a whole. So it is shown the repeated drawing
+    in windows that overlap, and counts most in the middle of each: what the drawing has at an edge is in the
+    middle of another window, and what leans to opposite sides cancels out. All else sees so much of the
+    repeats about the drawing that an edge is like any other place.
+
+    Args:
+        backend: the network.
+        picture: the drawing.
+        tile: the ways in which it is repeated.
+        mask: (h, w), the object, of any size; None takes the drawing's opacity if that tells, else what the
+            lines of the repeated drawing enclose; if they leave much open, all of the drawing.
+        hints: in pixels of the drawing.
+        longest: longer side of the map in pixels; None keeps the drawing's own size.
+        source: where the mask comes from if it is not given, as `preparation.prepare` has it.
+        upsample: replaces the network's own step to the drawing's size.
+
+    Raises:
+        InputError: if there is no line in it, or the network sees no object.
+    """
+    shape = picture.shape if longest is None else fitted(picture.shape, longest)
+    worked = shape if max(shape) <= MOST_TILED else fitted(shape, MOST_TILED)
+    page = picture.resized(worked, partial(resize_tile, tile=tile))
+    room = (round(_BESIDE * max(worked)),) * 2
+    opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
+    cleaned = clean(Picture(wrapped(page.colour, tile, room), opacity))
+    ink, alpha = middle(cleaned.ink, tile, room), None
+    if mask is not None:
+        mask = resize(mask.astype(np.float32), worked) > 0.5
+    elif source is None and cleaned.silhouette is not None:
+        mask, alpha = middle(cleaned.silhouette, tile, room), opacity
+    elif source != MODEL:
+        mask = _outlined(ink, tile)
+    shown = windows(ink, tile, backend.size)
+    around = wrapped(ink, tile, room)
+    origin = (around.shape[0] - ink.shape[0]) // 2, (around.shape[1] - ink.shape[1]) // 2
+    frame = _frame_of(around, shown[0])
+    given = hints
+    if hints is not None:
+        hints = Hints(hints.points * np.float32(worked[1] / picture.shape[1]), hints.normals)
+    predicted, confidence = predict_windows(backend, shown, frame, tile, worked, origin, hints)
+    own = _part(frame, origin, worked)
+    predicted = _levelled(predicted, predicted[own], tile)
+    before = -origin[0], -origin[1]
+    prepared = Prepared(
+        shape=(around.shape[0], around.shape[1]),
+        ink=around,
+        mask=None if mask is None else wrapped(mask, tile, room),
+        alpha=alpha,
+        frame=frame,
+        seen=render_model_input(around, frame, backend.line_widths),
+        hints=None,
+        closed=1.0,
+        guessed=False,
+        pins=None if hints is None else repeated(hints, tile, worked, before, around.shape),
+        line_widths=backend.line_widths,
+    )
+    preds = finish(prepared, predicted, confidence, upsample or backend.upsample)
+    inner = partial(middle, tile=tile, beside=room)
+    whole = replace(
+        preds,
+        extended=inner(preds.extended),
+        mask=inner(preds.mask),
+        alpha=inner(preds.alpha),
+        seen=preds.seen[own],
+        confidence=None if preds.confidence is None else inner(preds.confidence),
+        tile=tile,
+    )
+    if given is not None and hints is not None:
+        off = hints_off(given.points, hints.points, whole.mask)
+        whole = replace(whole, warning="; ".join(filter(None, [whole.warning, off])))
+    return whole if worked == shape else _enlarged(whole, shape, tile)
+
+
+def _frame_of(around: Floats, window: Window) -> Frame:
+    """Return the frame about a whole picture (H, W) whose pixels are as large as those of a window's."""
+    pixel = round(window.frame.side) / window.frame.size
+    size = ceil(max(around.shape) / pixel)
+    side = size * pixel
+    return Frame(around.shape, (around.shape[1] - side) / 2, (around.shape[0] - side) / 2, side, size)
+
+
+def _outlined(ink: Floats, tile: Tile) -> BoolMask:
+    """Return what the lines (H, W) of a repeated drawing enclose; all, if they leave much open."""
+    half = ink.shape[0] // 2, ink.shape[1] // 2
+    outline = fill_outline(wrapped(ink, tile, half))
+    if outline.guessed or outline.closed < CLOSED:
+        return np.ones(ink.shape, np.bool_)
+    return middle(outline.mask, tile, half)
+
+
+def _part(frame: Frame, origin: tuple[int, int], shape: tuple[int, int]) -> tuple[slice, slice]:
+    """Return where in a frame the drawing (H, W) itself is."""
+    pixel = round(frame.side) / frame.size
+    top, left = (round((o - round(f)) / pixel) for o, f in zip(origin, (frame.top, frame.left), strict=True))
+    return np.s_[top : top + round(shape[0] / pixel), left : left + round(shape[1] / pixel)]
+
+
+def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
+    """Return what was painted without the slope that it has on average along the ways that repeat.
+
+    What is repeated rises nowhere on the whole: it would be a cliff at each edge.
+
+    Args:
+        predicted: (S, S, 3), vectors as long as an object is probable.
+        own: (h, w, 3), those of the drawing itself.
+        tile: the ways in which it is repeated.
+    """
+    sure = own[lengths(own) > _SURE]
+    if not len(sure):
+        return predicted
+    down, across = repeats(tile)
+    facing = np.maximum(sure[:, 2:], _STEEPEST * np.linalg.norm(sure, axis=1, keepdims=True))
+    slope = (sure[:, :2] / facing).mean(0) * np.array([across, down], np.float32)
+    length = lengths(predicted)[..., None]
+    level = predicted.copy()
+    level[..., :2] -= slope * np.maximum(predicted[..., 2:], _STEEPEST * length)
+    return unit(level) * length
+
+
+def _enlarged(preds: NormalMap, shape: tuple[int, int], tile: Tile) -> NormalMap:
+    """Return a map with (H, W) pixels that can be repeated as before."""
+    larger = partial(resize_tile, shape=shape, tile=tile)
+    return replace(
+        preds,
+        extended=unit(larger(preds.extended), front=True),
+        mask=larger(preds.mask.astype(np.float32)) > 0.5,
+        alpha=np.clip(larger(preds.alpha), 0, 1),
+        confidence=None if preds.confidence is None else larger(preds.confidence),
+    )

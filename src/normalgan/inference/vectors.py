@@ -1,0 +1,55 @@
+"""Vectors: unit vectors of large pictures, plane by plane, in a fraction of the time of the general way."""
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import Floats
+from normalgan.normals import strips
+
+__all__ = ["lengths", "unit"]
+
+_NONE = np.float32(1e-8)
+_SUM = np.ones((1, 3), np.float32)
+
+
+def lengths(vectors: Floats) -> Floats:
+    """Return the lengths (H, W) of vectors (H, W, 3), float32."""
+    # Not by cv2.magnitude: its last bits depend on where in the memory the result lies.
+    out = np.empty(vectors.shape[:2], np.float32)
+    for strip in strips(vectors.shape):
+        # OpenCV adds up the three of a pixel in half the time that NumPy takes.
+        squares = cv2.transform(vectors[strip] * vectors[strip], _SUM)
+        np.sqrt(squares.reshape(out[strip].shape), out=out[strip])
+    return out
+
+
+def unit(
+    vectors: Floats, front: bool = False, out: Floats | None = None, length: Floats | None = None
+) -> Floats:
+    """Return unit vectors (H, W, 3) of float32 ones.
+
+    Args:
+        vectors: (H, W, 3).
+        front: whether those shorter than 1e-8 are to face the viewer; else they become zero.
+        out: (H, W, 3), what the result is written to, be it the vectors themselves; None is a new array.
+        length: (H, W), as `lengths` gives them, if they are known already.
+
+    >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()
+    [[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]]
+    >>> unit(np.zeros((1, 1, 3), np.float32), front=True).tolist()
+    [[[0.0, 0.0, 1.0]]]
+    """
+    out = np.empty(vectors.shape, np.float32) if out is None else out
+    for strip in strips(vectors.shape):
+        own = lengths(vectors[strip]) if length is None else length[strip]
+        there = own > _NONE
+        scale = np.maximum(own, _NONE)
+        np.divide(np.float32(1), scale, out=scale)
+        everywhere = bool(there.all())
+        if not everywhere:
+            scale *= there
+        # Three planes alike: NumPy takes many times as long to stretch one over the last axis.
+        np.multiply(vectors[strip], cv2.merge([scale, scale, scale]), out=out[strip])
+        if front and not everywhere:
+            out[strip][..., 2] += ~there
+    return out

@@ -1,0 +1,30 @@
+"""What training minimises: adversarial objectives and reconstruction losses, each a plug-in."""
+
+from normalgan.losses.angular_likelihood import AngularLikelihood
+from normalgan.losses.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
+from normalgan.losses.cosine import CosineAndL2
+from normalgan.losses.cross_entropy import CrossEntropy
+from normalgan.losses.l1_and_hints import L1AndHints
+from normalgan.losses.pixel_losses import hint_loss, l1_loss
+from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
+from normalgan.losses.wasserstein import Wasserstein, WassersteinGradientPenalty
+from normalgan.models.predictions import Predictions
+
+__all__ = [
+    "ADVERSARIAL_OBJECTIVES",
+    "RECONSTRUCTIONS",
+    "AdversarialObjective",
+    "AngularLikelihood",
+    "CosineAndL2",
+    "Critic",
+    "CrossEntropy",
+    "L1AndHints",
+    "Predictions",
+    "Reconstruction",
+    "Scores",
+    "Term",
+    "Wasserstein",
+    "WassersteinGradientPenalty",
+    "hint_loss",
+    "l1_loss",
+]

@@ -1,0 +1,49 @@
+"""Checks of what losses give: scalars that gradients lead back from."""
+
+from collections.abc import Mapping
+
+from torch import Tensor
+
+from normalgan.contracts import class_name, describe, refused
+from normalgan.errors import InputError
+from normalgan.losses.base import AdversarialObjective
+from normalgan.losses.reconstruction import Reconstruction, Term
+
+__all__ = ["check_losses", "check_terms"]
+
+
+def check_losses(objective: AdversarialObjective, losses: Mapping[str, object]) -> None:
+    """Make sure that what an objective gave, by the names of its methods, is scalars.
+
+    Raises:
+        InputError: if something is none.
+    """
+    for name, value in losses.items():
+        if not isinstance(value, Tensor) or value.ndim:
+            raise InputError(
+                f"{class_name(objective)}.{name} gave {describe(value)}; it gives a tensor of one number."
+            )
+
+
+def check_terms(reconstruction: Reconstruction, terms: object, alone: bool) -> None:
+    """Make sure that what a reconstruction loss gave is terms, a scalar each.
+
+    Args:
+        reconstruction: that gave them.
+        terms: right is a `Term` by name.
+        alone: whether there is no other loss, so that none of them would be too few.
+
+    Raises:
+        InputError: if they are none, or the generator would learn nothing from them.
+    """
+    asked = "a reconstruction loss gives its terms by name, a Term of a scalar tensor and its weight each"
+    if not isinstance(terms, dict) or (alone and not terms):
+        raise refused(reconstruction, terms, asked)
+    for name, term in terms.items():
+        if not isinstance(term, Term) or not isinstance(term.value, Tensor) or term.value.ndim:
+            given = describe(term.value) if isinstance(term, Term) else describe(term)
+            raise InputError(f"{class_name(reconstruction)} gave {given} as {name}; {asked}.")
+    if terms and not any(term.value.requires_grad for term in terms.values()):
+        raise InputError(
+            f"{class_name(reconstruction)} gave terms that no gradient leads back from; do not detach the map."
+        )

@@ -1,0 +1,46 @@
+"""CosineAndL2: directions by their cosine on the object, vectors by their squared difference everywhere."""
+
+from dataclasses import dataclass
+
+import torch.nn.functional as F
+from torch import Tensor
+
+from normalgan.errors import InputError
+from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
+from normalgan.models.predictions import Predictions
+
+__all__ = ["CosineAndL2"]
+
+
+@RECONSTRUCTIONS.register
+@dataclass(frozen=True)
+class CosineAndL2(Reconstruction):
+    """One minus the cosine between the painted and the true normal, and their squared distance.
+
+    The first is a mean over the object. The second is one over all pixels, of which the target is zero off
+    the object: from it the network learns where there is none.
+
+    Args:
+        cosine_weight: weight of one minus the cosine.
+        l2_weight: weight of the squared distance, a mean over pixels and a sum over coordinates.
+
+    Raises:
+        InputError: if a weight is negative.
+    """
+
+    cosine_weight: float = 1.0
+    l2_weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("cosine_weight", "l2_weight"):
+            if getattr(self, name) < 0:
+                raise InputError(f"{name} must be 0 or more, not {getattr(self, name)}.")
+
+    def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
+        """Return both parts; see `Reconstruction.terms`."""
+        away = 1 - F.cosine_similarity(preds.normal, target, dim=1, eps=1e-6)[:, None]
+        squared = (preds.normal - target).square().sum(1).mean()
+        return {
+            "cosine": Term((away * mask).sum() / mask.sum().clamp(min=1), self.cosine_weight),
+            "l2": Term(squared, self.l2_weight),
+        }

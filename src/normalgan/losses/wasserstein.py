@@ -1,0 +1,94 @@
+"""Wasserstein objectives: a critic held Lipschitz by clipping its weights, the paper's, or by a penalty."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+
+from normalgan.errors import InputError
+from normalgan.losses.base import (
+    ADVERSARIAL_OBJECTIVES,
+    AdversarialObjective,
+    Critic,
+    Scores,
+    mean_over_heads,
+)
+
+__all__ = ["Wasserstein", "WassersteinGradientPenalty"]
+
+
+class _DistanceObjective(AdversarialObjective):
+    """The losses of a critic that estimates the Wasserstein distance, however it is held Lipschitz."""
+
+    def discriminator_loss(self, real: Scores, fake: Scores) -> Tensor:
+        """Return E D(fake) - E D(real), minus the estimated Wasserstein distance."""
+        return mean_over_heads(fake) - mean_over_heads(real)
+
+    def generator_loss(self, fake: Scores) -> Tensor:
+        """Return -E D(fake)."""
+        return -mean_over_heads(fake)
+
+
+@ADVERSARIAL_OBJECTIVES.register
+@dataclass(frozen=True)
+class Wasserstein(_DistanceObjective):
+    """WGAN with weight clipping, as Sketch2Normal trains and the paper follows.
+
+    The paper's last equation would, read as min over G, maximise L1; the signs here are those that agree
+    with the code of Su et al.: L_D = E D(fake) - E D(real), L_G = -E D(fake).
+
+    Args:
+        weight_clip: after each critic step every parameter, those of norms too, is clipped to ±weight_clip.
+
+    References:
+        Arjovsky et al. 2017, "Wasserstein GAN", algorithm 1; He et al. 2021, equation 3.
+    """
+
+    weight_clip: float = 0.01
+
+    def __post_init__(self) -> None:
+        if self.weight_clip <= 0:
+            raise InputError(f"weight_clip must be positive, not {self.weight_clip}.")
+
+    @torch.no_grad()
+    def after_discriminator_step(self, discriminator: nn.Module) -> None:
+        """Clip the weights."""
+        for parameter in discriminator.parameters():
+            parameter.clamp_(-self.weight_clip, self.weight_clip)
+
+
+@ADVERSARIAL_OBJECTIVES.register
+@dataclass(frozen=True)
+class WassersteinGradientPenalty(_DistanceObjective):
+    """WGAN-GP. The penalty speaks of single inputs, so the discriminator must not use batch norm.
+
+    Args:
+        gradient_penalty: weight of the penalty.
+
+    References:
+        Gulrajani et al. 2017, "Improved Training of Wasserstein GANs", algorithm 1.
+    """
+
+    gradient_penalty: float = 10.0
+
+    def __post_init__(self) -> None:
+        if self.gradient_penalty < 0:
+            raise InputError(f"gradient_penalty must be 0 or more, not {self.gradient_penalty}.")
+
+    def check(self, discriminator: nn.Module) -> None:
+        """Raise `InputError` if the discriminator uses batch norm."""
+        if any(isinstance(module, nn.BatchNorm2d) for module in discriminator.modules()):
+            raise InputError(
+                "WassersteinGradientPenalty needs a discriminator without batch norm; "
+                "give it norm: instance or norm: none."
+            )
+
+    def penalty(self, critic: Critic, real: Tensor, fake: Tensor) -> Tensor:
+        """Return λ E (‖∇D(x)‖₂ - 1)², x drawn on the lines between true and painted maps."""
+        share = torch.rand(len(real), 1, 1, 1, device=real.device, dtype=real.dtype)
+        between = (share * real + (1 - share) * fake).requires_grad_()
+        # A score a sample (the mean over its elements and heads), summed: samples do not share gradients.
+        score = torch.stack([head.float().flatten(1).mean(1) for head in critic(between)]).mean(0).sum()
+        (gradient,) = torch.autograd.grad(score, between, create_graph=True)
+        penalty: Tensor = self.gradient_penalty * (gradient.flatten(1).norm(dim=1) - 1).square().mean()
+        return penalty

@@ -1,0 +1,307 @@
+"""ResidualUNetGenerator: ours; unit normals, a presence and a confidence from a residual U-Net."""
+
+from itertools import pairwise
+from typing import Literal
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from normalgan.errors import InputError
+from normalgan.models.base import GENERATORS, Generator
+from normalgan.models.blocks import Norm, norm_layer
+from normalgan.models.predictions import Predictions
+
+__all__ = [
+    "ResidualBlock",
+    "ResidualUNetGenerator",
+    "float32_output",
+    "hint_pyramid",
+    "mean_of_mirrored",
+    "mirror_condition",
+    "residual_blocks",
+]
+
+_HEADS = 5  # a direction, the presence of an object, the confidence
+_DETAIL = 16  # channels between the two last layers, which take up the lines' exact place
+
+
+@GENERATORS.register
+class ResidualUNetGenerator(Generator):
+    """A U-Net of residual blocks, most of whose work is done at a fraction of the resolution.
+
+    Squares of pixels are folded into channels, levels go down by halves and up again with skips, and the
+    hints enter at every level, so that few of them reach the whole object. It paints four channels: a normal
+    whose length is how surely there is an object, and the confidence in its direction.
+
+    Args:
+        widths: channels of each level, from the finest to the coarsest.
+        blocks: residual blocks of each level, down and again up.
+        patch: side of the squares of pixels that are folded into channels, a power of two.
+        norm: of the residual blocks. With batch norm it learns from fewer images; without, what is painted in
+            training too does not depend on the other pictures of a batch.
+        detail: side of the squares that are folded in the last two layers, which see the lines once more; a
+            power of two, at most ``patch``. Few channels on every pixel take as long as all other layers.
+        hint_levels: whether hints enter at every level; if not, only with the sketch, and as many weights
+            see nothing. To tell what they are worth.
+        deblock: whether directions are averaged over a patch where no line is near, but for training. Squares
+            that are folded and unfolded leave a faint grid, which light shows on smooth forms.
+        mirror: whether what is painted, but for training, is the mean of what it paints for a drawing and for
+            its mirror image, which takes twice as long.
+
+    Raises:
+        InputError: if widths and blocks are not as many, or a number cannot be used.
+
+    References:
+        Shi et al. 2016, "Real-Time Single Image and Video Super-Resolution Using an Efficient Sub-Pixel
+        Convolutional Neural Network" (folding); Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the
+        Aleatoric Uncertainty in Surface Normal Estimation" (confidence).
+    """
+
+    def __init__(
+        self,
+        widths: tuple[int, ...] = (32, 64, 128, 192, 256),
+        blocks: tuple[int, ...] = (1, 1, 2, 2, 2),
+        patch: int = 2,
+        norm: Literal["batch", "none"] = "none",
+        detail: int = 1,
+        hint_levels: bool = True,
+        deblock: bool = False,
+        mirror: bool = False,
+    ) -> None:
+        super().__init__()
+        _check(widths, blocks, patch, detail)
+        self.patch = patch
+        self.fold = detail
+        self.norm = norm
+        self.hint_levels = hint_levels
+        self.deblock = deblock
+        self.mirror = mirror
+        self.factor = patch * 2 ** (len(widths) - 1)
+        pairs = list(pairwise(widths))
+        self.stem = nn.Conv2d(5 * patch**2, widths[0], 3, padding=1)
+        self.encoder = nn.ModuleList(
+            [residual_blocks(*level, norm) for level in zip(widths, blocks, strict=True)]
+        )
+        self.downs = nn.ModuleList([nn.Conv2d(fine + 4, coarse, 2, 2) for fine, coarse in pairs])
+        self.ups = nn.ModuleList([nn.ConvTranspose2d(coarse, fine, 2, 2) for fine, coarse in pairs])
+        self.merges = nn.ModuleList([nn.Conv2d(2 * fine + 4, fine, 1) for fine, _ in pairs])
+        self.decoder = nn.ModuleList(
+            [residual_blocks(*level, norm) for level in zip(widths[:-1], blocks[:-1], strict=True)]
+        )
+        self.heads = nn.Conv2d(widths[0], _HEADS * patch**2, 3, padding=1)
+        self.detail = nn.Sequential(
+            nn.Conv2d((_HEADS + 5) * detail**2, _DETAIL, 3, padding=1),
+            nn.SiLU(),
+            nn.Conv2d(_DETAIL, _HEADS * detail**2, 3, padding=1),
+        )
+        # The layout that convolutions are fastest in; weights in another are laid out anew at every step.
+        self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]  # missing in torch's types
+
+    def forward(self, condition: Tensor) -> Tensor:
+        """Return (N, 4, H, W): normals as long as an object is probable, and their confidence κ above 0.
+
+        Args and Raises as `predict`.
+        """
+        return self.predict(condition).channels()
+
+    def predict(self, condition: Tensor) -> Predictions:
+        """Return directions, the logit of there being an object, and the confidence; all in float32.
+
+        Args:
+            condition: (N, 4, H, W) as `Generator.forward` takes it.
+
+        Raises:
+            InputError: if the sides are no multiples of ``patch`` times two to the number of halvings, or if
+                batch norm, when training, is left with a single value.
+        """
+        height, width = condition.shape[2:]
+        if height % self.factor or width % self.factor:
+            raise InputError(
+                f"this generator needs sides that are multiples of {self.factor}, "
+                f"not {height} × {width} pixels."
+            )
+        if self.training and self.norm == "batch" and len(condition) * height * width == self.factor**2:
+            raise InputError(
+                f"batch norm cannot learn from one picture of {height} × {width} pixels, of which one pixel "
+                "is left at the coarsest level; use batches of 2 or more, or norm: none."
+            )
+        if self.training or not self.mirror:
+            return self._predict(condition)
+        return mean_of_mirrored(self._predict(torch.cat([condition, mirror_condition(condition)])))
+
+    def _predict(self, condition: Tensor) -> Predictions:
+        """Return what the network itself paints, without mirror images."""
+        where = condition[:, 3:]
+        # Each level takes hints in the layout of its features: to join two layouts is to copy one of them.
+        hints = torch.cat([condition[:, :3] * where, where], dim=1).contiguous(
+            memory_format=torch.channels_last
+        )
+        # Ink 1 on paper 0, as the padding is; at a hint the sketch is painted over and taken for paper.
+        ink = (1 - condition[:, :1]) / 2 * (1 - where)
+        given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
+        features = F.silu(self._body(given, hints))
+        coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch // self.fold)
+        fine = torch.cat([coarse, F.pixel_unshuffle(given, self.fold)], dim=1)
+        heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.fold)
+        direction, presence = F.normalize(heads[:, :3], dim=1, eps=1e-6), heads[:, 3:4]
+        # Not in training, where it takes long: it has no weights to learn.
+        if self.deblock and self.patch > 1 and not self.training:
+            direction = _deblocked(direction, presence, ink.float(), self.patch)
+        return Predictions(direction, presence, 1.01 + F.elu(heads[:, 4:]))
+
+    def _body(self, given: Tensor, hints: Tensor) -> Tensor:
+        """Return features (N, widths[0], H / patch, W / patch), squares of pixels still folded."""
+        folds = self.patch.bit_length() - 1
+        pyramid = [hints, *hint_pyramid(hints, folds + len(self.downs))][folds:]
+        if not self.hint_levels:
+            pyramid = [torch.zeros_like(level) for level in pyramid]
+        features: Tensor = self.stem(F.pixel_unshuffle(given, self.patch))
+        skips = []
+        for blocks, down, level in zip(self.encoder, self.downs, pyramid, strict=False):
+            features = blocks(features)
+            skips.append(features)
+            features = down(torch.cat([features, level], dim=1))
+        features = self.encoder[-1](features)
+        for i in reversed(range(len(self.ups))):
+            features = self.merges[i](torch.cat([self.ups[i](features), skips[i], pyramid[i]], dim=1))
+            features = self.decoder[i](features)
+        return features
+
+
+def _deblocked(direction: Tensor, presence: Tensor, ink: Tensor, patch: int) -> Tensor:
+    """Return unit normals (N, 3, H, W) in which squares of ``patch`` pixels show near lines alone.
+
+    Args:
+        direction: (N, 3, H, W) unit normals.
+        presence: (N, 1, H, W) logit of there being an object: what is painted beside it counts for little.
+        ink: (N, 1, H, W), 1 on lines, 0 on paper.
+        patch: an even number of pixels.
+    """
+    # The mean over a patch takes away all that repeats from patch to patch. It lies half a pixel off, as a
+    # patch has no middle pixel; the mean of two neighbours brings it back.
+    there = direction * torch.sigmoid(presence).clamp(min=1e-3)
+    mean = F.avg_pool2d(F.avg_pool2d(there, patch, 1, patch // 2, count_include_pad=False), 2, 1)
+    # Fully sharp up to a pixel from a line, where normals jump, and three pixels on fully smooth.
+    near = F.avg_pool2d(F.max_pool2d(ink, 5, 1, 2), 3, 1, 1, count_include_pad=False)
+    return F.normalize(torch.lerp(mean, there, near), dim=1, eps=1e-6)
+
+
+def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int, detail: int) -> None:
+    if len(widths) != len(blocks) or len(widths) < 2 or min(*widths, *blocks) < 1:
+        raise InputError(
+            "ResidualUNetGenerator needs a width and a number of blocks for each of two or more levels, "
+            f"all from 1 on, not {list(widths)} and {list(blocks)}."
+        )
+    if patch < 1 or patch & (patch - 1):
+        raise InputError(f"the patch of ResidualUNetGenerator is a power of two, not {patch}.")
+    if not 1 <= detail <= patch or detail & (detail - 1):
+        raise InputError(
+            f"the detail of ResidualUNetGenerator is a power of two up to its patch of {patch}, not {detail}."
+        )
+
+
+class ResidualBlock(nn.Module):
+    """Adds to its input what two convolutions make of it: x + conv(SiLU(norm(conv(SiLU(norm(x)))))).
+
+    Norm and activation first (He et al. 2016, "Identity Mappings in Deep Residual Networks"). Without norms
+    the second convolution starts at zero, so that a deep network begins as a shallow one (Zhang et al. 2019,
+    "Fixup Initialization", whose first rule this is).
+
+    Args:
+        channels: of the input and the output.
+        norm: before each activation.
+    """
+
+    def __init__(self, channels: int, norm: Norm = "none") -> None:
+        super().__init__()
+        self.first_norm = norm_layer(norm, channels)
+        self.first = nn.Conv2d(channels, channels, 3, padding=1)
+        self.second_norm = norm_layer(norm, channels)
+        self.second = nn.Conv2d(channels, channels, 3, padding=1)
+        self.activation = nn.SiLU()
+        if norm == "none":
+            for parameter in self.second.parameters():
+                nn.init.zeros_(parameter)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Return features of the same shape (N, C, H, W)."""
+        change: Tensor = self.first(self.activation(self.first_norm(features)))
+        change = self.second(self.activation(self.second_norm(change)))
+        return features + change
+
+
+def residual_blocks(channels: int, count: int, norm: Norm = "none") -> nn.Sequential:
+    """Return ``count`` residual blocks, one after the other."""
+    return nn.Sequential(*(ResidualBlock(channels, norm) for _ in range(count)))
+
+
+def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:
+    """Return the hints halved again and again, ``levels`` tensors (N, 4, H / 2^l, W / 2^l), l from 1.
+
+    A cell holds the mean of the hint normals in it, and 1 if there is any, else 0. A convolution sees a
+    lone point of a picture of 256 pixels from three pixels around; at the fifth level from a hundred.
+
+    Args:
+        hints: (N, 4, H, W), normals at the hints and where they are.
+        levels: how often to halve; the sides must allow it.
+
+    Example:
+        >>> hints = torch.zeros(1, 4, 4, 4)
+        >>> hints[0, :, 0, 1] = torch.tensor([0.0, 0.0, 1.0, 1.0])
+        >>> [level[0, 2].tolist() for level in hint_pyramid(hints, 2)]
+        [[[1.0, 0.0], [0.0, 0.0]], [[1.0]]]
+    """
+    total, pyramid = hints, []
+    for _ in range(levels):
+        total = 4 * F.avg_pool2d(total, 2)
+        count = total[:, 3:]
+        pyramid.append(torch.cat([total[:, :3] / count.clamp(min=1), count.clamp(max=1)], dim=1))
+    return pyramid
+
+
+def mirror_condition(condition: Tensor) -> Tensor:
+    """Return what a generator is given, (N, 4, H, W), of the mirror image of the drawing."""
+    normals, where = condition[:, :3], condition[:, 3:]
+    # The sketch is painted into the same channels, and has no direction.
+    return torch.cat([torch.where(where > 0.5, _turned(normals), normals), where], dim=1).flip(3)
+
+
+def mean_of_mirrored(preds: Predictions) -> Predictions:
+    """Return the mean of what was painted for drawings and, after them, for their mirror images.
+
+    Directions count by their confidence, where there is one.
+
+    Args:
+        preds: of 2 N drawings, unit directions (2 N, 3, H, W).
+
+    Returns:
+        Of the first N.
+    """
+    direction, presence, confidence = preds
+    count = len(direction) // 2  # and slices: ONNX's exporter cannot take halves by chunk
+    here, there = direction[:count], _turned(direction[count:].flip(3))
+    if confidence is not None:
+        sure, mirrored = confidence[:count], confidence[count:].flip(3)
+        here, there, confidence = here * sure, there * mirrored, (sure + mirrored) / 2
+    if presence is not None:
+        presence = (presence[:count] + presence[count:].flip(3)) / 2
+    return Predictions(F.normalize(here + there, dim=1, eps=1e-6), presence, confidence)
+
+
+def _turned(normals: Tensor) -> Tensor:
+    """Return normals (N, 3, H, W) whose x is negated."""
+    return torch.cat([-normals[:, :1], normals[:, 1:]], dim=1)
+
+
+def float32_output(layer: nn.Module, features: Tensor) -> Tensor:
+    """Return what a layer makes of features (N, C, H, W), computed in float32 under autocast too.
+
+    For what is read as numbers: in the eight bits of bfloat16 a logit of 5 goes in steps of 0.03.
+    """
+    kind = features.device.type
+    if not torch.is_autocast_enabled(kind):
+        result: Tensor = layer(features)
+        return result.float()  # of a network that is bfloat16 throughout
+    with torch.autocast(kind, enabled=False):
+        return float32_output(layer, features.float())

@@ -1,0 +1,59 @@
+"""Dice: the numbers that make an individual, drawn once; strengths then say how much they count."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from normalgan.arrays import Doubles
+
+__all__ = ["BUMPS", "PARTS", "VariationDraws", "draw"]
+
+PARTS, BUMPS = 3, 12
+
+
+@dataclass(frozen=True)
+class VariationDraws:
+    """What chance has to say about an individual, whatever the strengths.
+
+    Args:
+        scale: (3,) in [-1, 1], as are all but the last three.
+        taper: ().
+        bend: (2,) up or down, and sideways.
+        twist: ().
+        limbs: (2,) length and thickness.
+        parts: (3,) growth of the parts.
+        bumps: (12,) heights of the bumps.
+        part_places: (3,) shares of the surface at which the parts lie, in [0, 1].
+        bump_places: (12,) the same of the bumps.
+        widths: (15,) in [0, 1], of the parts, then of the bumps.
+        lattice: (4, 4, 4, 3) normally distributed, cut off at ±2.
+    """
+
+    scale: Doubles
+    taper: float
+    bend: Doubles
+    twist: float
+    limbs: Doubles
+    parts: Doubles
+    bumps: Doubles
+    part_places: Doubles
+    bump_places: Doubles
+    widths: Doubles
+    lattice: Doubles
+
+
+def draw(rng: np.random.Generator) -> VariationDraws:
+    """Return new dice: always as many numbers, so that no strength shifts the draw of another."""
+    return VariationDraws(
+        scale=rng.uniform(-1, 1, 3),
+        taper=float(rng.uniform(-1, 1)),
+        bend=rng.uniform(-1, 1, 2),
+        twist=float(rng.uniform(-1, 1)),
+        limbs=rng.uniform(-1, 1, 2),
+        parts=rng.uniform(-1, 1, PARTS),
+        bumps=rng.uniform(-1, 1, BUMPS),
+        part_places=rng.uniform(0, 1, PARTS),
+        bump_places=rng.uniform(0, 1, BUMPS),
+        widths=rng.uniform(0, 1, PARTS + BUMPS),
+        lattice=rng.standard_normal((4, 4, 4, 3)).clip(-2, 2),
+    )

@@ -1,0 +1,343 @@
+/** Predictor: keeps the result in step with the drawing: one request at a time, each of the newest state. */
+
+import { Away, Lacking, Refused, doubt, height, predict } from "./api.js";
+import { drawnLayers, paintsAlike } from "./document.js";
+import { inkAt } from "./ink.js";
+
+/** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
+
+/** @typedef {import("./document.js").Layer} Layer */
+/**
+ * @typedef {{id: number, name: string, base: number | null, bytes: number, planes: {name: string, width: number,
+ *   height: number, channels: 1 | 4, box: number[]}[], hints: object[], areas: object[], mask_strokes: object[],
+ *   source: import("./document.js").Source}} Fields
+ * @typedef {{fields: Fields, pixels: Uint8Array}} Part of a request: a layer
+ */
+
+/** Bytes of pixels in one request; the server takes 20 MB, and the rest of it is words. */
+const MOST_BYTES = 17 * 2 ** 20;
+/** Longer side of the map of a layer that is sent ahead: nobody looks at it. */
+const AHEAD = 64;
+/** Milliseconds after which a server that is busy is asked again. */
+const RETRY = 400;
+/** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
+const COARSE = { pen: 256, pin: 512 };
+/** Milliseconds after which a hand that draws is to have seen another map, and how many of them what is foreseen may be late. */
+const GAP = 300;
+const LATE = 30;
+/** How fast the time that a map is foreseen to take falls, from one map to the next; it rises at once. */
+const FALL = 0.5;
+/** The server has another drawing than the one that a change was made to. */
+const BEHIND = 409;
+
+/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `doubt`, `empty`, `failed` (detail: the error). */
+export class Predictor extends EventTarget {
+  /**
+   * @param {import("./editor.js").Editor} editor
+   * @param {import("./ink.js").Inks} inks
+   * @param {import("./connection.js").Connection} connection
+   * @param {string} tab
+   */
+  constructor(editor, inks, connection, tab) {
+    super();
+    this.editor = editor;
+    this.inks = inks;
+    this.connection = connection;
+    this.tab = tab;
+    this.number = Date.now();
+    /** @type {Map<number, {number: number, channels: 1 | 4}>} of each layer, by its id, the request whose pixels the server has */
+    this.sent = new Map();
+    /** @type {AbortController | null} the painting that goes on */
+    this.running = null;
+    /** @type {AbortController | null} the heights that are asked for */
+    this.climbing = null;
+    /** Whether what is being painted is a draft: a stroke that goes on, or coarser than the drawing. */
+    this.draft = false;
+    /** Since when there has been no new map although there was something to paint. */
+    this.since = 0;
+    /** Milliseconds that a whole map is foreseen to take, until it is handed to the viewer. */
+    this.took = 0;
+    /** Whether something changed since the last request. */
+    this.stale = false;
+    /** @type {"pen" | "pin" | null} the gesture that goes on */
+    this.gesture = null;
+    /** @type {import("./document.js").Doc | null} the document as it was painted last, or is being painted */
+    this.asked = null;
+    /** @type {Painted | null} */
+    this.painted = null;
+    /** Whether the map on show is of all that is drawn, and as fine as it will be. */
+    this.whole = false;
+    this.wantsHeight = false;
+    /** @type {{heights: Float32Array, width: number, height: number} | null} */
+    this.heights = null;
+    this.wantsDoubt = false;
+    /** @type {{shares: Uint8Array, width: number, height: number} | null} of a right angle, as 0 to 255 */
+    this.doubt = null;
+    /** @type {boolean | null} whether the model says how sure it is; null is not known yet */
+    this.unsure = null;
+    editor.addEventListener("change", (event) => this.#changed(/** @type {CustomEvent} */ (event).detail.live ? "pin" : null));
+    editor.addEventListener("drawing", (event) => /** @type {CustomEvent} */ (event).detail.ended || this.#touched("pen"));
+    connection.addEventListener("back", () => this.refresh());
+  }
+
+  /** Paints again whatever was painted before. */
+  refresh() {
+    this.asked = null;
+    this.sent.clear();
+    this.#changed(null);
+  }
+
+  /** Says whether heights are wanted beside the map. @param {boolean} wanted */
+  wantHeight(wanted) {
+    this.wantsHeight = wanted;
+    if (wanted && this.connection.away) this.#failed(new Away());
+    if (!this.running) this.#raise();
+  }
+
+  /** Says whether it is wanted how unsure the model is. @param {boolean} wanted */
+  wantDoubt(wanted) {
+    this.wantsDoubt = wanted;
+    this.doubt = null;
+    this.dispatchEvent(new Event("doubt"));
+    if (wanted && this.connection.away) this.#failed(new Away(), false);
+    if (!this.running) this.#doubt();
+  }
+
+  /** Asks how unsure the model is of the map on show. */
+  async #doubt() {
+    const { painted } = this;
+    if (!this.wantsDoubt || !this.whole || this.connection.away) return;
+    try {
+      const found = await this.ask((request) => doubt(request));
+      if (!found || painted !== this.painted || !this.wantsDoubt) return;
+      this.unsure = found.known;
+      this.doubt = found.known ? found : null;
+      this.dispatchEvent(new Event("doubt"));
+    } catch (error) {
+      this.#failed(error, false);
+    }
+  }
+
+  /** Returns the layers on which something is to be seen, be it a stroke that goes on. @returns {Layer[]} */
+  #drawn() {
+    const { doc } = this.editor;
+    const drawn = drawnLayers(doc);
+    return doc.layers.filter((layer) => drawn.includes(layer) || (layer.visible && this.inks.of(layer).live));
+  }
+
+  /**
+   * Sends a request about the drawing as it is now, of whose pixels only what has changed is sent.
+   * @template T
+   * @param {(request: import("./api.js").Request) => Promise<T>} send
+   * @param {object} [more] further fields
+   * @param {Layer[]} [layers] those that are asked about
+   * @returns {Promise<T>}
+   */
+  async ask(send, more = {}, layers = this.#drawn()) {
+    try {
+      return await this.#send(send, layers.map((layer) => this.#part(layer)), more);
+    } catch (error) {
+      if (error instanceof Lacking) throw error;
+      // Nothing is known of what the server has now.
+      this.sent.clear();
+      if (!(error instanceof Refused) || error.status !== BEHIND) throw error;
+      return await this.#send(send, layers.map((layer) => this.#part(layer)), more);
+    }
+  }
+
+  /**
+   * Sends a request about the drawing at another size: its strokes are drawn anew, and nothing is enlarged.
+   * @template T
+   * @param {number} longest longer side in pixels
+   * @param {(request: import("./api.js").Request) => Promise<T>} send
+   * @param {object} more further fields
+   * @returns {Promise<T>}
+   */
+  async askAt(longest, send, more) {
+    const { doc } = this.editor;
+    const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask, source }) => {
+      const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
+      const { channels, bytes } = pixels();
+      const { width, height } = canvas;
+      /** @param {number[]} points */
+      const scaled = (points) => points.map((value) => value * scale);
+      const fields = {
+        id, name, source, base: null, bytes: bytes.length,
+        planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
+        hints: hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
+        areas: areas.map((area) => ({ ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }) })),
+        mask_strokes: mask.map((stroke) => ({ ...stroke, points: scaled(stroke.points), size: stroke.size * scale })),
+      };
+      return { fields, pixels: bytes };
+    });
+    // Apart from what the server keeps of the drawing at its own size.
+    return this.#send(send, parts, { ...more, tab: `${this.tab} other` });
+  }
+
+  /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
+  #part(layer) {
+    const { id, name, hints, areas, mask, source } = layer;
+    const ink = this.inks.of(layer);
+    const { width, height } = ink;
+    const before = this.sent.get(id);
+    let { channels, box, bytes } = ink.pixels(!before);
+    // A picture came or went: the server's plane is of another kind.
+    if (before && before.channels !== channels) ({ channels, box, bytes } = ink.pixels(true));
+    const base = before?.channels === channels ? before.number : null;
+    const planes = [{ name: "ink", width, height, channels, box }];
+    return { fields: { id, name, source, base, bytes: bytes.length, planes, hints, areas, mask_strokes: mask }, pixels: bytes };
+  }
+
+  /**
+   * @template T
+   * @param {(request: import("./api.js").Request) => Promise<T>} send
+   * @param {Part[]} parts @param {object} more further fields
+   * @returns {Promise<T>}
+   */
+  async #send(send, parts, more) {
+    const common = { tab: this.tab, ...more };
+    const own = common.tab === this.tab;
+    /** @param {Part[]} some */
+    const request = (some) => {
+      this.number += 1;
+      if (own) for (const { fields } of some) this.sent.set(fields.id, { number: this.number, channels: fields.planes[0].channels });
+      return { fields: { ...common, number: this.number, layers: some.map(({ fields }) => fields) }, pixels: some.map(({ pixels }) => pixels) };
+    };
+    let size = parts.reduce((sum, { pixels }) => sum + pixels.length, 0);
+    const all = [...parts];
+    // Too much for one request: layers go ahead one by one, and the request itself only names them.
+    for (let i = 0; i < all.length && size > MOST_BYTES; i++) {
+      const { fields, pixels } = all[i];
+      const { fields: sent, pixels: bytes } = request([all[i]]);
+      await predict({ fields: { ...sent, longest: AHEAD }, pixels: bytes }).catch((error) => { if (!(error instanceof Lacking)) throw error; });
+      const [plane] = fields.planes;
+      all[i] = { fields: { ...fields, base: this.number, bytes: 0, planes: [{ ...plane, box: [0, 0, 0, 0] }] }, pixels: new Uint8Array() };
+      size -= pixels.length;
+    }
+    return send(request(all));
+  }
+
+  /** @param {"pin" | null} gesture */
+  #changed(gesture) {
+    const { doc } = this.editor;
+    const ended = this.gesture !== null && gesture === null;
+    this.gesture = gesture;
+    if (!this.#drawn().length) {
+      this.#empty();
+      return;
+    }
+    // What a gesture has painted coarsely is refined when it ends.
+    if (this.asked && paintsAlike(this.asked, doc) && (this.whole || !ended)) return;
+    this.#touched(gesture);
+  }
+
+  /** @param {"pen" | "pin" | null} gesture */
+  #touched(gesture) {
+    if (this.whole || !this.painted) this.since = performance.now();
+    this.gesture = gesture;
+    this.stale = true;
+    this.whole = false;
+    // The server gives a draft up for what is none, and the hand sees no map until that is there: it goes on to draw, maybe.
+    const affordable = performance.now() + this.took - this.since <= GAP - LATE;
+    if (!gesture && this.draft && affordable) this.running = null;
+    if (!this.running) this.#run();
+  }
+
+  #empty() {
+    this.running?.abort();
+    this.climbing?.abort();
+    this.running = this.climbing = null;
+    [this.asked, this.painted, this.heights, this.stale, this.whole] = [this.editor.doc, null, null, false, false];
+    this.doubt = null;
+    this.dispatchEvent(new Event("doubt"));
+    this.dispatchEvent(new Event("empty"));
+  }
+
+  /**
+   * Paints until all that was drawn is on show: what is begun is finished, or a fast hand would never see a map; but at
+   * the end of a gesture its draft is not waited for.
+   */
+  async #run() {
+    const running = new AbortController();
+    this.running = running;
+    this.climbing?.abort();
+    while (this.stale && this.running === running) {
+      try {
+        await this.#paint(running);
+      } catch (error) {
+        if (this.running === running) this.#failed(error);
+      }
+    }
+    if (this.running !== running) return;
+    this.running = null;
+    this.#raise();
+    this.#doubt();
+  }
+
+  /** @param {AbortController} running what it belongs to */
+  async #paint(running) {
+    const start = performance.now();
+    const { doc } = this.editor;
+    const coarse = this.gesture && COARSE[this.gesture];
+    const longest = coarse && coarse < Math.max(doc.width, doc.height) ? coarse : null;
+    const draft = this.gesture === "pen" || longest !== null;
+    this.draft = draft;
+    this.asked = doc;
+    this.stale = false;
+    this.dispatchEvent(new Event("painting"));
+    const painted = await this.ask((request) => predict(request, running.signal), { longest, draft });
+    if (this.running !== running) return;
+    if (!painted) {
+      this.stale = true; // another page of this tab's name has asked for something newer
+      return;
+    }
+    this.painted = painted;
+    this.heights = null;
+    // A gesture that has ended since is refined, whether or not it changed more.
+    if (longest && !this.gesture) this.stale = true;
+    this.whole = !longest && !this.stale;
+    const ms = Math.round(performance.now() - start);
+    this.dispatchEvent(new CustomEvent("painted", { detail: { ms, whole: this.whole } }));
+    this.since = performance.now();
+    const took = this.since - start;
+    if (!draft) this.took = Math.max(took, this.took + FALL * (took - this.took));
+  }
+
+  /** Asks for the heights of the map, once. */
+  async #raise() {
+    if (!this.wantsHeight || !this.whole || this.heights || this.climbing || this.connection.away) return;
+    const climbing = new AbortController();
+    this.climbing = climbing;
+    this.dispatchEvent(new Event("raising"));
+    try {
+      const heights = await this.ask((request) => height(request, climbing.signal));
+      if (!heights || climbing.signal.aborted) return;
+      this.heights = heights;
+      this.dispatchEvent(new Event("height"));
+    } catch (error) {
+      if (!(error instanceof Error && error.name === "AbortError")) this.#failed(error, false);
+    } finally {
+      if (this.climbing === climbing) this.climbing = null;
+    }
+  }
+
+  /** @param {unknown} error @param {boolean} [painting] */
+  #failed(error, painting = true) {
+    if (painting && error instanceof Lacking) {
+      // A stroke that was just begun may be no drawing yet, and more may have come since.
+      if (this.gesture || this.stale) {
+        this.asked = null;
+        return;
+      }
+      if (this.#drawn().every((layer) => this.inks.of(layer).isBlank())) {
+        this.#empty();
+        return;
+      }
+    }
+    if (error instanceof Away) this.connection.lost();
+    if (error instanceof Refused && error.status === 429) {
+      setTimeout(() => this.refresh(), RETRY);
+    }
+    this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+  }
+}

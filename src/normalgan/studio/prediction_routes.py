@@ -1,0 +1,201 @@
+"""Painting routes: a drawing comes, in layers, and its map, its heights, its file or points for hints go."""
+
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TypeVar
+from urllib.parse import quote
+
+import numpy as np
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from normalgan.errors import InputError, RunError
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.reading.hint_files import parse_hints
+from normalgan.inference.suggestion import suggest, uncertainty
+from normalgan.normals import pixels_of
+from normalgan.studio.bodies import check_type, read_body, wait_disconnect
+from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
+from normalgan.studio.exports import read_export_request
+from normalgan.studio.fields import Fields, parse_fields, take_choice, take_integer, take_text
+from normalgan.studio.layers import Layer, predict_layers, take_layers
+from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
+from normalgan.studio.predictor import Predictor
+from normalgan.studio.refusals import RefusedError
+from normalgan.studio.request_queue import RequestQueue, Stop
+
+__all__ = ["PredictionRoutes"]
+
+T = TypeVar("T")
+_LARGEST = 2**53
+"""Whole numbers up to here are exact in JavaScript."""
+
+
+class PredictionRoutes:
+    """Responses to drawings.
+
+    Args:
+        predictor: paints them.
+    """
+
+    def __init__(self, predictor: Predictor) -> None:
+        self._predictor = predictor
+        # Heights and exports take seconds; no stroke waits for them.
+        self._quick, self._slow = RequestQueue(), RequestQueue()
+        self._exports = 0
+        self._kept = KeptPlanes()
+
+    def routes(self) -> list[Route]:
+        """Return where they are asked for."""
+        return [
+            Route("/api/predict", self.predict, methods=["POST"]),
+            Route("/api/suggest", self.suggest, methods=["POST"]),
+            Route("/api/uncertainty", self.uncertainty, methods=["POST"]),
+            Route("/api/height", self.height, methods=["POST"]),
+            Route("/api/export", self.export, methods=["POST"]),
+        ]
+
+    def close(self) -> None:
+        """Begin nothing more."""
+        self._quick.close()
+        self._slow.close()
+
+    async def predict(self, request: Request) -> Response:
+        """Answer with the colours of the normals and the mask as alpha, W × H × 4 bytes."""
+        start = time.perf_counter()
+        fields, layers = await self._asked(request)
+        longest = None
+        if fields.get("longest") is not None:
+            longest = take_integer(fields, "longest", LEAST_SIDE, MOST_SIDE)
+        stop = Stop() if take_choice(fields, "draft", (False, True), False) else None
+        work = partial(self._map, layers, longest, stop)
+        try:
+            map_ = await self._ordered(self._quick, request, fields, work, stop=stop)
+        except InputError as error:
+            if not _is_raw(request) or isinstance(error, RunError | RefusedError):
+                raise
+            # Of a drawing that has just been begun that is no error, which a browser would log as one.
+            return _dropped(str(error))
+        return _dropped() if map_ is None else _pixels(*map_, start)
+
+    async def suggest(self, request: Request) -> Response:
+        """Answer with places where a hint would help."""
+        fields, layers = await self._asked(request)
+        work = partial(self._points, layers, take_integer(fields, "count", 1, 20, 5))
+        points = await self._ordered(self._quick, request, fields, work)
+        return _dropped() if points is None else JSONResponse({"points": points})
+
+    async def uncertainty(self, request: Request) -> Response:
+        """Answer how unsure the model is: W × H bytes, shares of a right angle; none if it cannot say."""
+        start = time.perf_counter()
+        fields, layers = await self._asked(request)
+        doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, layers))
+        return _dropped() if doubts is None else _pixels(*doubts, start)
+
+    async def height(self, request: Request) -> Response:
+        """Answer with heights, W × H floats, none off the object."""
+        start = time.perf_counter()
+        fields, layers = await self._asked(request)
+        heights = await self._ordered(self._slow, request, fields, partial(self._heights, layers))
+        return _dropped() if heights is None else _pixels(*heights, start)
+
+    async def export(self, request: Request) -> Response:
+        """Answer with a file as ``normalgan generate`` writes it."""
+        fields, layers = await self._asked(request)
+        work = partial(self._file, layers, fields)
+        self._exports += 1  # none takes another one's place
+        file = await self._ordered(self._slow, request, fields, work, f"{self._exports} ")
+        if file is None:
+            return _dropped()
+        name, content = file
+        attachment = f"attachment; filename*=UTF-8''{quote(name, safe='')}"
+        return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
+
+    async def _asked(self, request: Request) -> tuple[Fields, list[Layer]]:
+        """Return what a request asks for, and the drawing, PNG in JSON or raw bytes of what has changed."""
+        check_type(request, "application/json", CONTENT_TYPE)
+        body = await read_body(request)
+        pixels = None
+        if _is_raw(request):
+            fields, pixels = split_body(body)
+        else:
+            fields = parse_fields(body)
+        return fields, take_layers(fields, self._kept, pixels)
+
+    async def _ordered(
+        self,
+        queue: RequestQueue,
+        request: Request,
+        fields: Fields,
+        work: Callable[[], T],
+        apart: str = "",
+        stop: Stop | None = None,
+    ) -> T | None:
+        """Return what the work gives, in its turn; None if it is not wanted any more."""
+        tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
+        number = take_integer(fields, "number", 0, _LARGEST)
+        return await queue.do(tab, number, work, partial(wait_disconnect, request), stop)
+
+    def _predict(
+        self, layers: Sequence[Layer], longest: int | None = None, stop: Stop | None = None
+    ) -> NormalMap:
+        check = (stop or Stop()).check
+        return predict_layers(layers, partial(self._predictor.predict, longest=longest, check=check))
+
+    def _map(
+        self, layers: Sequence[Layer], longest: int | None, stop: Stop | None
+    ) -> tuple[bytes, NormalMap]:
+        predicted = self._predict(layers, longest, stop)
+        return pixels_of(predicted.extended, alpha=predicted.mask.astype(np.float32)).tobytes(), predicted
+
+    def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
+        predicted = self._predict(layers)
+        given = [hint for layer in layers for hint in layer.drawing.hints]
+        hints = parse_hints(given, "the request", (predicted.mask.shape[0], predicted.mask.shape[1]))
+        found = suggest(predicted.extended, predicted.mask, predicted.confidence, hints.points, count)
+        return [
+            {"x": point.x, "y": point.y, "normal": list(point.normal), "gain": point.gain} for point in found
+        ]
+
+    def _doubts(self, layers: Sequence[Layer]) -> tuple[bytes, NormalMap]:
+        predicted = self._predict(layers)
+        if predicted.confidence is None:
+            return b"", predicted
+        shares = np.where(predicted.mask, uncertainty(predicted.confidence), 0)
+        return np.rint(255 * np.clip(shares, 0, 1)).astype(np.uint8).tobytes(), predicted
+
+    def _heights(self, layers: Sequence[Layer]) -> tuple[bytes, NormalMap]:
+        predicted = self._predict(layers)
+        height = np.where(predicted.mask, predicted.height(), np.nan)
+        return height.astype("<f4").tobytes(), predicted
+
+    def _file(self, layers: Sequence[Layer], fields: Fields) -> tuple[str, bytes]:
+        wish = read_export_request(fields)
+        return wish.write(self._predict(layers, wish.longest))
+
+
+_OCTETS = "application/octet-stream"
+_WORDS = "give --mask", "paint the object with the mask brush"
+"""What the command line is told to do, and what is done on the page instead."""
+
+
+def _is_raw(request: Request) -> bool:
+    """Return whether a request brings pixels as they are, as the page does."""
+    return request.headers["content-type"].partition(";")[0].strip().lower() == CONTENT_TYPE
+
+
+def _pixels(content: bytes, predicted: NormalMap, start: float) -> Response:
+    height, width = predicted.mask.shape
+    headers = {
+        "X-Width": str(width),
+        "X-Height": str(height),
+        "X-Warning": quote(predicted.warning.replace(*_WORDS)),
+        "X-Seconds": f"{time.perf_counter() - start:.4f}",
+    }
+    return Response(content, headers=headers, media_type=_OCTETS)
+
+
+def _dropped(warning: str = "") -> Response:
+    return Response(status_code=204, headers={"X-Warning": quote(warning)})

@@ -1,0 +1,177 @@
+"""Predictor: the model at work for the studio; what was painted last is remembered."""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from threading import Lock
+from typing import TypeVar
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.network.onnx_backend import OnnxBackend
+from normalgan.inference.network.upsampling import Coarse
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.pipeline import CLOSED, predict
+from normalgan.inference.preparation import Prepared, hinted, prepare
+from normalgan.inference.reading.picture import resize
+from normalgan.studio.drawing import Drawing
+
+__all__ = ["Predictor"]
+
+T = TypeVar("T")
+
+_REMEMBERED = 2**24
+"""Pixels of the maps that are kept: a map, and its heights or its export, are asked for in turn, and of
+several layers only one is painted again. So many have four of the largest drawings, each of which may take
+80 MB; the newest two are kept in any case.
+
+As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
+"""
+_Key = tuple[bytes, int | None, int]
+_LEFT = 0.9
+"""The share of an outline's lines that must be left for its object to be held while it is open."""
+_TABS = 32
+"""Layers of tabs whose objects are held."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Closed:
+    """The object of an outline that was closed.
+
+    Args:
+        version: another one for each.
+        ink: (h, w), where the lines were.
+        mask: (h, w), the object.
+    """
+
+    version: int
+    ink: BoolMask
+    mask: BoolMask
+
+
+class Predictor:
+    """Paints drawings with a model.
+
+    Args:
+        path: file that `normalgan export` wrote.
+
+    Raises:
+        InputError: if it is no such file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.model = OnnxBackend(path)
+        self.name = path.name
+        # The first run is slow; nobody shall wait for it while drawing.
+        _, confidence = self.model.predict(np.zeros((self.model.size, self.model.size), np.float32))
+        self.confident = confidence is not None
+        """Whether the model says how sure it is."""
+        self._lock = Lock()
+        self._predicted: OrderedDict[_Key, NormalMap] = OrderedDict()
+        self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
+        self._closed: OrderedDict[str, _Closed] = OrderedDict()
+        self._count = 0
+
+    def predict(self, drawing: Drawing, longest: int | None, check: Callable[[], None]) -> NormalMap:
+        """Return the normal map of a drawing; it may be called by several threads.
+
+        Args:
+            drawing: the drawing.
+            longest: longer side of the map in pixels; None is the drawing's own.
+            check: called between the steps; what it raises ends the painting.
+
+        Raises:
+            InputError: if the drawing cannot be used.
+        """
+        key = drawing.digest(), longest, self._version(drawing.tab)
+        predicted = self._recalled(self._predicted, key)
+        if predicted is None:
+
+            def upsample(coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
+                check()
+                return self.model.upsample(coarse, prepared, mask)
+
+            check()
+            prepared, shape = self._prepare(drawing, longest)
+            check()
+            predicted = predict(self.model, hinted(prepared, drawing.read_hints(shape), shape), upsample)
+            predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
+            key = *key[:2], self._version(drawing.tab)
+            self._remember(self._predicted, key, predicted, _size_of_map)
+        return predicted
+
+    def _prepare(self, drawing: Drawing, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
+        """Return a drawing without its hints as `prepare` gives it, and its own (H, W)."""
+        key = drawing.lines_digest(), longest, self._version(drawing.tab)
+        found = self._recalled(self._prepared, key)
+        if found is None:
+            picture, mask = drawing.read_lines()
+            by_hand = drawing.read_mask(picture.shape)
+            prepared = prepare(
+                *(picture, self.model.size, mask, None, longest, drawing.source, by_hand),
+                line_widths=self.model.line_widths,
+            )
+            if drawing.tab:
+                prepared = self._hold(drawing.tab, prepared, whole=longest is None)
+                key = *key[:2], self._version(drawing.tab)
+            found = prepared, picture.shape
+            self._remember(self._prepared, key, found, _size_of_prepared)
+        return found
+
+    def _version(self, tab: str) -> int:
+        """Return which object a tab's open outline would be given: the same drawing then has another mask."""
+        with self._lock:
+            return self._closed[tab].version if tab in self._closed else 0
+
+    def _hold(self, tab: str, prepared: Prepared, *, whole: bool) -> Prepared:
+        """Keep the object of a closed outline, and give it back while the outline is open."""
+        if prepared.mask is None or prepared.alpha is not None:
+            return prepared
+        ink = prepared.ink > 0.35
+        with self._lock:
+            if prepared.closed >= CLOSED and not prepared.guessed:
+                before = self._closed.get(tab)
+                known = before is not None and np.array_equal(before.ink, ink)
+                if whole and prepared.mask.any() and not known:
+                    self._count += 1
+                    self._closed[tab] = _Closed(self._count, ink, prepared.mask)
+                    while len(self._closed) > _TABS:
+                        self._closed.popitem(last=False)
+                return prepared
+            found = self._closed.get(tab)
+        if found is None:
+            return prepared
+        shape = (prepared.ink.shape[0], prepared.ink.shape[1])
+        if abs(found.ink.shape[0] * shape[1] - found.ink.shape[1] * shape[0]) > max(shape):
+            return prepared  # another paper
+        lines, mask = (resize(each.astype(np.float32), shape) for each in (found.ink, found.mask))
+        # Lines are a little wider in a smaller drawing.
+        near = cv2.dilate(ink.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        left = float((lines * near).sum() / max(float(lines.sum()), 1e-6))
+        if left < _LEFT:
+            return prepared
+        return replace(prepared, mask=prepared.mask | (mask > 0.5), held=True)
+
+    def _recalled(self, kept: OrderedDict[_Key, T], key: _Key) -> T | None:
+        with self._lock:
+            if key not in kept:
+                return None
+            kept.move_to_end(key)
+            return kept[key]
+
+    def _remember(self, kept: OrderedDict[_Key, T], key: _Key, value: T, size_of: Callable[[T], int]) -> None:
+        with self._lock:
+            kept[key] = value
+            while len(kept) > 2 and sum(map(size_of, kept.values())) > _REMEMBERED:
+                kept.popitem(last=False)
+
+
+def _size_of_map(predicted: NormalMap) -> int:
+    return predicted.mask.size
+
+
+def _size_of_prepared(found: tuple[Prepared, tuple[int, int]]) -> int:
+    return max(found[0].ink.size, found[0].shape[0] * found[0].shape[1])

@@ -1,0 +1,7 @@
+"""Version: of the installed package; looking it up takes as long as all else that ``--help`` does."""
+
+from importlib.metadata import version
+
+__all__ = ["__version__"]
+
+__version__ = version("normalgan")

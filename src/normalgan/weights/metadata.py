@@ -1,0 +1,97 @@
+"""Notes: what a file of weights says beside the numbers; ONNX files of ours say the same."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from normalgan.errors import InputError
+from normalgan.hints import HINT_SAMPLERS
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths, line_widths_of
+from normalgan.models import GENERATORS
+from normalgan.version import __version__
+from normalgan.weights.class_spec import LARGEST, ClassSpec
+
+__all__ = ["ModelMetadata"]
+
+
+@dataclass(frozen=True)
+class ModelMetadata:
+    """All that is needed to build a model and to measure it as the checkpoint it is from.
+
+    Args:
+        generator: what paints.
+        hint_sampler: gave the hints in training.
+        size: side of the pictures in pixels.
+        noise_at_test: whether the noise stays on when testing and predicting.
+        seed: of the hints and the noise.
+        licence: of the weights.
+        refined: whether the refiner of the package was trained for it, and mends its maps.
+        line_widths: the thinnest and the thickest line that it is shown as drawn, in its pixels.
+        version: of normalgan that wrote them.
+    """
+
+    generator: ClassSpec
+    hint_sampler: ClassSpec
+    size: int
+    noise_at_test: bool = False
+    seed: int = 0
+    licence: str = "not stated"
+    refined: bool = False
+    line_widths: LineWidths = USUAL_WIDTHS
+    version: str = __version__
+
+    def metadata(self) -> dict[str, str]:
+        """Return the notes as texts by name, which is what files of models can hold."""
+        return {
+            "normalgan_version": self.version,
+            "model": self.generator.name,
+            "licence": self.licence,
+            "size": str(self.size),
+            "generator": self.generator.to_json(),
+            "hint_sampler": self.hint_sampler.to_json(),
+            "noise_at_test": str(self.noise_at_test).lower(),
+            "seed": str(self.seed),
+            "refined": str(self.refined).lower(),
+            "line_widths": " ".join(map(str, self.line_widths)),
+        }
+
+    def settings(self) -> dict[str, Any]:
+        """Return what of `NormalGAN`'s settings the notes decide on, as a configuration names it.
+
+        Raises:
+            InputError: if a class is not known here.
+        """
+        return {
+            "generator": self.generator.configuration(GENERATORS),
+            "hint_sampler": self.hint_sampler.configuration(HINT_SAMPLERS),
+            "noise_at_test": self.noise_at_test,
+            "seed": self.seed,
+            "refined": self.refined,
+            "line_widths": self.line_widths,
+        }
+
+    @classmethod
+    def parse(cls, metadata: Mapping[str, str]) -> "ModelMetadata":
+        """Return the notes in such texts.
+
+        Raises:
+            KeyError: if one is missing.
+            InputError: if one cannot be used.
+        """
+        return cls(
+            *(ClassSpec.from_json(metadata["generator"]), ClassSpec.from_json(metadata["hint_sampler"])),
+            size=_number(metadata, "size", LARGEST),
+            noise_at_test=metadata["noise_at_test"] == "true",
+            seed=_number(metadata, "seed", 2**63 - 1),
+            licence=metadata["licence"],
+            refined=metadata.get("refined") == "true",  # files of older versions do not say
+            line_widths=line_widths_of(metadata),
+            version=metadata["normalgan_version"],
+        )
+
+
+def _number(metadata: Mapping[str, str], name: str, most: int) -> int:
+    text = metadata[name]
+    if not (text.isascii() and text.isdecimal() and len(text) < 20 and int(text) <= most):
+        raise InputError(f"its {name} is {text[:40]}, no whole number from 0 to {most}.")
+    return int(text)

@@ -1,0 +1,59 @@
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from dask_processes import SOURCES
+from toys import recipe
+
+from normalgan.data.jobs.pool import Killed
+from normalgan.data.jobs.shard_runner import DEADLY, render_shards, validate_sources
+from normalgan.data.jobs.tasks import MeshTask, ShardTask
+from normalgan.data.store.layout import Layout
+from normalgan.data.store.shards import ShardedSamples
+from normalgan.errors import RunError
+
+MESHES = {source.name: MeshTask(source, source.fingerprint()) for source in SOURCES["train"]}
+
+
+class Unlucky:
+    """A pool in which a task with a deadly mesh dies, and takes all beside it along."""
+
+    def __init__(self, *deadly: str) -> None:
+        self.deadly = set(deadly)
+
+    def run(
+        self, function: Callable[[Any], Any], tasks: Iterable[Any], related: object = None
+    ) -> Iterator[tuple[Any, Any]]:
+        given = list(tasks)
+        dies = any(self.deadly & set(task.meshes) for task in given)
+        for task in given:
+            yield task, Killed() if dies else function(task)
+
+
+def tasks(folder: Path) -> list[ShardTask]:
+    layout = Layout(tuple(MESHES), 4, 16, per_shard=3)  # six shards of one or two meshes
+    ShardedSamples(str(folder), "train", layout).create()
+    shards = [layout.shard("train", number) for number in range(layout.shards)]
+    return [ShardTask(str(folder), s, recipe(), {name: MESHES[name] for name in s.meshes}) for s in shards]
+
+
+@pytest.mark.parametrize("deadly", [(), ("b",), ("a", "d")])
+def test_only_the_guilty_are_left_out(tmp_path: Path, deadly: tuple[str, ...]) -> None:
+    given = tasks(tmp_path)
+    done = {task.shard.number: failed for task, failed in render_shards(Unlucky(*deadly), given)}
+    assert done == {
+        task.shard.number: {mesh: DEADLY for mesh in deadly if mesh in task.shard.meshes} for task in given
+    }
+
+
+def test_where_every_mesh_kills_it_is_not_the_meshes(tmp_path: Path) -> None:
+    with pytest.raises(RunError, match="the workers are killed whatever mesh they render"):
+        list(render_shards(Unlucky(*MESHES), tasks(tmp_path)))
+
+
+def test_a_mesh_that_kills_when_it_is_loaded_is_found_among_bystanders() -> None:
+    for deadly in (("c",), ()):
+        looked_at = validate_sources(Unlucky(*deadly), list(MESHES.values()))
+        found = {task.source.name: why for task, why in looked_at}
+        assert found == {name: DEADLY if name in deadly else None for name in MESHES}

@@ -1,0 +1,228 @@
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.polarity import is_light_on_dark
+from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.network.upsampling import enlarge
+from normalgan.inference.pipeline import finish
+from normalgan.inference.preparation import prepare
+from normalgan.inference.reading.picture import Picture
+from pens import blob, outline, overlap
+
+FILLED = blob()
+INK = outline(FILLED)
+RNG = np.random.default_rng(0)
+
+
+def grey(ink: Floats, paper: float = 1.0, pen: float = 0.0) -> Floats:
+    return np.asarray(np.multiply.outer(paper + (pen - paper) * ink, np.ones(3)), np.float32)
+
+
+def shaded(colour: Floats) -> Floats:
+    """Return a photo of a drawing: yellowish paper, light from one side, grain."""
+    x = np.linspace(0, 1, colour.shape[1])[None, :, None]
+    tinted = colour * np.array([0.9, 0.84, 0.7]) * (1 - 0.5 * x)
+    return np.asarray(np.clip(tinted + RNG.normal(0, 0.015, colour.shape), 0, 1), np.float32)
+
+
+def assert_same_lines(ink: Floats, truth: Floats = INK) -> None:
+    """Hold lines to those drawn: all of them are there, and nothing else is."""
+    drawn, found = truth > 0.5, ink > 0.5
+    assert (ink[cv2.erode(drawn.astype(np.uint8), np.ones((2, 2))) > 0] > 0.3).mean() > 0.97
+    near = cv2.dilate(drawn.astype(np.uint8), np.ones((5, 5))) > 0
+    assert found[~near].sum() <= 2
+    assert fill_outline(ink).closed > 0.9
+    assert overlap(fill_outline(ink).mask, np.maximum(FILLED, truth > 0.5)) > 0.95
+
+
+@pytest.mark.parametrize(
+    "colour",
+    [
+        grey(INK),
+        grey(INK, 0.93, 0.55),
+        shaded(grey(INK)),
+        shaded(grey(INK, 1, 0.4)),
+        grey(INK, 0.1, 0.9),
+        1 - INK[..., None] * np.array([0.1, 0.8, 0.7], np.float32),
+        1 - INK[..., None] * np.array([0.02, 0.1, 0.7], np.float32),
+        np.array([0.1, 0.2, 0.6], np.float32) + INK[..., None] * np.array([0.8, 0.7, 0.4], np.float32),
+    ],
+    ids=["ink", "pencil", "photo", "pale photo", "chalk", "red", "yellow", "blueprint"],
+)
+def test_lines_are_found_on_any_paper(colour: Floats) -> None:
+    cleaned = clean(Picture(colour, None))
+    assert cleaned.silhouette is None
+    assert_same_lines(cleaned.ink)
+
+
+def test_a_clean_drawing_stays_as_it_is() -> None:
+    assert np.abs(clean(Picture(grey(INK), None)).ink - INK).max() < 0.15
+
+
+@pytest.mark.parametrize("pen", [0.0, 0.4, 1.0])
+def test_lines_on_nothing_are_ink_whatever_their_colour(pen: float) -> None:
+    cleaned = clean(Picture(np.full((*INK.shape, 3), pen, np.float32), INK))
+    assert cleaned.silhouette is None
+    assert_same_lines(cleaned.ink)
+
+
+@pytest.mark.parametrize("paint", [0.0, 0.5, 1.0])
+def test_a_cut_out_figure_has_its_silhouette_and_its_edge_as_a_line(paint: float) -> None:
+    colour = np.full((*FILLED.shape, 3), paint, np.float32)
+    cleaned = clean(Picture(colour, FILLED))
+    assert cleaned.silhouette is not None
+    assert (cleaned.silhouette == (FILLED > 0.5)).all()
+    assert overlap(fill_outline(cleaned.ink).mask, FILLED) > 0.95
+    inner = cv2.erode(FILLED, np.ones((9, 9))) > 0
+    assert cleaned.ink[inner].max() == 0
+
+
+@pytest.mark.parametrize("paint", [0.05, 0.5, 0.7])
+def test_a_painted_shape_on_paper_becomes_its_outline(paint: float) -> None:
+    ink = clean(Picture(grey(FILLED, 1, paint), None)).ink
+    assert overlap(fill_outline(ink).mask, FILLED) > 0.95
+    assert ink[cv2.erode(FILLED, np.ones((13, 13))) > 0].max() < 0.3
+
+
+def test_lines_on_a_painted_body_are_seen() -> None:
+    eye = np.zeros_like(INK)
+    cv2.line(eye, (150, 80), (190, 100), 1, 3)
+    ink = clean(Picture(grey(np.maximum(0.5 * FILLED, eye), 1, 0), None)).ink
+    assert (ink[eye > 0] > 0.5).mean() > 0.9
+
+
+def test_a_desk_around_the_sheet_is_left_out() -> None:
+    colour = np.pad(grey(INK), ((60, 60), (60, 60), (0, 0)), constant_values=0.2)
+    ink = clean(
+        Picture(np.clip(colour + RNG.normal(0, 0.01, colour.shape), 0, 1).astype(np.float32), None)
+    ).ink
+    assert_same_lines(ink[60:-60, 60:-60])
+    assert ink[:50].max() == 0
+
+
+def photographed(ink: Floats, shadow: float, edge: float, desk: tuple[float, float, float] | None) -> Floats:
+    """Return a photo of a sheet: its left in the light, its right in a shadow, and so its desk.
+
+    Args:
+        ink: (H, W).
+        shadow: the light that is left in it.
+        edge: width of its edge, as a share of the picture.
+        desk: its colour; None if the sheet fills the picture.
+    """
+    photo = np.array([0.93, 0.91, 0.86]) - np.multiply.outer(ink, [0.8, 0.78, 0.66])
+    if desk is not None:
+        room = ink.shape[0] // 7  # the desk takes up half of the photo
+        whole = np.tile(np.array(desk), (ink.shape[0], ink.shape[1], 1))
+        whole[room:-room, room:-room] = photo[room:-room, room:-room]
+        photo = whole
+    y, x = np.mgrid[: ink.shape[0], : ink.shape[1]] / max(ink.shape)
+    light = 1 - (1 - shadow) * np.clip((0.9 * x + 0.3 * y - 0.6) / edge + 0.5, 0, 1)
+    noise = np.random.default_rng(1).normal(0, 0.01, photo.shape)
+    return np.asarray(np.clip(photo * light[..., None] + noise, 0, 1), np.float32)
+
+
+@pytest.mark.parametrize(
+    "desk",
+    [None, (0.42, 0.28, 0.18), (0.75, 0.45, 0.25), (0.4, 0.4, 0.4)],
+    ids=["sheet", "wood", "pale wood", "grey"],
+)
+@pytest.mark.parametrize(("shadow", "edge"), [(0.5, 0.4), (0.5, 0.03), (0.35, 0.03)])
+def test_a_drawing_goes_on_in_the_shadow(
+    shadow: float, edge: float, desk: tuple[float, float, float] | None
+) -> None:
+    filled = blob((300, 300), (150, 150), 80)
+    ink = outline(filled)
+    cleaned = clean(Picture(photographed(ink, shadow, edge, desk), None)).ink
+    drawn = ink > 0.5
+    assert (cleaned[drawn] > 0.3).mean() > 0.97
+    near = cv2.dilate(drawn.astype(np.uint8), np.ones((5, 5))) > 0
+    assert (cleaned > 0.5)[~near].sum() < 40
+    assert overlap(fill_outline(cleaned).mask, np.maximum(filled, drawn)) > 0.95
+
+
+def before(upper: tuple[float, float, float], lower: tuple[float, float, float]) -> Floats:
+    """Return a painted body with an outline before a ground of two colours."""
+    filled = blob((200, 200), (100, 100), 50)
+    ground = np.where(np.arange(200)[:, None, None] < 130, np.array(upper), np.array(lower))
+    painted = np.where(
+        filled[..., None] > 0.5, np.array([0.85, 0.5, 0.25]), np.broadcast_to(ground, (200, 200, 3))
+    )
+    return np.asarray(painted * (1 - 0.9 * outline(filled)[..., None]), np.float32)
+
+
+def test_scenery_behind_a_drawing_is_noticed() -> None:
+    assert clean(Picture(before((0.95, 0.6, 0.35), (0.25, 0.2, 0.45)), None)).scenery
+    meadow = Picture(before((0.55, 0.75, 0.95), (0.35, 0.6, 0.25)), None)
+    with pytest.raises(InputError, match="its ground is painted, and no line is told from it"):
+        clean(meadow)
+    assert "its ground is painted too" in _warning(before((0.95, 0.6, 0.35), (0.25, 0.2, 0.45)))
+
+
+@pytest.mark.parametrize("desk", [None, (0.42, 0.28, 0.18), (0.4, 0.4, 0.4)], ids=["sheet", "wood", "grey"])
+def test_a_sheet_or_a_desk_is_no_scenery(desk: tuple[float, float, float] | None) -> None:
+    ink = outline(blob((300, 300), (150, 150), 90))
+    assert not clean(Picture(photographed(ink, 0.5, 0.3, desk), None)).scenery
+    assert not clean(Picture(before((0.95, 0.93, 0.88), (0.9, 0.86, 0.8)), None)).scenery
+
+
+def _warning(colour: Floats) -> str:
+    prepared = prepare(Picture(colour, None), 64)
+    flat = np.dstack([np.zeros((64, 64, 2)), np.ones((64, 64))]).astype(np.float32)
+    return finish(prepared, flat, None, enlarge).warning
+
+
+def test_dust_is_left_out() -> None:
+    dusty = INK.copy()
+    dusty[10, 10] = dusty[180, 280] = 1
+    ink = clean(Picture(grey(dusty), None)).ink
+    assert ink[:20, :20].max() == ink[170:, 270:].max() == 0
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+def test_an_empty_sheet_is_refused(level: float) -> None:
+    with pytest.raises(InputError, match="no line is seen"):
+        clean(Picture(np.full((50, 60, 3), level, np.float32), None))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(0.5, 1), st.floats(0, 0.3), st.integers(2, 8))
+def test_polarity_turns_with_the_picture(paper: float, pen: float, width: int) -> None:
+    brightness = grey(outline(FILLED, width), paper, pen)[..., 0]
+    assert not is_light_on_dark(brightness)
+    assert is_light_on_dark(1 - brightness)
+
+
+@pytest.mark.slow
+def test_shared_sketches_are_all_seen(shared_sketches: list[Path]) -> None:
+    from normalgan.inference.reading.picture import read_picture
+
+    for path in shared_sketches:
+        cleaned = clean(read_picture(path))
+        assert not cleaned.scenery, path
+        assert (cleaned.ink > 0.5).mean() > 0.002, path
+        if "outline" in path.name:
+            assert fill_outline(cleaned.ink).closed > 0.9, path
+        if path.suffix == ".svg":
+            assert cleaned.silhouette is not None, path
+
+
+@pytest.mark.parametrize("painted", [False, True])
+def test_a_grey_drawing_has_the_ink_of_one_with_a_touch_of_colour(painted: bool) -> None:
+    colour = grey(0.5 * FILLED) if painted else np.repeat(shaded(grey(INK))[..., :1], 3, axis=-1)
+    tinted = colour.copy()
+    tinted[0, 0] += np.array([0, 1e-6, 0], np.float32)
+    assert (tinted != colour).any()
+    assert np.abs(clean(Picture(colour, None)).ink - clean(Picture(tinted, None)).ink).max() < 1e-4
+
+
+def test_what_is_transparent_all_over_has_no_line() -> None:
+    with pytest.raises(InputError, match="no line is seen in it"):
+        prepare(Picture(np.zeros((40, 40, 3), np.float32), np.zeros((40, 40), np.float32)), 64)

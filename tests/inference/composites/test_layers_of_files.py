@@ -1,0 +1,233 @@
+"""Layers: each is painted for itself, and goes back to its place in a file of the same kind."""
+
+import io
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+
+from normalgan.__main__ import main
+from normalgan.decoding import DecodedLayer
+from normalgan.errors import InputError
+from normalgan.inference.composites.layers import encode_layers, layered_kind, picture_of, read_layers
+from pens import blob, outline
+
+Pixels = NDArray[np.uint8]
+SHAPE = (80, 120)
+KINDS = ("psd", "ora", "aseprite")
+FILES = Path(__file__).parent / "layered"
+"""A picture of three layers and a hidden one, saved by Krita 5.1: paper, a body, an arm in a faded group."""
+
+
+def drawn(centre: tuple[int, int], radius: int) -> Pixels:
+    """Return a disc with a dark rim, transparent about it."""
+    filled = blob(SHAPE, centre, radius)
+    shade = np.rint(255 * (1 - 0.9 * outline(filled)))
+    return np.dstack([shade, shade, shade, 255 * (filled > 0.5)]).astype(np.uint8)
+
+
+def layer(name: str, pixels: Pixels, number: int, groups: tuple[str, ...] = (), **other: int) -> DecodedLayer:
+    rows, columns = np.flatnonzero(pixels[..., 3].any(1)), np.flatnonzero(pixels[..., 3].any(0))
+    box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    opacity, frame = other.get("opacity", 255), other.get("frame", 0)
+    return DecodedLayer(name, groups, opacity, int(columns[0]), int(rows[0]), number, frame, pixels[box])
+
+
+PAPER = np.full((*SHAPE, 4), 255, np.uint8)
+STACK = [
+    layer("paper", PAPER, 0),
+    layer("body", drawn((50, 44), 26), 1),
+    layer("hand", drawn((90, 30), 14), 2, ("limbs", "arm"), opacity=102),
+    layer("hat", drawn((50, 16), 12), 3),
+]
+
+
+def generate(*arguments: str) -> int:
+    return main(["generate", *arguments, "--model", "model.onnx"])
+
+
+def same(one: DecodedLayer, other: DecodedLayer) -> bool:
+    places = [(each.name, each.groups, each.left, each.top, each.frame) for each in (one, other)]
+    return places[0] == places[1] and np.array_equal(one.pixels, other.pixels)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_written_is_what_is_read(kind: str) -> None:
+    content = encode_layers(kind, SHAPE, STACK)  # type: ignore[arg-type]
+    found = read_layers(Path("a"), content)
+    assert found.shape == SHAPE
+    assert [each.opacity for each in found.layers] == [255, 255, 102, 255]
+    assert all(same(one, other) for one, other in zip(found.layers, STACK, strict=True))
+
+
+@pytest.mark.parametrize("name", ["krita.kra", "krita.psd"])
+def test_files_that_krita_saved_are_read(name: str) -> None:
+    found = read_layers(FILES / name)
+    assert found.shape == (150, 200)
+    assert [(each.groups, each.name, each.left, each.top) for each in found.layers] == [
+        ((), "paper", 0, 0),
+        ((), "body", 20, 40),
+        (("limbs",), "arm & hand", 105, 25),
+    ]
+    assert [each.pixels.shape for each in found.layers] == [(150, 200, 4), (101, 161, 4), (26, 46, 4)]
+    assert found.layers[2].opacity == pytest.approx(255 * 0.5 * 0.8, abs=1)
+    arm = found.layers[2].pixels
+    assert arm[13, 20].tolist() == [60, 120, 200, 255]
+    assert arm[0, 0].tolist() == [0, 0, 0, 255]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_layer_is_painted_as_if_it_were_alone(here: Path, kind: str) -> None:
+    Path(f"fox.{kind}").write_bytes(encode_layers(kind, SHAPE, STACK))  # type: ignore[arg-type]
+    assert generate(f"fox.{kind}", "--layers") == 0
+    assert [each.name for each in Path("normals").iterdir()] == [f"fox_normal.{kind}"]
+    found = read_layers(Path(f"normals/fox_normal.{kind}"))
+    assert [(each.name, each.groups, each.opacity) for each in found.layers] == [
+        ("body", (), 255),
+        ("hand", ("limbs", "arm"), 102),
+        ("hat", (), 255),
+    ]
+    for predicted, given in zip(found.layers, STACK[1:], strict=True):
+        picture = picture_of(given, SHAPE)
+        assert picture.alpha is not None
+        alone = np.dstack([picture.colour, picture.alpha])
+        Image.fromarray(np.rint(255 * alone).astype(np.uint8)).save(f"{given.name}.png")
+        assert generate(f"{given.name}.png", "--alpha") == 0
+        expected = np.asarray(Image.open(f"normals/{given.name}_normal.png"))
+        rows, columns = predicted.pixels.shape[:2]
+        inside = np.s_[predicted.top : predicted.top + rows, predicted.left : predicted.left + columns]
+        assert np.array_equal(predicted.pixels, expected[inside])
+        assert not np.delete(expected[..., 3], np.arange(inside[0].start, inside[0].stop), 0).any()
+
+
+def test_of_a_krita_file_an_openraster_file_is_made(here: Path) -> None:
+    assert generate(str(FILES / "krita.kra"), "--layers", "--size", "100") == 0
+    written = Path("normals/krita_normal.ora")
+    found = read_layers(written)
+    assert found.shape == (75, 100)
+    assert [each.name for each in found.layers] == ["body", "arm & hand"]
+    with zipfile.ZipFile(written) as file:
+        assert file.infolist()[0].filename == "mimetype"
+        assert file.read("mimetype") == b"image/openraster"
+        assert Image.open(io.BytesIO(file.read("mergedimage.png"))).size == (100, 75)
+        assert Image.open(io.BytesIO(file.read("Thumbnails/thumbnail.png"))).size == (100, 75)
+
+
+def test_what_a_layered_file_cannot_hold_is_written_one_a_layer(here: Path) -> None:
+    Path("fox.psd").write_bytes(encode_layers("psd", SHAPE, STACK))
+    assert generate("fox.psd", "--layers", "--bits", "16", "--height", "png", "--alpha") == 0
+    assert sorted(each.name for each in Path("normals").iterdir()) == [
+        *("fox_02_body_height.png", "fox_02_body_normal.png"),
+        *("fox_03_limbs_arm_hand_height.png", "fox_03_limbs_arm_hand_normal.png"),
+        *("fox_04_hat_height.png", "fox_04_hat_normal.png"),
+    ]
+    assert generate("fox.psd", "--layers", "--engine", "unity", "-o", "unity") == 0
+    assert len(list(Path("unity").glob("*_NormalMap.png.meta"))) == 3
+    assert generate("fox.psd", "--layers", "--bits", "16", "--skip-existing") == 0
+
+
+def test_layers_of_an_animation_move(here: Path) -> None:
+    moving = [
+        layer("body", drawn((50, 44), 26), 0, frame=0),
+        layer("ball", drawn((90, 20), 12), 1, frame=0),
+        layer("body", drawn((50, 44), 26), 0, frame=1, opacity=128),
+        layer("ball", drawn((90, 60), 12), 1, frame=1),
+    ]
+    Path("walk.ase").write_bytes(encode_layers("aseprite", SHAPE, moving, [80, 120]))
+    assert generate("walk.ase", "--layers") == 0
+    found = read_layers(Path("normals/walk_normal.aseprite"))
+    assert found.durations == [80, 120]
+    assert [(each.name, each.frame, each.opacity) for each in found.layers] == [
+        *(("body", 0, 255), ("ball", 0, 255), ("body", 1, 128), ("ball", 1, 255)),
+    ]
+    still = [each.pixels for each in found.layers if each.name == "body"]
+    assert np.array_equal(still[0], still[1])
+    assert generate("walk.ase", "--layers", "--bits", "16", "-o", "each") == 0
+    assert sorted(each.name for each in Path("each").iterdir())[0] == "walk_01_body_0001_normal.png"
+
+
+def test_layers_that_nothing_can_be_seen_on_are_left_out_and_named(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mist = np.full((*SHAPE, 4), 255, np.uint8)
+    mist[:, 60:] = 253
+    Path("fox.ora").write_bytes(encode_layers("ora", SHAPE, [layer("mist", mist, 0), *STACK[1:]]))
+    assert generate("fox.ora", "--layers") == 0
+    found = read_layers(Path("normals/fox_normal.ora")).layers
+    assert [each.name for each in found] == ["body", "hand", "hat"]
+    assert "layer 'mist': it is left out, as no line is seen in it" in capsys.readouterr().err
+
+
+def test_a_speck_is_a_drawing_too(here: Path) -> None:
+    speck = np.zeros((*SHAPE, 4), np.uint8)
+    speck[4:6, 4:6] = 255
+    Image.fromarray(speck).save("speck.png")  # the square that the model is shown is ink all over
+    assert generate("speck.png") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (
+            ["flat.png"],
+            "flat.png has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted",
+        ),
+        (["flat.png", "--bits", "16"], "flat.png has no layers"),
+        (["paper.ora"], "none of its layers holds a drawing"),
+        (["fox.ora", "-o", "fox.png"], "fox.png holds one map; --layers needs a folder (-o)"),
+        (["fox.ora", "-o", ".", "--suffix", ""], "fox.ora is read and would be written over"),
+        (
+            ["fox.ora", "--mask", "flat.png"],
+            "fox.ora is painted layer by layer; a mask or hints are those of one",
+        ),
+        (["fox.ora", "--sheet", "2x1"], "--layers paints each layer whole"),
+    ],
+)
+def test_what_cannot_be_done_is_told(
+    here: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], sentence: str
+) -> None:
+    Path("fox.ora").write_bytes(encode_layers("ora", SHAPE, STACK))
+    Path("paper.ora").write_bytes(encode_layers("ora", SHAPE, STACK[:1]))
+    Image.fromarray(drawn((50, 44), 26)).save("flat.png")
+    before = Path("fox.ora").read_bytes()
+    assert generate(*arguments, "--layers") == 2
+    assert sentence in capsys.readouterr().err
+    assert Path("fox.ora").read_bytes() == before
+
+
+def krita(change: bytes, to: bytes) -> bytes:
+    """Return Krita's file with something else in its description."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(FILES / "krita.kra") as old, zipfile.ZipFile(out, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            new.writestr(name, content.replace(change, to) if name.endswith((".xml", "layer5")) else content)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (krita(b'nodetype="paintlayer"', b'nodetype="shapelayer"'), "of the kind shapelayer; rasterize it"),
+        (krita(b'"RGBA" compositeop', b'"CMYKA" compositeop'), "it has its colours in CMYKA"),
+        (krita(b"<layers>", b"<layers"), "has a broken maindoc.xml"),
+        (krita(b'visible="1"', b'visible="0"'), "has no visible layer that anything is drawn on"),
+        (krita(b"LZF", b"LZ4"), "a tile of it is packed in a way that is not known"),
+        (krita(b'filename="layer5"', b'filename="layer9"'), "is a ZIP without layers/layer9"),
+        (encode_layers("psd", SHAPE, STACK)[:900], "has layers that cannot be read"),
+    ],
+)
+def test_layers_that_cannot_be_read_are_told_in_a_sentence(content: bytes, sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_layers(Path("a.any"), content)
+    assert sentence in str(caught.value)
+
+
+def test_kinds_are_told_by_what_is_in_a_file(tmp_path: Path) -> None:
+    for kind in KINDS:
+        assert layered_kind(Path("stdin"), encode_layers(kind, SHAPE, STACK)) == kind  # type: ignore[arg-type]
+    assert layered_kind(FILES / "krita.kra") == "ora"
+    assert layered_kind(tmp_path / "none.psd") is None

@@ -1,0 +1,160 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from normalgan.errors import InputError
+from normalgan.inference.reading import drawings
+from normalgan.inference.reading.drawings import find_drawings, read_drawing, read_hints, read_pixels
+
+
+def cross(size: int = 32) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    """Black lines on white paper, (size, size)."""
+    grey = np.full((size, size), 255, np.uint8)
+    grey[size // 2, 4:-4] = grey[4:-4, size // 3] = 0
+    return grey
+
+
+def written(path: Path, mode: str) -> Path:
+    grey = Image.fromarray(cross())
+    ink = Image.fromarray(255 - cross())
+    match mode:
+        case "RGBA":  # black lines on nothing
+            image = Image.new("RGBA", grey.size, (0, 0, 0, 0))
+            image.putalpha(ink)
+        case "P":
+            image = grey.convert("P")
+        case "P transparent":
+            image = grey.convert("P")
+            image.info["transparency"] = image.getpixel((0, 0))
+        case "I;16":
+            image = Image.fromarray(cross().astype(np.uint16) * 257)
+        case "LA":
+            image = Image.merge("LA", [Image.new("L", grey.size, 0), ink])
+        case _:
+            image = grey.convert("RGB").convert(mode)
+    image.save(path)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("mode", "suffix"),
+    [
+        ("L", ".png"),
+        ("RGB", ".png"),
+        ("RGB", ".webp"),
+        ("RGBA", ".png"),
+        ("LA", ".png"),
+        ("P", ".png"),
+        ("P", ".gif"),
+        ("P transparent", ".png"),
+        ("1", ".png"),
+        ("I;16", ".png"),
+        ("CMYK", ".jpg"),
+        ("RGB", ".jpg"),
+    ],
+)
+def test_every_mode_reads_as_the_same_drawing(tmp_path: Path, mode: str, suffix: str) -> None:
+    ink = read_drawing(written(tmp_path / f"cross{suffix}", mode))
+    assert ink.shape == (32, 32)
+    assert np.abs(ink - (1 - cross() / 255)).mean() < (0.06 if suffix in {".jpg", ".webp"} else 0.005)
+
+
+def test_a_photo_is_turned_upright(tmp_path: Path) -> None:
+    exif = Image.Exif()
+    exif[0x0112] = 6  # the camera lay on its side
+    Image.fromarray(cross()).save(tmp_path / "photo.jpg", exif=exif, quality=95)
+    assert np.abs(read_drawing(tmp_path / "photo.jpg") - np.rot90(1 - cross() / 255, -1)).mean() < 0.06
+
+
+def test_bad_drawings_are_named(tmp_path: Path) -> None:
+    (tmp_path / "text.png").write_text("not a picture")
+    (tmp_path / "empty.png").write_bytes(b"")
+    Image.fromarray(cross(200)).save(tmp_path / "whole.png")
+    (tmp_path / "half.png").write_bytes((tmp_path / "whole.png").read_bytes()[:150])
+    Image.new("L", (1, 1)).save(tmp_path / "dot.png")
+    Image.new("L", (64, 64), 255).save(tmp_path / "white.png")
+    for name, message in {
+        "text": "is not an image that can be read",
+        "empty": "is not an image that can be read",
+        "half": "cannot be read as an image",
+        "dot": "is 1 × 1 pixels; a drawing has 8 to 8192 a side",
+        "white": "is all white",
+        "none": "there is no file",
+    }.items():
+        with pytest.raises(InputError, match=message) as error:
+            read_drawing(tmp_path / f"{name}.png")
+        assert f"{name}.png" in str(error.value)
+
+
+def test_a_bomb_is_refused_by_its_size(tmp_path: Path) -> None:
+    Image.new("1", (9_000, 9_000)).save(tmp_path / "bomb.png")
+    with pytest.raises(InputError, match="9000 × 9000"):
+        read_drawing(tmp_path / "bomb.png")
+
+
+def test_drawings_are_found_in_folders_globs_and_lists(tmp_path: Path) -> None:
+    for name in ("b.png", "a.png", "c.jpg"):
+        Image.fromarray(cross()).save(tmp_path / name)
+    (tmp_path / "notes.txt").write_text("")
+    assert [p.name for p in find_drawings(str(tmp_path))] == ["a.png", "b.png", "c.jpg"]
+    assert [p.name for p in find_drawings(str(tmp_path / "*.png"))] == ["a.png", "b.png"]
+    assert [p.name for p in find_drawings([str(tmp_path / "c.jpg"), str(tmp_path / "a.png")])] == [
+        "c.jpg",
+        "a.png",
+    ]
+
+
+def test_a_drawing_matched_twice_is_taken_once(tmp_path: Path) -> None:
+    Image.fromarray(cross()).save(tmp_path / "a.png")
+    assert find_drawings([str(tmp_path / "*.png"), str(tmp_path)]) == [tmp_path / "a.png"]
+
+
+def test_finding_nothing_or_one_name_twice_is_said(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no sketch found"):
+        find_drawings(str(tmp_path))
+    with pytest.raises(InputError, match="no sketch found"):
+        find_drawings(str(tmp_path / "missing.png"))
+    for name in ("a.png", "a.jpg"):
+        Image.fromarray(cross()).save(tmp_path / name)
+    with pytest.raises(InputError, match=r"both be written as a_normal\.png"):
+        find_drawings(str(tmp_path))
+
+
+def painted(path: Path, colour: tuple[int, int, int], at: tuple[int, int] = (10, 20)) -> Path:
+    image = Image.new("RGBA", (32, 32), (0, 0, 0, 0))
+    image.putpixel(at, (*colour, 255))
+    image.save(path)
+    return path
+
+
+def test_hints_are_read_where_they_are_painted(tmp_path: Path) -> None:
+    normals, where = read_hints(painted(tmp_path / "hints.png", (255, 128, 128)), (32, 32))
+    assert where.sum() == 1
+    assert where[20, 10]
+    assert np.allclose(normals[20, 10], (1, 0, 0), atol=0.01)
+    assert np.abs(normals).sum() == pytest.approx(np.abs(normals[20, 10]).sum())
+
+
+def test_bad_hints_are_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"\[255, 255, 255\] at x 10, y 20 of .* length 1, not 1.73"):
+        read_hints(painted(tmp_path / "white.png", (255, 255, 255)), (32, 32))
+    with pytest.raises(InputError, match="32 × 32 pixels, but their sketch 64 × 16"):
+        read_hints(tmp_path / "white.png", (16, 64))
+    Image.new("RGB", (32, 32)).save(tmp_path / "opaque.png")
+    with pytest.raises(InputError, match="have no transparency"):
+        read_hints(tmp_path / "opaque.png", (32, 32))
+
+
+def test_a_file_of_no_drawings_size_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sparse = tmp_path / "sparse.png"
+    with sparse.open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(InputError, match=r"sparse.png has more than 536870912 bytes; no file of its kind"):
+        read_drawing(sparse)
+    with pytest.raises(InputError, match=r"sparse.png has more than 536870912 bytes; no file of its kind"):
+        read_hints(sparse, (32, 32))
+    monkeypatch.setattr(drawings, "MOST_BYTES", 1000)
+    with pytest.raises(InputError, match="stdin has more than 1000 bytes; a drawing is smaller"):
+        read_pixels(Path("stdin"), bytes(1001))

@@ -1,0 +1,294 @@
+import base64
+import io
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from threading import Event
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from starlette.testclient import TestClient
+from studio_client import CENTRE, HEIGHT, RADIUS, WIDTH, Pixels, asking, away, b64, circle, png, serving
+
+from normalgan.__main__ import main
+from normalgan.inference.heights.height import integrate
+from normalgan.inference.network.onnx_backend import OnnxBackend
+from normalgan.inference.network.upsampling import Coarse, enlarge
+from normalgan.normals import decode
+from onnx_models import write_model
+
+SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'
+
+
+def predicted(client: TestClient, **fields: Any) -> Pixels:
+    answer = client.post("/api/predict", json=asking(**fields))
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "application/octet-stream"
+    size = int(answer.headers["x-height"]), int(answer.headers["x-width"])
+    assert float(answer.headers["x-seconds"]) > 0
+    return np.frombuffer(answer.content, np.uint8).reshape(*size, 4)
+
+
+def test_it_paints_what_generate_paints(model: Path, tmp_path: Path) -> None:
+    (tmp_path / "fox.png").write_bytes(png(circle()))
+    out = tmp_path / "out"
+    assert (
+        main(["generate", str(tmp_path / "fox.png"), "-o", str(out), "--model", str(model), "--alpha"]) == 0
+    )
+    with Image.open(out / "fox_normal.png") as image:
+        truth = np.asarray(image)
+    with serving(model, tmp_path / "p") as client:
+        pixels = predicted(client)
+    assert pixels.shape == truth.shape == (HEIGHT, WIDTH, 4)
+    # The file's edge is soft, as wide as a pixel; the page needs the object itself.
+    assert np.mean((pixels[..., 3] > 0) != (truth[..., 3] > 127)) < 0.001
+    assert np.unique(truth[..., 3]).size > 10
+    inside = pixels[..., 3] == 255
+    assert set(np.unique(pixels[..., 3])) == {0, 255}
+    assert abs(int(inside.sum()) - np.pi * RADIUS**2) < 0.1 * np.pi * RADIUS**2
+    assert np.array_equal(pixels[inside][:, :3], truth[inside][:, :3])
+
+
+def test_a_hint_is_followed_where_it_is(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        free = decode(predicted(client)[..., :3])
+        normal = (-0.6, 0.0, 0.8)
+        hinted = decode(
+            predicted(client, number=2, hints=[{"x": 70.5, "y": 60.5, "normal": normal}])[..., :3]
+        )
+    before, after = (
+        np.degrees(np.arccos(np.clip(each[60, 70] @ np.array(normal), -1, 1))) for each in (free, hinted)
+    )
+    # The model's pixel at the hint is half again as large as the drawing's, and blends with those about it.
+    assert before > 30
+    assert after < 15
+    changed = np.linalg.norm(hinted - free, axis=-1) > 0.05
+    assert changed[60, 70]
+    assert np.hypot(*(np.argwhere(changed) - (60, 70)).T).max() < 12
+
+
+def test_a_mask_says_where_the_object_is(model: Path, tmp_path: Path) -> None:
+    mask = np.zeros((HEIGHT, WIDTH), np.uint8)
+    mask[40:80, 50:90] = 255
+    with serving(model, tmp_path) as client:
+        assert np.array_equal(predicted(client, mask=b64(png(mask)))[..., 3], mask)
+
+
+def test_the_mask_brush_adds_to_the_object_and_cuts_from_it(model: Path, tmp_path: Path) -> None:
+    x, y = CENTRE
+    strokes = [
+        {"adds": True, "size": 12, "points": [x + RADIUS, y, x + RADIUS + 20, y]},
+        {"adds": False, "size": 10, "points": [x, y]},
+        {"adds": True, "size": 4, "points": [x, y]},  # the last one counts
+    ]
+    with serving(model, tmp_path) as client:
+        before = predicted(client)[..., 3] > 0
+        after = predicted(client, number=2, mask_strokes=strokes)[..., 3] > 0
+        assert not before[60, 128]
+        assert after[60, 128]
+        assert not after[60, 66]
+        assert after[60, 70]
+        assert np.array_equal(before[:40], after[:40])
+        wrong = client.post("/api/predict", json=asking(3, mask_strokes=[{"size": 4, "points": [1, 1]}]))
+        assert wrong.status_code == 400
+        assert "stroke 1 of the mask" in wrong.json()["error"]
+
+
+def test_a_dab_of_the_mask_brush_closes_a_gap_in_the_outline(model: Path, tmp_path: Path) -> None:
+    arc = circle()
+    arc[45:75, 100:] = 255
+    dab = {"adds": True, "size": 36, "points": [CENTRE[0] + RADIUS, CENTRE[1]]}
+    with serving(model, tmp_path) as client:
+        answer = client.post("/api/predict", json=asking(picture=b64(png(arc)), mask_strokes=[dab]))
+        assert answer.headers["x-warning"] == ""
+        mask = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 0
+    inside = away() < RADIUS - 2
+    assert mask[inside].mean() > 0.99
+
+
+def test_the_object_stays_as_it_was_while_the_outline_is_open(model: Path, tmp_path: Path) -> None:
+    def overlap(a: NDArray[np.bool_], b: NDArray[np.bool_]) -> float:
+        return float((a & b).sum() / (a | b).sum())
+
+    opened = circle()
+    opened[50:70, 100:] = 255  # the eraser's work, or the begin of an ear
+    opened[46:48, 100:140] = 0
+    with serving(model, tmp_path) as client:
+        closed = predicted(client)[..., 3] > 0
+        answer = client.post("/api/predict", json=asking(2, picture=b64(png(opened))))
+        held = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 0
+        assert overlap(held, closed) > 0.97
+        other = client.post("/api/predict", json=asking(1, tab="other", picture=b64(png(opened))))
+        alone = np.frombuffer(other.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 0
+        # Nobody has drawn it closed in this tab: nothing is held there.
+        assert not np.array_equal(alone, held) or "stays" not in unquote(other.headers["x-warning"])
+        apart = np.full_like(opened, 255)
+        apart[20:22, 20:140] = 0
+        anew = client.post("/api/predict", json=asking(3, picture=b64(png(apart))))
+        assert "stays as it was" not in unquote(anew.headers["x-warning"])  # its lines are gone
+
+
+def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go, enlarged = Event(), Event(), []
+
+    def held(self: OnnxBackend, *given: Any) -> Any:
+        begun.set()
+        assert go.wait(60)
+        return network(self, *given)
+
+    def counted(coarse: Coarse, *given: Any) -> Any:
+        enlarged.append(coarse)
+        return enlarge(coarse, *given)
+
+    network = OnnxBackend.predict
+    monkeypatch.setattr("normalgan.inference.network.onnx_backend.upsampler", lambda **_: counted)
+    with serving(model, tmp_path) as client, ThreadPoolExecutor(2) as pool:
+        monkeypatch.setattr(OnnxBackend, "paint", held)
+        draft = pool.submit(client.post, "/api/predict", json=asking(1, draft=True, longest=64))
+        assert begun.wait(60)
+        whole = pool.submit(client.post, "/api/predict", json=asking(2))
+        assert (draft.result(60).status_code, draft.result().content) == (204, b"")
+        go.set()
+        assert whole.result(60).status_code == 200
+        assert len(enlarged) == 1
+        # A draft that nothing overtakes is a map as any other.
+        assert predicted(client, number=3, draft=True).tobytes() == whole.result().content
+
+
+def test_a_warning_can_be_read_from_its_header(model: Path, tmp_path: Path) -> None:
+    arc = circle()
+    arc[:, 90:] = 255
+    with serving(model, tmp_path) as client:
+        warning = client.post("/api/predict", json=asking(picture=b64(png(arc)))).headers["x-warning"]
+        assert client.post("/api/predict", json=asking(2)).headers["x-warning"] == ""
+    assert "its outline has a wide gap" in unquote(warning)
+    assert "mask brush" in unquote(warning)  # the page has no --mask
+    assert "--" not in unquote(warning)
+    assert " " not in warning
+
+
+def test_heights_belong_to_the_map(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        pixels = predicted(client)
+        answer = client.post("/api/height", json=asking())
+    heights = np.frombuffer(answer.content, "<f4").reshape(HEIGHT, WIDTH)
+    inside = pixels[..., 3] == 255
+    assert np.array_equal(np.isfinite(heights), inside)
+    truth = integrate(decode(pixels[..., :3]), inside)
+    assert np.abs(heights - truth)[inside].max() < 0.05 * np.ptp(truth)
+
+
+def test_points_are_on_the_object_apart_and_away_from_hints(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        pixels = predicted(client)
+        hints = [{"x": 70, "y": 60, "normal": [0, 0, 1]}]
+        points = client.post("/api/suggest", json=asking(count=6, hints=hints)).json()["points"]
+    assert 3 <= len(points) <= 6
+    at = np.array([(point["x"], point["y"]) for point in points])
+    between = np.linalg.norm(at[:, None] - at[None], axis=-1)[~np.eye(len(at), dtype=bool)]
+    assert between.min() > 10
+    assert np.linalg.norm(at - (70.5, 60.5), axis=1).min() > 10
+    for point in points:
+        row, column = int(point["y"]), int(point["x"])
+        assert pixels[row, column, 3] == 255
+        assert np.abs(decode(pixels[row, column, :3]) - point["normal"]).max() < 0.02
+    gains = [point["gain"] for point in points]
+    assert gains == sorted(gains, reverse=True)
+    assert 0 <= gains[-1] <= gains[0] <= 1
+
+
+@pytest.mark.parametrize(
+    ("wish", "options", "name"),
+    [
+        ({}, [], "fox 2_normal.png"),
+        ({"format": "png16", "y": "down"}, ["--bits", "16", "--y", "down"], "fox 2_normal.png"),
+        ({"format": "exr", "alpha": True}, ["--format", "exr", "--alpha"], "fox 2_normal.exr"),
+        ({"format": "tiff", "size": 90}, ["--format", "tiff", "--size", "90"], "fox 2_normal.tiff"),
+        ({"what": "preview", "format": "gif"}, ["--preview", "gif"], "fox 2_preview.gif"),
+        ({"what": "height"}, ["--height", "png"], "fox 2_height.png"),
+        ({"what": "relief", "format": "glb"}, ["--relief", "glb"], "fox 2_relief.glb"),
+    ],
+)
+def test_an_export_is_the_file_that_generate_writes(
+    model: Path, tmp_path: Path, wish: dict[str, Any], options: list[str], name: str
+) -> None:
+    (tmp_path / "fox 2.png").write_bytes(png(circle()))
+    out = tmp_path / "out"
+    assert (
+        main(["generate", str(tmp_path / "fox 2.png"), "-o", str(out), "--model", str(model), *options]) == 0
+    )
+    with serving(model, tmp_path / "p") as client:
+        answer = client.post("/api/export", json=asking(name="fox 2", **wish))
+    assert answer.status_code == 200, answer.text
+    assert unquote(answer.headers["content-disposition"]) == f"attachment; filename*=UTF-8''{name}"
+    assert answer.content == (out / name).read_bytes()
+
+
+def test_about_names_the_model_and_the_limits(tmp_path: Path) -> None:
+    path = write_model(tmp_path / "sure.onnx", size=32, confidence=False)
+    with serving(path, tmp_path / "p") as client:
+        about = client.get("/api/about").json()
+        assert client.get("/api/open").json() is None
+    assert about["model"] == {"name": "sure.onnx", "size": 32, "confidence": False}
+    assert about["limits"] == {"side": 2048, "hints": 200, "body": 20 * 2**20}
+
+
+@pytest.mark.parametrize("kind", ["png", "jpeg", "webp", "svg", "large"])
+def test_an_image_of_any_kind_is_imported(model: Path, tmp_path: Path, kind: str) -> None:
+    content, size = SVG, (1024, 683)
+    if kind != "svg":
+        image = Image.fromarray(circle())
+        if kind == "large":
+            image = image.resize((4096, 96))
+        file = io.BytesIO()
+        image.save(file, "png" if kind == "large" else kind)
+        content, size = file.getvalue(), (2048, 48) if kind == "large" else (WIDTH, HEIGHT)
+    with serving(model, tmp_path) as client:
+        answer = client.post("/api/import", content=content, headers={"Content-Type": "image/*"})
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert (found["width"], found["height"]) == size
+    with Image.open(io.BytesIO(base64.b64decode(found["picture"]))) as picture:
+        assert picture.mode == "RGBA"
+        assert picture.size == size
+        pixels = np.asarray(picture)
+    if kind == "svg":
+        assert pixels[0, 0, 3] == 0
+        assert pixels[307, 307].tolist() == [0, 0, 0, 255]
+    else:
+        assert (pixels[..., 3] == 255).all()
+        if kind != "large":
+            assert np.abs(pixels[..., 0].astype(int) - circle()).mean() < 4
+            assert pixels[..., 0][np.abs(away() - RADIUS) < 0.5].max() < 120
+
+
+def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, tmp_path: Path) -> None:
+    pins: list[dict[str, Any]] = [
+        {"x": 62, "y": 60, "normal": [-1, 0, 0], "reach": 9},
+        {"x": 78, "y": 60, "normal": [1, 0, 0]},
+        {"x": 70, "y": 80, "normal": [0, 0.6, 0.8], "reach": 4},
+    ]
+    area = {"points": [40, 40, 60, 40, 60, 50, 40, 50], "normal": [0, -0.6, 0.8]}
+    stroke = {"points": [84, 40, 94, 44], "normal": [0, 0, 1], "size": 8}
+    with serving(model, tmp_path) as client:
+        bare = decode(predicted(client)[..., :3])
+        held = decode(predicted(client, number=2, hints=pins, areas=[area, stroke])[..., :3])
+        for pin in pins:
+            assert np.degrees(np.arccos(min(1, held[pin["y"], pin["x"]] @ np.array(pin["normal"])))) < 1.5
+        inside = held[42:48, 44:56].reshape(-1, 3).mean(0)
+        assert np.abs(inside / np.linalg.norm(inside) - area["normal"]).max() < 0.05
+        assert np.abs(held[42, 89] - [0, 0, 1]).max() < 0.2 < np.abs(bare[42, 89] - [0, 0, 1]).max()
+        for wrong in (
+            {"areas": 3},
+            {"areas": [3]},
+            {"areas": [{**area, "points": [1, 2]}]},
+            {"areas": [{**area, "normal": [0, 0, -1]}]},
+        ):
+            assert client.post("/api/predict", json=asking(3, **wrong)).status_code == 400
+        far = [{**pins[0], "reach": -1}]
+        assert "reach is -1" in client.post("/api/predict", json=asking(4, hints=far)).json()["error"]
