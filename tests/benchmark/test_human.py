@@ -167,9 +167,9 @@ def test_the_true_normals_have_no_error(tmp_path: Path) -> None:
     assert "| ball/anna | concept |" in tables("truth", measured)
     for batch in map(sample_of, drawings):
         drawn, there = (np.nonzero(batch[key][0, 0].numpy() > 0.1) for key in ("sketch", "mask"))
-        for one, other in zip(drawn, there, strict=True):  # the ball lies within its outline
-            assert abs(one.min() - other.min()) <= 3
-            assert abs(one.max() - other.max()) <= 3
+        for ink, inside in zip(drawn, there, strict=True):  # the ball lies within its outline
+            assert abs(ink.min() - inside.min()) <= 3
+            assert abs(ink.max() - inside.max()) <= 3
 
 
 def test_from_a_folder_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
