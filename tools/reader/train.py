@@ -84,7 +84,7 @@ def measure(model, views: Path, count: int = 24) -> dict[str, float]:
                     (out[:, 0] > 0, ink > 0.5, inks),
                 ):
                     both = (prediction & truth).sum((1, 2)).float()
-                    found_scores += (both / (prediction | truth).sum((1, 2)).clamp(min=1)).tolist()
+                    found_scores.extend((both / (prediction | truth).sum((1, 2)).clamp(min=1)).tolist())
             found[kind] = float(np.mean(scores))
             found[kind + " ink"] = float(np.mean(inks))
     model.train()
@@ -99,7 +99,8 @@ def export(model, target: Path) -> None:
     temporary = target.with_suffix(".tmp.onnx")
     torch.onnx.export(
         model, (torch.zeros(1, 3, 256, 256),), str(temporary), input_names=["picture"], output_names=["read"],
-        dynamic_axes={name: {0: "n", 2: "h", 3: "w"} for name in ("picture", "read")}, opset_version=17, dynamo=False,
+        dynamic_axes={name: {0: "n", 2: "h", 3: "w"} for name in ("picture", "read")},
+        opset_version=17, dynamo=False,
     )  # fmt: skip
     loaded = onnx.load(temporary)
     onnx.save(loaded, target)

@@ -10,7 +10,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import Cleaned, clean
 from normalgan.inference.cleaning.silhouette import contour
-from normalgan.inference.jobs.plan import MODEL
+from normalgan.inference.jobs.plan import MODEL, READER
 from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.inference.mask.reader import Reading, drop_ground, read, vote
 from normalgan.inference.network.framing import Bounds, Frame
@@ -75,7 +75,6 @@ def prepare(
     source: str | None = None,
     painted: NDArray[np.int8] | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
-    reader: bool = False,
 ) -> Prepared:
     """Clean and frame a picture.
 
@@ -85,12 +84,11 @@ def prepare(
         mask: (h, w), the object, of any size; None takes the drawing's opacity or fills its outline.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
-        source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, or None for the drawing's
-            opacity if that tells, else its outline.
+        source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, `READER`, or None for the
+            drawing's opacity if that tells, else its outline.
         painted: (H, W) of any size, 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere.
             What was added closes the gaps that it covers in an outline.
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
-        reader: whether the reader votes on the mask, where the drawing's outline would tell it.
 
     Raises:
         InputError: if there is no line in it.
@@ -98,8 +96,8 @@ def prepare(
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
     shown_whole = picture.resized(worked)
-    votes = reader and mask is None and source is None
-    cleaned, reading = _clean_and_read(shown_whole, votes)
+    unknown = mask is None and source in {None, READER}
+    cleaned, reading = _clean_and_read(shown_whole, unknown, votes=unknown and source == READER)
     alpha, closed, guessed, from_outline, unsure = None, 1.0, False, False, ""
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
@@ -136,10 +134,15 @@ def prepare(
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
-def _clean_and_read(picture: Picture, reader: bool) -> tuple[Cleaned, Reading | None]:
+def _clean_and_read(picture: Picture, unknown: bool, votes: bool) -> tuple[Cleaned, Reading | None]:
     """Return a picture's ink and, if the reader votes on its object, what that sees in it.
 
     Where cleaning finds no line, as in a sprite on a flat ground, the rim of the reader's object is its line.
+
+    Args:
+        picture: of the drawing.
+        unknown: whether nothing but the picture tells the object.
+        votes: whether the reader is asked in any case.
 
     Raises:
         InputError: if neither finds anything.
@@ -147,7 +150,7 @@ def _clean_and_read(picture: Picture, reader: bool) -> tuple[Cleaned, Reading | 
     try:
         cleaned = clean(picture)
     except InputError:
-        if not reader or picture.alpha is not None:
+        if not unknown or picture.alpha is not None:
             raise
         reading = read(picture)
         silhouette = reading.presence > 0.5
@@ -155,7 +158,7 @@ def _clean_and_read(picture: Picture, reader: bool) -> tuple[Cleaned, Reading | 
             raise
         lines = np.where(silhouette, reading.ink, 0)
         return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
-    if not reader or cleaned.silhouette is not None:
+    if not votes:
         return cleaned, None
     reading = read(picture)
     return replace(cleaned, ink=drop_ground(cleaned.ink, reading)), reading

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.jobs.plan import OUTLINE, READER
 from normalgan.inference.mask.reader import drop_ground, read, vote
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
@@ -57,7 +58,7 @@ def mug() -> tuple[Floats, BoolMask, BoolMask]:
 
 def test_a_closed_outline_is_its_inside_as_without_the_reader() -> None:
     page, solid = figure()
-    read_mask = prepare(picture_of(page), SIDE, reader=True).mask
+    read_mask = prepare(picture_of(page), SIDE, source=READER).mask
     assert iou(read_mask, solid) > 0.95
     plain = prepare(picture_of(page), SIDE).mask
     assert plain is not None
@@ -66,7 +67,7 @@ def test_a_closed_outline_is_its_inside_as_without_the_reader() -> None:
 
 def test_the_hole_of_a_handle_is_none_of_the_object() -> None:
     page, solid, hole = mug()
-    mask = prepare(picture_of(page), SIDE, reader=True).mask
+    mask = prepare(picture_of(page), SIDE, source=READER).mask
     assert mask is not None
     assert mask[hole].mean() < 0.1
     assert iou(mask, solid) > 0.9
@@ -75,14 +76,14 @@ def test_the_hole_of_a_handle_is_none_of_the_object() -> None:
 @pytest.mark.parametrize("gap", [6, 14])
 def test_an_open_outline_is_closed(gap: int) -> None:
     page, solid = figure(gap)
-    assert iou(prepare(picture_of(page), SIDE, reader=True).mask, solid) > 0.93
+    assert iou(prepare(picture_of(page), SIDE, source=READER).mask, solid) > 0.93
 
 
 def test_rules_of_the_paper_are_no_lines() -> None:
     page, solid = figure()
     ruled = page.copy()
     ruled[12::16] = np.minimum(ruled[12::16], 0.75)
-    assert iou(prepare(picture_of(ruled), SIDE, reader=True).mask, solid) > 0.9
+    assert iou(prepare(picture_of(ruled), SIDE, source=READER).mask, solid) > 0.9
 
 
 def test_a_sprite_on_a_flat_ground_is_cut_out() -> None:
@@ -93,7 +94,7 @@ def test_a_sprite_on_a_flat_ground_is_cut_out() -> None:
         cv2.circle(page, centre, radius, colour, -1, cv2.LINE_AA)
         cv2.circle(page, centre, radius, (0.1, 0.1, 0.1), 3, cv2.LINE_AA)
         cv2.circle(solid, centre, radius, 1, -1)
-    assert iou(prepare(Picture(page, None), SIDE, reader=True).mask, solid > 0) > 0.9
+    assert iou(prepare(Picture(page, None), SIDE, source=READER).mask, solid > 0) > 0.9
 
 
 def test_separate_figures_are_not_joined_across_air() -> None:
@@ -101,7 +102,7 @@ def test_separate_figures_are_not_joined_across_air() -> None:
     for x in range(60, 480, 90):
         cv2.circle(page, (x, 30), 14, 0, 2, cv2.LINE_AA)
         cv2.ellipse(page, (x, 76), (20, 30), 0, 100, 440, 0, 2, cv2.LINE_AA)
-    mask = prepare(picture_of(page), SIDE, reader=True).mask
+    mask = prepare(picture_of(page), SIDE, source=READER).mask
     assert mask is not None
     for x in range(105, 440, 90):
         assert not mask[:, x - 10 : x + 10].any()
@@ -110,8 +111,8 @@ def test_separate_figures_are_not_joined_across_air() -> None:
 def test_a_given_mask_and_the_outline_are_not_voted_on() -> None:
     page, _, hole = mug()
     given = np.ones((SIDE, SIDE), bool)
-    assert np.array_equal(prepare(picture_of(page), SIDE, given, reader=True).mask, given)
-    by_outline = prepare(picture_of(page), SIDE, source="outline", reader=True).mask
+    assert np.array_equal(prepare(picture_of(page), SIDE, given, source=READER).mask, given)
+    by_outline = prepare(picture_of(page), SIDE, source=OUTLINE).mask
     assert by_outline is not None
     assert by_outline[hole].mean() > 0.9
 

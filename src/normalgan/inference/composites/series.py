@@ -8,7 +8,7 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.jobs.plan import MODEL, OUTLINE
+from normalgan.inference.jobs.plan import MODEL, OUTLINE, READER
 from normalgan.inference.network.framing import bounds_of, united
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import stream
@@ -40,7 +40,7 @@ class Member:
     Args:
         picture: the drawing.
         hints: in pixels of the drawing, or None.
-        mask: (H, W), the object; `OUTLINE` or `MODEL`; or None, as `Predictor` has it.
+        mask: (H, W), the object; `OUTLINE`, `MODEL` or `READER`; or None, as `Predictor` has it.
     """
 
     picture: Picture
@@ -158,10 +158,10 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
 
 def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepared:
     source = member.mask if isinstance(member.mask, str) else None
-    assert source in {None, OUTLINE, MODEL}
+    assert source in {None, OUTLINE, MODEL, READER}
     mask = None if isinstance(member.mask, str) else member.mask
     widths = predictor.backend.line_widths
-    return prepare(member.picture, predictor.size, mask, None, size, source, line_widths=widths, reader=True)
+    return prepare(member.picture, predictor.size, mask, None, size, source, line_widths=widths)
 
 
 def _check_sizes(members: Sequence[Member]) -> None:
