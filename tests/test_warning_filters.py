@@ -10,7 +10,7 @@ from normalgan.warning_filters import filter_warnings
     [
         ("old_setting is deprecated; use new_setting.", "normalgan: warning: old_setting is deprecated; "),
         ("set JSONARGPARSE_DEPRECATION_WARNINGS", ""),
-        ("\n    instantiate_classes was\n deprecated in v4.49.0; instantiate_classes was deprecated", ""),
+        ("\n    instantiate_classes was deprecated in v4.49.0 and will be removed in v5.0.0", ""),
     ],
 )
 def test_deprecations_are_shown_but_for_those_between_libraries(

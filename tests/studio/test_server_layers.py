@@ -110,7 +110,7 @@ def test_only_the_layer_that_changed_is_painted_again(
         predicted.append(1)
         return predict(*given)
 
-    monkeypatch.setattr("normalgan.studio.predictor.paint", counted)
+    monkeypatch.setattr("normalgan.studio.predictor.predict", counted)
     with serving(model, tmp_path) as client:
         first = sent(client, 1, [raw(1, "a", None, BACK), raw(2, "b", None, FRONT)])
         assert first.status_code == 200, first.text

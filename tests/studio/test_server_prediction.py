@@ -148,7 +148,7 @@ def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
     network = OnnxBackend.predict
     monkeypatch.setattr("normalgan.inference.network.onnx_backend.upsampler", lambda **_: counted)
     with serving(model, tmp_path) as client, ThreadPoolExecutor(2) as pool:
-        monkeypatch.setattr(OnnxBackend, "paint", held)
+        monkeypatch.setattr(OnnxBackend, "predict", held)
         draft = pool.submit(client.post, "/api/predict", json=asking(1, draft=True, longest=64))
         assert begun.wait(60)
         whole = pool.submit(client.post, "/api/predict", json=asking(2))

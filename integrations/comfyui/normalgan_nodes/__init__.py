@@ -15,7 +15,7 @@ class NormalganNormalMap:
     """From a batch of drawings to their normal maps and masks."""
 
     CATEGORY = "image/normalgan"
-    FUNCTION = "paint"
+    FUNCTION = "predict"
     RETURN_TYPES = ("IMAGE", "MASK")
     RETURN_NAMES = ("normal map", "object")
 

@@ -17,7 +17,7 @@ from normalgan.arrays import BoolMask, Doubles, Floats
 
 __all__ = ["add_decal", "add_hatching", "fill_areas", "mark_surfaces"]
 
-Rng = np.random.Generator
+_Rng = np.random.Generator
 
 _PAPER = 0.35
 """Pixels with less ink are paper, which lines bound."""
@@ -55,7 +55,7 @@ def mark_surfaces(
     return marked
 
 
-def fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
+def fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return a sketch with some areas filled black, in which lines are white or gone.
 
     Most often one to four areas that lines enclose are filled, as for hair or a tyre; now and then a patch of
@@ -77,7 +77,7 @@ def fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats
     return filled
 
 
-def _enclosed(ink: Floats, mask: BoolMask, rng: Rng) -> BoolMask:
+def _enclosed(ink: Floats, mask: BoolMask, rng: _Rng) -> BoolMask:
     """Return the union of one to four areas of the object that lines enclose, with the lines between them."""
     paper = (mask & (ink < _PAPER)).astype(np.uint8)
     count, areas, stats, _ = cv2.connectedComponentsWithStats(paper, connectivity=4)
@@ -93,13 +93,13 @@ def _enclosed(ink: Floats, mask: BoolMask, rng: Rng) -> BoolMask:
     return (closed > 0) & mask
 
 
-def _patch(mask: BoolMask, rng: Rng) -> BoolMask:
+def _patch(mask: BoolMask, rng: _Rng) -> BoolMask:
     """Return a patch of the object with a smooth outline, a twentieth to a half of it."""
     noise = _smooth(mask.shape, int(rng.integers(3, 8)), rng)
     return mask & (noise > np.quantile(noise[mask], 1 - rng.uniform(0.05, 0.5)))
 
 
-def add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
+def add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return a sketch with the side that a light does not reach hatched, crosswise where it is darkest."""
     around, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.1, 0.8)
     flat = np.sqrt(1 - up * up)
@@ -117,7 +117,7 @@ def add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floa
     return np.asarray(np.maximum(ink, np.float32(dark) * strokes), dtype=np.float32)
 
 
-def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
+def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return a sketch with text, a logo, windows, spots or stripes on one side of the object."""
     if rng.random() < 0.3:
         return np.asarray(np.maximum(ink, _striped_coat(normals, mask, rng)), dtype=np.float32)
@@ -129,7 +129,7 @@ def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
     if facing[2] < 0.3:
         return ink  # the surface is seen from too far aside to be written on
     size = float(np.sqrt(mask.sum())) * rng.uniform(0.3, 0.8)
-    motif: Callable[[Rng], Floats] = (_text, _logo, _windows, _spots)[rng.integers(4)]
+    motif: Callable[[_Rng], Floats] = (_text, _logo, _windows, _spots)[rng.integers(4)]
     # From the motif (x right, y down, one unit wide) onto the plane that touches the surface there.
     right = np.array([facing[2], 0.0, -facing[0]]) / np.hypot(facing[0], facing[2])
     over = np.cross(facing, right)
@@ -148,7 +148,7 @@ _MOTIF = 192
 """Side in pixels on which text, logos, windows and spots are drawn before they are laid onto a surface."""
 
 
-def _text(rng: Rng) -> Floats:
+def _text(rng: _Rng) -> Floats:
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     font = int(rng.choice([cv2.FONT_HERSHEY_SIMPLEX, cv2.FONT_HERSHEY_DUPLEX, cv2.FONT_HERSHEY_TRIPLEX]))
     letters = np.array(list(string.ascii_uppercase + string.ascii_lowercase + string.digits))
@@ -163,7 +163,7 @@ def _text(rng: Rng) -> Floats:
     return _ink(picture)
 
 
-def _logo(rng: Rng) -> Floats:
+def _logo(rng: _Rng) -> Floats:
     """Return a star, a polygon or a disc, filled or not, mostly in a ring or a frame."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     middle, bold = (_MOTIF // 2, _MOTIF // 2), int(rng.integers(3, 10))
@@ -183,7 +183,7 @@ def _logo(rng: Rng) -> Floats:
     return _ink(picture)
 
 
-def _windows(rng: Rng) -> Floats:
+def _windows(rng: _Rng) -> Floats:
     """Return rows of panes, some filled, as of a house or a coach."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     rows, columns = rng.integers(1, 5, 2)
@@ -210,7 +210,7 @@ def _windows(rng: Rng) -> Floats:
     return _ink(picture)
 
 
-def _spots(rng: Rng) -> Floats:
+def _spots(rng: _Rng) -> Floats:
     """Return ellipses here and there, filled or not."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     bold = -1 if rng.random() < 0.5 else int(rng.integers(2, 6))
@@ -231,7 +231,7 @@ def _spots(rng: Rng) -> Floats:
     return _ink(picture)
 
 
-def _striped_coat(normals: Floats, mask: BoolMask, rng: Rng) -> Floats:
+def _striped_coat(normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return wavy black stripes on all of an object or a patch of it, as of a zebra or a jersey."""
     spacing = rng.uniform(7, 24)
     black = spacing * rng.uniform(0.15, 0.6)
@@ -248,7 +248,7 @@ def _stripes(
     spacing: float,
     width: float,
     follow: float,
-    rng: Rng,
+    rng: _Rng,
 ) -> Floats:
     """Return parallel lines (H, W), slightly wavy.
 
@@ -275,7 +275,7 @@ def _stripes(
     return ink
 
 
-def _smooth(shape: tuple[int, ...], points: int, rng: Rng) -> Floats:
+def _smooth(shape: tuple[int, ...], points: int, rng: _Rng) -> Floats:
     """Return smooth noise (H, W) of deviation about 1, with so many knots along each side."""
     knots = rng.standard_normal((points, points)).astype(np.float32)
     return np.asarray(cv2.resize(knots, shape[1::-1], interpolation=cv2.INTER_CUBIC), dtype=np.float32)

@@ -46,7 +46,7 @@ class ClassSpec:
         Raises:
             InputError: if it says anything else.
 
-        >>> Part.of({"class_path": "normalgan.hints.UniformHints", "init_args": {"minimum": 1}})
+        >>> ClassSpec.of({"class_path": "normalgan.hints.UniformHints", "init_args": {"minimum": 1}})
         ClassSpec(name='normalgan.hints.UniformHints', settings={'minimum': 1})
         """
         if not isinstance(configuration, Mapping) or not configuration.keys() <= {"class_path", "init_args"}:

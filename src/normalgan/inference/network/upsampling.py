@@ -56,7 +56,7 @@ class Coarse:
 
 
 class Upsampler(Protocol):
-    """The step from the network's size to the drawing's. Another one is handed to `pipeline.paint`."""
+    """The step from the network's size to the drawing's. Another one is handed to `pipeline.predict`."""
 
     def __call__(self, coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
         """Return normals (h, w, 3) at the size and place of ``prepared.ink``, of any length.

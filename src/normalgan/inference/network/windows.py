@@ -79,7 +79,7 @@ def predict_windows(
     origin: tuple[int, int],
     hints: Hints | None = None,
 ) -> tuple[Floats, Floats | None]:
-    """Return what a network paints in windows, brought together: as `Backend.paint`, in another frame.
+    """Return what a network paints in windows, brought together: as `Backend.predict`, in another frame.
 
     Args:
         backend: the network.

@@ -15,7 +15,7 @@ from normalgan.rendering.mesh_files import MeshFile, finish
 from normalgan.rendering.rigs.container import bad_rig, has_skin
 from normalgan.seeds import rng_of
 
-__all__ = ["RIG_VERSION", "RiggedFile", "find_poses"]
+__all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]
 
 RIG_VERSION = 2
 """Part of every fingerprint; raise it when the same pose comes to be another."""

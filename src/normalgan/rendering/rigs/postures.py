@@ -13,11 +13,11 @@ from normalgan.rendering.rigs.skinning import world_matrices
 
 __all__ = ["POSTURES", "Posture", "Skeleton", "draw_posture", "find_skeleton", "in_posture"]
 
-Bend = tuple[float, float, float]
+_Bend = tuple[float, float, float]
 """Degrees: pitch raises the front, yaw turns it to the left, roll lifts the left side."""
-Way = tuple[float, float] | None
+_Way = tuple[float, float] | None
 """Where a segment of a limb points in degrees: forward from straight down, and outward. None: as at rest."""
-Limb = tuple[Way, ...]
+_Limb = tuple[_Way, ...]
 """The segments from the uppermost joint down; those left out follow the one above."""
 
 
@@ -39,24 +39,24 @@ class Posture:
         level: whether the trunk is pitched until forefeet and hind feet stand on the same ground.
     """
 
-    fore: tuple[Limb, Limb] = ((), ())
-    hind: tuple[Limb, Limb] = ((), ())
+    fore: tuple[_Limb, _Limb] = ((), ())
+    hind: tuple[_Limb, _Limb] = ((), ())
     pitch: float = 0.0
-    spine: Bend = (0.0, 0.0, 0.0)
-    neck: Bend = (0.0, 0.0, 0.0)
-    head: Bend = (0.0, 0.0, 0.0)
-    tail: Bend = (0.0, 0.0, 0.0)
-    whole: Bend = (0.0, 0.0, 0.0)
+    spine: _Bend = (0.0, 0.0, 0.0)
+    neck: _Bend = (0.0, 0.0, 0.0)
+    head: _Bend = (0.0, 0.0, 0.0)
+    tail: _Bend = (0.0, 0.0, 0.0)
+    whole: _Bend = (0.0, 0.0, 0.0)
     spread: float = 7.0
-    free: Bend = (20.0, 35.0, 8.0)
+    free: _Bend = (20.0, 35.0, 8.0)
     level: bool = False
 
 
-def _both(*limb: Way) -> tuple[Limb, Limb]:
+def _both(*limb: _Way) -> tuple[_Limb, _Limb]:
     return limb, limb
 
 
-_REST: tuple[Limb, Limb] = ((), ())
+_REST: tuple[_Limb, _Limb] = ((), ())
 _PAW_SIT = _both((72, 12), (-62, 6), (80, 2), (85, 0))
 _PAW_LIE = _both((62, 14), (-78, 8), (86, 4), (90, 0))
 _PAWS_AHEAD = _both((-45, 4), (84, 0), (88, 0))
@@ -373,12 +373,12 @@ def draw_posture(kind: str, rng: np.random.Generator) -> Posture:
     posture = table[list(table)[rng.integers(len(table))]]
     wide = posture.spread
 
-    def off(*angles: float, by: Sequence[float] | Doubles | float = wide) -> Bend:
+    def off(*angles: float, by: Sequence[float] | Doubles | float = wide) -> _Bend:
         a, b, c = np.asarray(angles) + rng.uniform(-1.0, 1.0, 3) * by
         return float(a), float(b), float(c)
 
-    def limb(ways: Limb) -> Limb:
-        moved: list[Way] = []
+    def limb(ways: _Limb) -> _Limb:
+        moved: list[_Way] = []
         for way in ways:
             forward, outward = rng.uniform(-1.0, 1.0, 2)
             moved.append(None if way is None else (way[0] + wide * forward, way[1] + wide / 2 * outward))
