@@ -5,6 +5,7 @@ import re
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -30,7 +31,7 @@ PATIENCE = 90_000
 """Milliseconds after which something never comes to a page, be the machine as busy as it may."""
 
 _running: list["Playwright"] = []  # one for all browsers open: a thread cannot hold two
-_open_browsers: list["Browser"] = []
+_open_browsers: list["Browser | BrowserContext"] = []
 
 
 def executable() -> str:
@@ -48,21 +49,57 @@ def browser(*, webgl: bool = True) -> Iterator["Browser"]:
 
     Not longer than that: while one is open, its event loop runs in this thread, and `asyncio.run` is refused.
     """
-    api = pytest.importorskip("playwright.sync_api", reason="Playwright for Python is not installed")
-    path = executable()
-    if not _running:
-        _running.append(api.sync_playwright().start())
-    opened = None
-    try:
-        opened = _running[0].chromium.launch(
-            executable_path=path, headless=True, args=[*ALWAYS, *(WITH_WEBGL if webgl else WITHOUT_WEBGL)]
+    with _playwright() as playwright:
+        opened = playwright.chromium.launch(
+            executable_path=executable(),
+            headless=True,
+            args=[*ALWAYS, *(WITH_WEBGL if webgl else WITHOUT_WEBGL)],
         )
         _open_browsers.append(opened)
-        yield opened
-    finally:
-        if opened is not None:
+        try:
+            yield opened
+        finally:
             _open_browsers.remove(opened)
             opened.close()
+
+
+@contextmanager
+def profile(folder: Path, *, width: int = 1200, height: int = 700) -> Iterator["BrowserContext"]:
+    """Open a browser whose storage lies on the disk, as a user has it, without WebGL.
+
+    `storage` and `page` keep theirs in memory, where large values never have to be fetched.
+
+    Args:
+        folder: of the profile, which keeps it all for the next time.
+        width: Of the view of a page, in CSS pixels.
+        height: Of the view, in CSS pixels.
+    """
+    with _playwright() as playwright:
+        context = playwright.chromium.launch_persistent_context(
+            folder,
+            executable_path=executable(),
+            headless=True,
+            args=[*ALWAYS, *WITHOUT_WEBGL],
+            viewport={"width": width, "height": height},
+        )
+        context.set_default_timeout(PATIENCE)
+        _open_browsers.append(context)
+        try:
+            yield context
+        finally:
+            _open_browsers.remove(context)
+            context.close()
+
+
+@contextmanager
+def _playwright() -> Iterator["Playwright"]:
+    api = pytest.importorskip("playwright.sync_api", reason="Playwright for Python is not installed")
+    executable()  # which skips the test
+    if not _running:
+        _running.append(api.sync_playwright().start())
+    try:
+        yield _running[0]
+    finally:
         if not _open_browsers:
             _running.pop().stop()
 

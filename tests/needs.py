@@ -37,6 +37,11 @@ CHROMIUM = Need(
     "pages in a browser",
     "apt-get install chromium, or name one: NORMALGAN_CHROMIUM=/path/of/chrome",
 )
+FIREFOX = Need(
+    "Firefox",
+    "unsaved work in Firefox",
+    "apt-get install firefox-esr, or name one: NORMALGAN_FIREFOX=/path/of/firefox",
+)
 OPENGL = Need("OpenGL", "PyrenderRenderer", "apt-get install libegl1 libgl1")
 NPM = Need("npm", "the JavaScript example", "apt-get install npm; one package is fetched from its registry")
 SHARED_MESHES = Need("../shared/meshes", "real meshes and rigs", "they are not published")
@@ -49,7 +54,7 @@ GIMP = Need("GIMP", "its add-on", "apt-get install gimp")
 KRITA = Need("Krita", "its add-on", "apt-get install krita python3-pyqt5 xvfb")
 LUA = Need("Lua", "the script for Aseprite", "apt-get install lua5.4")
 NEEDS = (
-    *(CHROMIUM, OPENGL, NPM, SHARED_MESHES, SHARED_SKETCHES),
+    *(CHROMIUM, FIREFOX, OPENGL, NPM, SHARED_MESHES, SHARED_SKETCHES),
     *(INKSCAPE, GODOT3, GODOT4, BLENDER, GIMP, KRITA, LUA),
 )
 

@@ -1,5 +1,6 @@
 """Packages that offer plug-ins, as pip would leave them: modules, and a dist-info with entry points."""
 
+import gc
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -48,3 +49,4 @@ def make_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
     for name in set(sys.modules) - before:
         if str(getattr(sys.modules[name], "__file__", "")).startswith(str(site)):
             del sys.modules[name]
+    gc.collect()  # else a class of it stays among the subclasses, and makes a short name ambiguous

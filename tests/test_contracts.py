@@ -128,7 +128,8 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "predictions that are maps": (
         {"generator": Teller(lambda predicted: predicted)},
-        r"^Teller\.predict gave a tensor \(2, 3, 32, 32\); it gives normalgan\.models\.predictions\.Predictions\.$",
+        r"^Teller\.predict gave a tensor \(2, 3, 32, 32\); "
+        r"it gives normalgan\.models\.predictions\.Predictions\.$",
     ),
     "a confidence of no size": (
         {"generator": Teller(lambda predicted: Predictions(predicted, confidence=predicted[:, 0]))},

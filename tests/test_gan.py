@@ -353,6 +353,14 @@ def test_the_share_of_the_adversarial_gradient_is_that_of_the_formula(tmp_path: 
     assert 0 < float(run.callback_metrics["train/adversarial_share"]) < 0.1
 
 
+def test_two_loaders_are_measured_as_one_set(tmp_path: Path) -> None:
+    gan = make()
+    (one,) = trainer(tmp_path).test(gan, loader(), verbose=False)
+    (both, _) = trainer(tmp_path).test(gan, [loader(), loader()], verbose=False)
+    angle = next(name for name in one if name.startswith("test/no_hints") or "angle" in name)
+    assert both[angle] == pytest.approx(one[angle], rel=1e-4)
+
+
 def test_a_share_that_is_logged_changes_nothing(tmp_path: Path) -> None:
     logged, plain = make(share_every=2), make()
     for gan in (logged, plain):
@@ -456,7 +464,7 @@ def test_losses_are_read_while_backward_is_at_work(tmp_path: Path, monkeypatch: 
 
         return read
 
-    monkeypatch.setattr("normalgan.gan.async_to_cpu", watched)
+    monkeypatch.setattr("normalgan.losses.finite.async_to_cpu", watched)
     trainer(tmp_path).fit(gan, loader())
     assert reads == [True] * 8  # four batches, a step of each network
 
@@ -467,7 +475,7 @@ def test_figures_of_training_are_logged_from_the_cpu(tmp_path: Path, monkeypatch
     gan = make()
     monkeypatch.setattr(gan, "log", lambda name, value, **more: logged.update({name: value}))
     monkeypatch.setattr(gan, "log_dict", lambda values, **more: logged.update(values))
-    monkeypatch.setattr("normalgan.gan.async_to_cpu", lambda values: lambda: [7.0] * len(values))
+    monkeypatch.setattr("normalgan.losses.finite.async_to_cpu", lambda values: lambda: [7.0] * len(values))
     trainer(tmp_path, limit_train_batches=1).fit(gan, loader())
     assert {"train/discriminator", "train/l1", "train/adversarial", "l1"} <= logged.keys()
     assert {float(value) for value in logged.values()} == {7.0}  # what was read, not what is on the device
@@ -487,7 +495,7 @@ def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
         shown.add(gan.trainer.fit_loop.total_batch_idx)
         log(name, *args, **kwargs)
 
-    monkeypatch.setattr("normalgan.gan.async_to_cpu", numbered)
+    monkeypatch.setattr("normalgan.losses.finite.async_to_cpu", numbered)
     monkeypatch.setattr(gan, "log", counted)
     logger = CSVLogger(tmp_path)
     trainer(tmp_path, logger=logger, log_every_n_steps=5, limit_val_batches=0).fit(gan, loader(24))

@@ -19,14 +19,14 @@ RINGS = {
     "the method": (
         {"metrics", "models", "rendering"},
         {"hints", "losses", "animals"},
-        {"weights", "optimizers"},
+        {"weights", "optimizers", "schedules"},
         {"gan"},
     ),
     "using a model": ({"inference"},),
     "its data": ({"data"}, {"callbacks"}),
     "the doors": ({"testing"}, {"cli"}, {"benchmark", "exporting", "studio"}, {"__main__"}),
 }
-"""The rings of the package and the rooms in each, from the inside out; rooms of a layer do not import one another.
+"""The rings of the package and the rooms in each, from the inside out; rooms of a layer import no neighbour.
 
 The data belongs to the method. It is listed outside `inference` because it prepares a pair of sketch and map
 in the same way as `inference` prepares a drawing.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import normalgan
-from chromium import browser
+from chromium import browser, storage
 from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
@@ -403,6 +403,27 @@ def test_a_drawing_is_painted_saved_and_exported(studio: "Page") -> None:
     ]
     refused = studio.evaluate("fetch('/api/height', {method: 'POST'}).then((a) => a.json())")
     assert "needs Python" in refused["error"]
+
+
+def test_what_needs_python_cannot_be_chosen(studio: "Page") -> None:
+    what = studio.locator("#export-what option:not([disabled])")
+    assert what.evaluate_all("all => all.map((each) => each.value)") == ["map", "lines"]
+    studio.evaluate("document.getElementById('export-what').value = 'map'")
+    studio.evaluate("document.getElementById('export-what').dispatchEvent(new Event('change'))")
+    formats = studio.locator("#export-format option:not([disabled])")
+    assert formats.evaluate_all("all => all.map((each) => each.value)") == ["png8", "png16"]
+
+
+def test_it_opens_again_without_a_network(built: Path) -> None:
+    with browser(webgl=False) as opened, storage(opened, width=1200, height=700) as context:
+        with serve(built.parent) as address:
+            page = context.new_page()
+            page.goto(f"{address}/{built.name}/")
+            page.evaluate("navigator.serviceWorker.ready.then(() => true)")
+        page.reload()  # nothing serves it any more
+        page.wait_for_selector("html[data-ready]", timeout=120_000)
+        page.locator("#samples button").first.click()
+        page.wait_for_function("() => document.getElementById('result').dataset.painted")
 
 
 def test_without_npm_the_page_says_what_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

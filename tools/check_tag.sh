@@ -10,6 +10,6 @@ if [ "$tag" != "v$version" ]; then
     exit 1
 fi
 if ! grep -q "^## \[$version\] - [0-9-]*$" CHANGELOG.md; then
-    echo "CHANGELOG.md has no section '## [$version] - YYYY-MM-DD'; rename Unreleased." >&2
+    echo "CHANGELOG.md has no section '## [$version] - YYYY-MM-DD'; give it the date." >&2
     exit 1
 fi

@@ -3,9 +3,9 @@
 tools/keep_results.py runs/critic/results.json -o docs/results/critic_64.json
 tools/keep_results.py runs/a/results.json runs/b/results.json -o both.json: rows of a plan, trained apart
 tools/keep_results.py runs/placement/results.json --by-mesh angular_mean --without distance -o p.json
+tools/keep_results.py animals/evaluation.json -o docs/results/shipped_animals.json: of --evaluate
 
-Figures by view are left out, and numbers rounded to four digits. The first row of the first report is the one
-that `tools/benchmark_rows.py --differences` sets the others beside.
+Figures by view are left out, and numbers are rounded to four digits.
 """
 
 import json
@@ -18,6 +18,11 @@ from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 
 DIGITS = 4
+OF_EVALUATION = (
+    *("plan", "scale", "size", "model", "specification"),
+    *("figures", "cost", "machine", "versions", "commit"),
+)
+"""The parts of an evaluation that are kept."""
 ALIKE = ("plan", "scale", "images", "specification", "size")
 """What reports must have in common to be one."""
 
@@ -80,4 +85,8 @@ if __name__ == "__main__":
     parser.add_argument("--without", nargs="+", default=(), metavar="PART", help="left out besides: distance")
     options = parser.parse_args()
     found = [json.loads(path.read_text(encoding="utf-8")) for path in options.results]
-    write_bytes(options.output, rounded(keep(found, options.by_mesh, options.without)))
+    if len(found) == 1 and "runs" not in found[0]:
+        kept = {name: found[0][name] for name in OF_EVALUATION}
+    else:
+        kept = keep(found, options.by_mesh, options.without)
+    write_bytes(options.output, rounded(kept))

@@ -12,7 +12,7 @@ from lightning.pytorch.core.optimizer import LightningOptimizer
 from lightning.pytorch.utilities.parsing import AttributeDict
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
-from torch.optim.lr_scheduler import LRScheduler
+from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler
 
 from normalgan.batch import Batch, Sketches
 from normalgan.contracts import check_kinds, describe
@@ -24,12 +24,14 @@ from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.losses.checks import check_losses, check_terms
 from normalgan.losses.distractor_consistency import distractor_inconsistency, mark_some
-from normalgan.losses.finite import async_to_cpu, loss_error, not_finite
+from normalgan.losses.finite import watch
+from normalgan.losses.gradient_share import gradient_share
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_generated, check_predictions, check_scores
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.statistics import average_statistics
+from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
 from normalgan.weights.checkpoint import settings_to_save
 
@@ -62,6 +64,7 @@ class NormalGAN(LightningModule):
         generator_optimizer: optimiser of the generator.
         discriminator_optimizer: optimiser of the discriminator.
         lr_scheduler: schedule of both learning rates, stepped after each epoch; None keeps them constant.
+            ``CosineAnnealingLR`` ends at ``max_epochs``, whatever its ``T_max``.
         adversarial_weight: weight of the objective's generator loss.
         reconstruction: what the generator is to be right about, pixel by pixel.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
@@ -254,10 +257,10 @@ class NormalGAN(LightningModule):
             )
             penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
             check_losses(self.objective, {"discriminator_loss": loss, "penalty": penalty})
-            look = self._watch({"discriminator": loss, "penalty": penalty})
+            read = watch({"discriminator": loss, "penalty": penalty}, self.trainer.world_size)
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
-            values = look(batch)
+            values = read(batch, self.current_epoch, self.trainer.fit_loop.epoch_loop.batch_idx)
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
         if self._are_shown(1):
@@ -276,10 +279,10 @@ class NormalGAN(LightningModule):
                 if self._logs_share():
                     self._log_share(_weighted(terms), _weighted({"": adversarial}), predicted)
                 terms = {**terms, "adversarial": adversarial}
-            look = self._watch({name: term.value for name, term in terms.items()})
+            read = watch({name: term.value for name, term in terms.items()}, self.trainer.world_size)
             optimizer.zero_grad()
             self.manual_backward(_weighted(terms))
-            values = look(batch)
+            values = read(batch, self.current_epoch, self.trainer.fit_loop.epoch_loop.batch_idx)
             optimizer.step()
         if self._are_shown(1 if self.discriminator is None else self.n_critic):
             self.log_dict({f"train/{name}": value for name, value in values.items()})
@@ -301,39 +304,8 @@ class NormalGAN(LightningModule):
         return self.share_every > 0 and step % self.share_every == 0
 
     def _log_share(self, reconstruction: Tensor, adversarial: Tensor, predicted: Tensor) -> None:
-        """Log how long the gradient of one loss is beside that of the other, both weighted."""
-        for name, inputs in ((SHARE, list(self.generator.parameters())), (f"{SHARE}_output", [predicted])):
-            lengths = [
-                torch.stack([g.float().square().sum() for g in gradients if g is not None]).sum().sqrt()
-                for gradients in (
-                    torch.autograd.grad(loss, inputs, retain_graph=True, allow_unused=True)
-                    for loss in (adversarial, reconstruction)
-                )
-            ]
-            self.log(name, lengths[0] / lengths[1])
-
-    def _watch(self, losses: dict[str, Tensor]) -> Callable[[Batch], dict[str, Tensor]]:
-        """Return what looks at the losses while backward is at work, before the weights are changed.
-
-        It raises `LossError` where the step would make all weights NaN, in every process, lest the others
-        wait; else it returns the losses on the CPU: to log a figure that is on a GPU would wait for it.
-        """
-        values = torch.stack([value.detach().float() for value in losses.values()])
-        if self.trainer.world_size > 1:
-            total = values.clone()
-            torch.distributed.all_reduce(total)  # Lightning's own reduction waits for all processes first
-            values = torch.cat([values, total])
-        read = async_to_cpu(values)
-
-        def look(batch: Batch) -> dict[str, Tensor]:
-            numbers = read()
-            own = dict(zip(losses, numbers, strict=False))
-            if not_finite(dict(enumerate(numbers))):
-                loop = self.trainer.fit_loop.epoch_loop
-                raise loss_error(not_finite(own), batch.get("name", []), self.current_epoch, loop.batch_idx)
-            return {name: torch.tensor(number) for name, number in own.items()}
-
-        return look
+        self.log(SHARE, gradient_share(adversarial, reconstruction, list(self.generator.parameters())))
+        self.log(f"{SHARE}_output", gradient_share(adversarial, reconstruction, [predicted]))
 
     def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
         """Clip the generator's gradient: here that of mixed precision is no longer scaled."""
@@ -359,6 +331,13 @@ class NormalGAN(LightningModule):
     def _average_statistics(self) -> None:
         if self.trainer.world_size > 1:
             average_statistics(self, self.trainer.strategy)
+
+    def on_train_start(self) -> None:
+        """Let a cosine schedule end with the run, also with one that is resumed to train longer."""
+        epochs = self.trainer.max_epochs
+        for config in self.trainer.lr_scheduler_configs:
+            if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
+                end_cosine_at(config.scheduler, epochs)
 
     def on_train_epoch_end(self) -> None:
         """Step the learning rates: Lightning leaves that to manual optimisation."""
@@ -407,8 +386,11 @@ class NormalGAN(LightningModule):
             module.training = training
         return angular_error(predicted, batch["normal"])
 
-    def validation_step(self, batch: Batch, batch_idx: int) -> None:
-        """Measure with the sampler's hints, the same ones every epoch, and with none."""
+    def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:
+        """Measure with the sampler's hints, the same ones every epoch, and with none.
+
+        Several loaders are measured together, as one set.
+        """
         target, mask = batch["normal"], batch["mask"]
         hints = self.measured_hints(batch)
         self.val_metrics.update("hints", self._predict(batch, hints), target, mask)
@@ -418,8 +400,12 @@ class NormalGAN(LightningModule):
         """Log the metrics of the validation split."""
         self._log_figures(self.val_metrics.pop())
 
-    def test_step(self, batch: Batch, batch_idx: int) -> dict[str, tuple[Tensor, Tensor]]:
+    def test_step(
+        self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
+    ) -> dict[str, tuple[Tensor, Tensor]]:
         """Measure with the sampler's hints, also without the hinted pixels, and with no hints.
+
+        Several loaders are measured together, as one set.
 
         Returns:
             What was measured, for callbacks: by row, the maps (N, 3, H, W) and the pixels (N, 1, H, W).
@@ -444,7 +430,7 @@ class NormalGAN(LightningModule):
         # They are over all processes already; sync_dist averages equal numbers, and keeps Lightning quiet.
         self.log_dict(figures, sync_dist=True)
 
-    def predict_step(self, batch: Sketches, batch_idx: int) -> Tensor:
+    def predict_step(self, batch: Sketches, batch_idx: int, dataloader_idx: int = 0) -> Tensor:
         """Return painted normals (N, 3, H, W), with the user's hints if there are any.
 
         One at a time: in a batch the last bits of a map would depend on its neighbours.

@@ -127,7 +127,6 @@ class Registry(Generic[T]):
 
     def discover(self) -> None:
         """Import and register what other installed packages offer; keep in `left_out` what cannot be used."""
-        self._hide_namesakes()
         self.left_out = []
         for entry in offered(self.group):
             reason = self._adopt(entry)
@@ -150,27 +149,6 @@ class Registry(Generic[T]):
             return brief(error).rstrip(".")
         self._packages[cls.__name__] = offerer(entry)
         return ""
-
-    def _hide_namesakes(self) -> None:
-        """Let the class that has a name keep it, though some package defines another one of that name.
-
-        jsonargparse (4.53) finds a short name by walking ``__subclasses__()`` of the annotated base, and
-        refuses a name that two of them have, registered or not: a foreign class would take away the names
-        of ours. None of its settings narrows that walk. ``import_path_denylist`` is asked when a class is
-        imported, which is after the name was found ambiguous; ``subclasses_enabled`` and
-        ``subclasses_disabled`` are about whole bases; a list of choices was asked for
-        (mauvilsa/jsonargparse, issue 84) and became this walk; a union of the registered classes as
-        annotation would be fixed when the module is read, before plug-ins are found. Names could be written
-        out in dots before parsing, but they come by arguments, by files, by files named in files and by
-        defaults, and ``--help`` and completion list them by the same walk. So the walk is given an answer:
-        ``type.__subclasses__`` still tells all, for Python itself and for `find_imported`.
-        """
-
-        def unambiguous(cls: type[Any]) -> list[type[Any]]:
-            children: list[type[Any]] = type.__subclasses__(cls)
-            return [child for child in children if self._classes.get(child.__name__, child) is child]
-
-        self.base.__subclasses__ = classmethod(unambiguous)  # type: ignore[assignment, method-assign]
 
     def package(self, name: str) -> str:
         """Return the package and version that a registered class comes from, such as ``normalgan 0.1.0``."""

@@ -20,7 +20,7 @@ NOT_SAID = (
     r".*resuming from a checkpoint that ended before the epoch ended.*",
     r".*LeafSpec.*is deprecated.*",  # between torch and lightning
     r"[\s\S]*JSONARGPARSE_DEPRECATION_WARNINGS",  # between lightning and jsonargparse, said once a process
-    r"[\s\S]*instantiate_classes.* was deprecated",  # the same
+    r"[\s\S]* was deprecated in v4\.\d+\.\d+ and will be removed in v5",  # the same, of each call by itself
     r"LightningCLI.s args parameter is intended.*",  # we do run in-process, with the arguments we mean
 )
 """Warnings of Lightning about what we do on purpose."""

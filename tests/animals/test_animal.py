@@ -4,6 +4,7 @@ import trimesh
 from sound import check_closed, coarse
 
 from normalgan.animals import GROUPS, SPECIES, Animal, make_animals
+from normalgan.animals.quadrupeds_poses import POSTURES
 from normalgan.errors import InputError
 from normalgan.rendering.mesh import Mesh
 
@@ -42,7 +43,10 @@ def test_a_whole_animal_has_as_many_faces_as_promised(species: str) -> None:
     assert np.mean(np.einsum("ij,ij->i", mesh.normals, area_normals(mesh)) > 0.8) > 0.999
 
 
-@pytest.mark.parametrize(("species", "pose"), [("horse", "gallop"), ("dog", "gallop"), ("cat", "sit")])
+@pytest.mark.parametrize(
+    ("species", "pose"),
+    [("horse", "gallop"), ("dog", "gallop"), ("cat", "sit"), ("cow", "lie"), ("elephant", "beg")],
+)
 def test_folded_legs_stay_on(species: str, pose: str) -> None:
     body = solid(Animal(species, 3, pose).load())
     assert body.is_watertight
@@ -109,6 +113,19 @@ def test_a_herd_rotates_through_the_species_and_never_repeats() -> None:
     assert len(set(animals)) == 40
     assert [animal.species for animal in animals[:15]] == list(GROUPS["quadrupeds"])
     assert not set(animals) & set(make_animals(40, seed=4))
+
+
+def test_a_share_of_a_herd_holds_postures() -> None:
+    plain, all_of_them = (make_animals(30, seed=3, postures=share) for share in (0.0, 1.0))
+    assert plain == make_animals(30, seed=3)
+    assert [animal.seed for animal in all_of_them] == [animal.seed for animal in plain]
+    assert {animal.pose for animal in all_of_them} == {"sit", *POSTURES}
+    some = make_animals(300, seed=3, postures=0.5)
+    assert 120 < sum(animal.pose is not None for animal in some) < 180
+    fish = make_animals(8, species=["fish"], postures=1.0)
+    assert {animal.pose for animal in fish} == {None}
+    with pytest.raises(InputError, match=r"share of postures is 1\.5; give a number from 0 to 1"):
+        make_animals(1, postures=1.5)
 
 
 def test_a_herd_takes_species_and_groups_in_rotation_and_each_once() -> None:

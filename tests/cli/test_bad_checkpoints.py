@@ -1,3 +1,4 @@
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -5,6 +6,7 @@ from typing import Any
 
 import pytest
 import torch
+import yaml
 from command import Bench, left_in
 
 
@@ -131,3 +133,31 @@ def test_a_run_is_not_trained_over(bench: Bench, trained: Path) -> None:
     before = left_in(trained)
     bench.run("fit", trained).refused("holds a run already: resume it with --ckpt_path")
     assert left_in(trained) == before
+
+
+@pytest.mark.parametrize("way", ["dirpath", "filename"])
+def test_no_callback_writes_over_another_run(bench: Bench, trained: Path, tmp_path: Path, way: str) -> None:
+    other = trained / "checkpoints"
+    settings = {"dirpath": str(other), "filename": "last", "enable_version_counter": False}
+    callback = {"class_path": "lightning.pytorch.callbacks.ModelCheckpoint", "init_args": settings}
+    content = {
+        "dirpath": {"trainer": {"callbacks": [callback]}},
+        "filename": {
+            "checkpoint": {"filename": os.path.relpath(other / "last", tmp_path / "run" / "checkpoints")}
+        },
+    }[way]
+    (tmp_path / "theirs.yaml").write_text(yaml.safe_dump(content))
+    before = left_in(trained)
+    outcome = bench.run("fit", tmp_path / "run", "--config", tmp_path / "theirs.yaml")
+    outcome.refused(f"{other.resolve()} holds checkpoints of another run, such as 0")
+    assert left_in(trained) == before
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_run_is_not_resumed_over_another(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    shutil.copytree(trained / "checkpoints", tmp_path / "run" / "checkpoints")
+    shutil.copytree(trained / "checkpoints", tmp_path / "other" / "checkpoints")
+    before = left_in(tmp_path / "other")
+    given = ("--ckpt_path", tmp_path / "run" / "checkpoints" / "last.ckpt")
+    bench.run("fit", tmp_path / "other", *given).refused("other/checkpoints holds a run already")
+    assert left_in(tmp_path / "other") == before

@@ -93,22 +93,23 @@ def test_what_is_left_out_is_warned_of_even_where_warnings_are_errors(site: Path
     ]
 
 
-def test_a_namesake_does_not_take_a_short_name_away(site: Path) -> None:
+def test_of_two_classes_of_a_name_the_dotted_path_is_asked_for(site: Path) -> None:
     install(
         site,
         "foreign",
         {"twins": SAMPLER.format(name="UniformHints", summary="Another.")},
         {GROUP: {"UniformHints": "twins:UniformHints"}},
     )
-    from jsonargparse import ArgumentParser
+    from jsonargparse import ArgumentError, ArgumentParser
 
     HINT_SAMPLERS.discover()
-    # It was imported, and yet:
-    assert sys.modules["twins"].UniformHints in type.__subclasses__(HintSampler)  # type: ignore[type-abstract]
     parser = ArgumentParser(exit_on_error=False)
     parser.add_argument("--sampler", type=HintSampler)
-    built = parser.instantiate(parser.parse_args(["--sampler=UniformHints", "--sampler.minimum=3"]))
-    assert built.sampler == UniformHints(3)
+    both = r"full class path .*normalgan\.hints\.UniformHints.*twins\.UniformHints"
+    with pytest.raises(ArgumentError, match=both):
+        parser.parse_args(["--sampler=UniformHints"])
+    named = ["--sampler=normalgan.hints.UniformHints", "--sampler.minimum=3"]
+    assert parser.instantiate(parser.parse_args(named)).sampler == UniformHints(3)
 
 
 def test_the_command_tells_names_summaries_packages_and_reasons(

@@ -210,6 +210,22 @@ def test_strays_leave_the_form_as_it_is() -> None:
     assert (marked["sketch"] > plain["sketch"]).flatten(1).any(1).all()
 
 
+@pytest.mark.parametrize("kind", ["fills", "decals", "hatching"])
+def test_marks_change_the_sketch_alone(kind: str) -> None:
+    batch = sphere()
+    given: Any = {**STILL, **CLEAN}
+    plain, marked, again = (
+        Augmentation(**given, **{kind: share})(batch, seed=4) for share in (0.0, 1.0, 1.0)
+    )
+    assert torch.equal(plain["normal"], marked["normal"])
+    assert torch.equal(plain["mask"], marked["mask"])
+    assert torch.equal(marked["sketch"], again["sketch"])
+    assert (marked["sketch"] != plain["sketch"]).any()
+    assert 0 <= float(marked["sketch"].min()) <= float(marked["sketch"].max()) <= 1
+    outside = plain["mask"] < 0.5
+    assert torch.equal(marked["sketch"][outside], plain["sketch"][outside])
+
+
 def test_a_grid_takes_each_pixel_from_where_it_was_before_it_was_moved() -> None:
     """Pixels of a matrix: two to the right and one down, and a quarter turn about the origin."""
     picture = torch.arange(25.0).view(1, 1, 5, 5)
@@ -250,6 +266,9 @@ def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
         ({"scale": (1.2, 0.8)}, "two positive numbers in order"),
         ({"rotation": -1.0}, "0 or more"),
         ({"distractor_strokes": 1.5}, "distractor_strokes must be between 0 and 1, not 1.5"),
+        ({"fills": -0.5}, "fills must be between 0 and 1, not -0.5"),
+        ({"decals": 1.5}, "decals must be between 0 and 1, not 1.5"),
+        ({"hatching": 1.5}, "hatching must be between 0 and 1, not 1.5"),
         ({"shear": 60.0}, "shear must be between 0 and 45 degrees, not 60.0"),
     ],
 )

@@ -48,5 +48,7 @@ def test_groups_come_behind_meshes_without_one(meshes: Path, things: Path, cache
 def test_what_cannot_be_a_group_is_refused(things: Path) -> None:
     with pytest.raises(InputError, match="poses of a group of meshes is -1; give 0 or more"):
         MeshGroup(str(things), poses=-1)
+    with pytest.raises(InputError, match="postures of a group of meshes is 2; it is a share of the poses"):
+        MeshGroup(str(things), postures=2)
     with pytest.raises(InputError, match="no pattern that matches a mesh"):
         _ = MeshDataModule(groups=[MeshGroup(str(things / "none*.ply"))]).sources

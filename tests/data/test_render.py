@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from toys import BallRenderer, Octahedron, assert_same, contents, recipe, surroundings
+from toys import BallRenderer, Counted, Octahedron, assert_same, contents, recipe, surroundings
 
+from normalgan.data.jobs import tasks
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.store.manifest import dataset_key, fingerprints
@@ -196,6 +197,15 @@ def test_a_mesh_that_cannot_be_used_is_named_and_left_out(tmp_path: Path) -> Non
             stores = render_samples(str(tmp_path), sources, 2, recipe(), progress=False)
     assert [stores["train"].name(i) for i in range(4)] == ["a/0", "a/1", "b/0", "b/1"]
     assert_same(stores["train"].read(3), recipe().render(Octahedron("b", 0.3).load(), 1))
+
+
+def test_each_mesh_but_the_first_of_a_split_is_loaded_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tasks, "_last", None)
+    meshes = [Counted(name) for name in "abcd"]
+    render_samples(str(tmp_path), {"train": meshes}, 2, recipe(), progress=False)
+    assert [mesh.loads for mesh in meshes] == [["a"], ["b"], ["c"], ["d"]]
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from normalgan.__main__ import main
 from normalgan.animals import GROUPS, Animal
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.recipe import Loadable
+from normalgan.data.sources import MeshGroup
 from normalgan.errors import InputError
 from normalgan.rendering import MeshFile
 from normalgan.rendering.hand import Hand
@@ -73,6 +74,17 @@ def test_poses_of_a_rig_stay_on_one_side_of_the_split(meshes: Path, cache: Path,
     assert len(module.sources["train"]) == 2 * sum(not isinstance(s, Varied) for s in module.sources["train"])
 
 
+def test_postures_are_for_training_alone(cache: Path, tmp_path: Path) -> None:
+    for name in ("ant", "bee", "cow", "doe", "elk"):
+        write_rig(tmp_path / f"{name}.gltf")
+    module = MeshDataModule(
+        groups=[MeshGroup(str(tmp_path), poses=2, postures=0.5)], fractions=(0.6, 0.2, 0.2), cache=str(cache)
+    )
+    for split, sources in module.sources.items():
+        shares = [source.postures for source in sources if isinstance(source, RiggedFile)]
+        assert shares == len(sources) * [0.5 if split == "train" else 0.0]
+
+
 def test_extra_animals_join_the_meshes_to_train_on_alone(meshes: Path, cache: Path) -> None:
     plain = data(meshes, cache).sources
     sources = data(meshes, cache, extra_animals=2, species=["birds"], variants=1).sources
@@ -82,6 +94,11 @@ def test_extra_animals_join_the_meshes_to_train_on_alone(meshes: Path, cache: Pa
     extra = [source for source in sources["train"] if isinstance(source, Animal)]
     assert [animal.species for animal in extra] == list(GROUPS["birds"][:2])
     assert len(sources["train"]) == 2 * len(plain["train"]) + 2  # made at random already: no variants of them
+
+
+def test_a_share_of_the_extra_animals_holds_postures(meshes: Path, cache: Path) -> None:
+    wanted = data(meshes, cache, extra_animals=6, species=["horse"], extra_postures=1.0).sources["train"][-6:]
+    assert all(isinstance(animal, Animal) and animal.pose is not None for animal in wanted)
 
 
 def test_extra_animals_need_meshes_to_join() -> None:

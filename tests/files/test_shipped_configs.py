@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from normalgan.__main__ import main
-from normalgan.cli.config_files import ConfigCheck
+from normalgan.cli.config_files import check_config
 from normalgan.data.splits import split_by_file
 from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_config, shipped_folder, shipped_names
@@ -67,12 +67,12 @@ def test_files_that_a_configuration_names_are_found_from_any_folder(
 def test_a_name_that_is_nearly_one_is_told(given: str, meant: str) -> None:
     told = rf"^there is no configuration file {re.escape(given)}\. Did you mean {meant}\?$"
     with pytest.raises(InputError, match=told):
-        ConfigCheck(()).check(given)
+        check_config(given)
 
 
 def test_a_name_like_none_is_told_where_they_are_however_many_there_are() -> None:
     with pytest.raises(InputError) as told:
-        ConfigCheck(()).check("zzzz.yaml")
+        check_config("zzzz.yaml")
     where = f"Those of the package, such as paper and quickstart, are in {shipped_folder()}."
     assert str(told.value) == f"there is no configuration file zzzz.yaml. {where}"
     assert {"paper", "quickstart"} <= set(shipped_names())

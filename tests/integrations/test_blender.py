@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from needs import BLENDER
+from normalgan.inference.outputs.engines import sidecar
 
 SCENE = """import math
 import os
@@ -52,6 +53,24 @@ try:
 except RuntimeError as error:
     print(f"SHOWN {error}")
 assert not bpy.data.materials.get("fox")
+"""
+
+SPACE = """import sys
+
+import bpy
+
+exec(compile(open(sys.argv[-1]).read(), sys.argv[-1], "exec"), {"__file__": sys.argv[-1]})
+print("SPACE", bpy.data.images["fox_normal.png"].colorspace_settings.name)
+"""
+OCIO = """ocio_profile_version: 2
+roles: {%s, default: Texture, scene_linear: ACEScg, color_picking: Texture}
+displays:
+  sRGB: [!<View> {name: Standard, colorspace: Texture}]
+colorspaces:
+  - !<ColorSpace> {name: ACEScg}
+  - !<ColorSpace> {name: Texture, to_reference: !<ExponentTransform> {value: [2.2, 2.2, 2.2, 1]}}
+  - !<ColorSpace> {name: Numbers, isdata: true}
+  - !<ColorSpace> {name: Raw, isdata: true}
 """
 
 
@@ -100,3 +119,18 @@ def test_without_normalgan_one_sentence_says_what_to_do(blender: list[str], tmp_
 def test_what_the_command_says_is_shown(blender: list[str], tmp_path: Path) -> None:
     said = run(blender, tmp_path, FAILING, tmp_path / "missing.png")
     assert "SHOWN Error: normalgan: no sketch found at" in said
+
+
+@pytest.mark.slow  # starts Blender
+@pytest.mark.parametrize(
+    ("roles", "space"), [("data: Numbers, rendering: ACEScg", "Numbers"), ("rendering: ACEScg", "Raw")]
+)
+def test_a_map_is_numbers_under_any_colour_configuration(
+    blender: list[str], tmp_path: Path, roles: str, space: str
+) -> None:
+    (tmp_path / "config.ocio").write_text(OCIO % roles)
+    Image.new("RGB", (4, 4)).save(tmp_path / "fox_normal.png")
+    script, content = sidecar("blender", tmp_path / "fox_normal.png")
+    script.write_bytes(content)
+    said = run(blender, tmp_path, SPACE, script, OCIO=str(tmp_path / "config.ocio"))
+    assert f"SPACE {space}\n" in said

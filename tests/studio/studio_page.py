@@ -229,6 +229,14 @@ class Studio:
             "new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(() => done())); })"
         )
 
+    def restored(self) -> None:
+        """Make sure that unsaved work was restored without a question, and wait until its map is on show."""
+        assert self.page.locator("#toast-words").inner_text().startswith("Restored")
+        self.page.wait_for_function(
+            "() => document.getElementById('result').dataset.painted "
+            "&& document.getElementById('result').ariaBusy === 'false'"
+        )
+
     def save_as(self, name: str) -> None:
         """Save a drawing that has no name yet as a project."""
         with self.saying(f"Saved “{name}”."):
@@ -236,13 +244,13 @@ class Studio:
             self.page.locator("#name-field").fill(name)
             self.page.keyboard.press("Enter")
 
-    def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> None:
-        """Wait until the browser's own store holds some unsaved work."""
+    def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """Wait until the browser's own store holds some unsaved work, and return it."""
         end = time.monotonic() + 90
         while True:  # `wait_for_function` takes a promise for true
             kept = self.page.evaluate(STORED)
-            if any(map(wanted, kept)):
-                return
+            if found := next(filter(wanted, kept), None):
+                return dict(found)
             assert time.monotonic() < end, f"only this is kept: {kept}"
             self.page.wait_for_timeout(20)
 
@@ -285,10 +293,13 @@ class Hand:
 
     Args:
         studio: what they touch; all points are in pixels of the window.
+        pace: seconds from one event to the next that the page is told of, however busy the machine is; None:
+            those that really went by.
     """
 
-    def __init__(self, studio: Studio) -> None:
+    def __init__(self, studio: Studio, pace: float | None = None) -> None:
         self._session = studio.page.context.new_cdp_session(studio.page)
+        self._pace, self._now = pace, time.time()
 
     def put(self, *fingers: Point) -> None:
         """Lay further fingers down; name those that lie there already first."""
@@ -304,7 +315,11 @@ class Hand:
 
     def _tell(self, kind: str, fingers: tuple[Point, ...]) -> None:
         points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
-        self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        event: dict[str, Any] = {"type": kind, "touchPoints": points}
+        if self._pace is not None:
+            self._now += self._pace
+            event["timestamp"] = self._now
+        self._session.send("Input.dispatchTouchEvent", event)
 
 
 @contextmanager

@@ -85,6 +85,10 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
         assert before != after
         assert after is not None
         assert "right" in after
+        press("Control+z")  # presses that follow one another are one step
+        assert page.locator("#ball").get_attribute("aria-label") == before
+        press("Control+y")
+        press("n")
         press("Delete")
         assert page.locator("#chips .chip").count() == 0
         press("Control+z")
@@ -109,6 +113,54 @@ def test_every_control_has_a_name_and_room_for_a_finger(opened: "Browser", serve
             assert box["height"] >= LEAST_TARGET, name
             assert box["width"] >= LEAST_TARGET, name
         assert studio.page.locator("#status").get_attribute("aria-live") == "polite"
+        assert studio.page.locator("#point-handle").get_attribute("role") == "button"
+        studio.page.locator("#point-handle").focus()
+        at = studio.page.locator("#point").bounding_box()
+        for key in ("ArrowDown", "ArrowRight"):  # one of them may be at an edge
+            studio.page.keyboard.press(key)
+        assert studio.page.locator("#point").bounding_box() != at
+
+
+def test_tooltips_name_the_keys_and_the_help_begins_at_its_start(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url, height=500) as studio:
+        page = studio.page
+        for button, keys in {
+            "tool-pen": "Pen (P)",
+            "undo": "Undo (Ctrl+Z)",
+            "lines": "Lines over the result (O)",
+        }.items():
+            assert page.locator(f"#{button}").get_attribute("title") == keys
+        page.keyboard.press("?")
+        dialog = page.locator("#help-dialog")
+        assert dialog.evaluate("e => [e.scrollTop, e.scrollHeight > e.clientHeight]") == [0, True]
+        assert page.locator("#help-title").evaluate("e => e === document.activeElement")
+
+
+def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: Server) -> None:
+    server.begin_anew()
+    with open_studio(opened, server.url, width=390, height=844) as studio:
+        studio.new()
+        dent(studio)
+        with studio.repainting():
+            studio.pin(128, 128)
+        page = studio.page
+        small = page.evaluate(
+            """() => [...document.querySelectorAll("button, summary, select, input")]
+              .filter((each) => each.checkVisibility())
+              // Rows that hold much are as high, and less wide.
+              .map((each) => [
+                each.id || each.textContent, each.offsetWidth, each.offsetHeight,
+                each.closest(".bar, #tools") ? 32 : 44,
+              ])
+              .filter(([, width, height, least]) => width < least || height < 44)"""
+        )
+        assert small == []
+        card, pane = page.locator("#point").bounding_box(), page.locator("#board").bounding_box()
+        assert card is not None
+        assert pane is not None
+        assert card["y"] >= pane["y"]
+        assert card["y"] + card["height"] <= pane["y"] + pane["height"]
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])

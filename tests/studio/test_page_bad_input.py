@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 MIDDLE = SIDE / 2
-OFFLINE = "The server is away. Keep drawing"
+OFFLINE = "Can't reach the studio. Keep drawing"
 
 
 @pytest.fixture(name="server")
@@ -50,13 +50,13 @@ def test_files_that_are_no_pictures_and_no_projects_are_told(
         studio.new()
         with studio.repainting():
             studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
-        with studio.saying("“notes.txt” was not imported: "):
+        with studio.saying("Couldn't import “notes.txt”: "):
             page.set_input_files("#import-file", files=tmp_path / "notes.txt")
         assert ".png" in studio.status()  # what would be right
         for file, words in (
             ("newer", "made by a newer studio"),
-            ("half", "no project of the studio"),
-            ("away", "point 2 of the layer “Legs” in this project has [0,0.6,-0.8] as its direction, which"),
+            ("half", "not a studio project"),
+            ("away", "Point 2 of layer “Legs” has the direction [0,0.6,-0.8], which"),
         ):
             page.locator("#open").click()
             with page.expect_file_chooser() as chooser:
@@ -146,7 +146,7 @@ def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(server: Serve
         assert still_there(studio)
         with studio.repainting():
             server.start()
-        assert re.match("The server is back", studio.status())
+        assert re.match("The studio is back", studio.status())
 
 
 def test_a_focus_ring_is_never_cut_off(opened: "Browser", server: Server) -> None:

@@ -60,7 +60,7 @@ def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server:
         rows = page.locator("#history-list button")
         page.locator("#history summary").click()
         rows.nth(4).wait_for()
-        assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Eraser"]
+        assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Erased"]
         rows.nth(2).click()
         assert studio.inked(60, 80)
         assert not studio.inked(60, 120)
@@ -68,11 +68,10 @@ def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server:
         page.reload()
         page.wait_for_selector("html[data-ready]")
         studio.size = SIDE, SIDE
-        with studio.repainting():
-            page.locator("#restore-yes").click()
+        studio.restored()
         page.locator("#history summary").click()
         rows.nth(4).wait_for()
-        assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Eraser"]
+        assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Erased"]
         assert rows.nth(2).get_attribute("aria-current") == "step"
         assert not studio.inked(60, 120)
         rows.nth(4).click()

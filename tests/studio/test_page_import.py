@@ -68,7 +68,7 @@ def test_the_layers_of_a_file_become_those_of_the_drawing(
     file.write_bytes(encode_layers(kind, SHAPE, STACK))
     with studio.repainting():
         give(studio, file, "layers")
-    assert studio.status() == f"Imported fox.{kind}: 3 layers. Without lines and left out: “paper”."
+    assert studio.status() == f"Imported “fox.{kind}”: 3 layers. Skipped layers without lines: “paper”."
     assert names(studio) == ["note", "hat", "body"]
     assert studio.page.locator("#pixels").inner_text() == "300 × 200"
     studio.size = SHAPE[::-1]
@@ -89,7 +89,7 @@ def test_the_layers_of_a_file_become_those_of_the_drawing(
     page.locator("#history summary").click()
     rows = page.locator("#history-list button")
     rows.first.wait_for()
-    assert rows.all_inner_texts() == ["Beginning", "Imported layers", "Layer hidden"]
+    assert rows.all_inner_texts() == ["Beginning", "Layers imported", "Layer hidden"]
 
 
 def test_a_layered_file_can_be_one_drawing_or_one_to_trace(studio: Studio, tmp_path: Path) -> None:
@@ -98,7 +98,7 @@ def test_a_layered_file_can_be_one_drawing_or_one_to_trace(studio: Studio, tmp_p
     with studio.repainting():
         give(studio, file, "drawing")
     assert names(studio) == ["Layer 1"]
-    with studio.saying("Imported fox.psd."):  # again
+    with studio.saying("Imported “fox.psd”."):  # again
         give(studio, file, "traced")
     assert studio.page.locator("#picture-list li").count() == 1
     assert names(studio) == ["Layer 1"]
@@ -122,8 +122,8 @@ def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -
 def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, tmp_path: Path) -> None:
     many = [part(f"part {number}", number, (60 + 9 * number, 90), 30) for number in range(16)]
     files = {
-        "paper.ora": ([PAPER], "“paper.ora” was not imported: the file has no layer with lines"),
-        "many.ora": (many, "“many.ora” has 16 layers, a drawing has at most 16, and there is room for 15"),
+        "paper.ora": ([PAPER], "Couldn't import “paper.ora”: the file has no layer with lines"),
+        "many.ora": (many, "“many.ora” has 16 layers; there is room for 15 of at most 16"),
     }
     with studio.repainting():
         studio.circle()
@@ -133,7 +133,7 @@ def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, 
             give(studio, tmp_path / name, "layers")
         assert names(studio) == ["Layer 1"]
     (tmp_path / "half.psd").write_bytes(encode_layers("psd", SHAPE, STACK)[:200])
-    with studio.saying("“half.psd” was not imported: "):
+    with studio.saying("Couldn't import “half.psd”: "):
         studio.page.set_input_files("#import-file", files=tmp_path / "half.psd")
     # A layer on which no line is seen is there, and what it lacks is said.
     white = DecodedLayer("blank", (), 255, 40, 40, 1, 0, np.full((60, 60, 4), 255, np.uint8))

@@ -171,7 +171,7 @@ def test_arrow_keys_move_a_layer_and_keep_it_in_hand(studio: Studio) -> None:
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowUp")  # it is the front one already
     assert names(studio) == ["Layer 1", "Layer 3", "Layer 2"]
-    assert studio.status() == "“Layer 1” is 1 of 3, counted from the front."
+    assert studio.status() == "“Layer 1” is layer 1 of 3 from the front."
     page.keyboard.press("ArrowDown")
     assert names(studio) == ["Layer 3", "Layer 1", "Layer 2"]
     # The cursor on the drawing, which has the same keys, stays away.
@@ -182,7 +182,7 @@ def test_each_layer_says_for_itself_where_its_object_is(studio: Studio) -> None:
     page = studio.page
     two(studio)
     source = page.locator("#source")
-    assert source.get_attribute("aria-label") == "Where the object is on “Layer 2”"
+    assert source.get_attribute("aria-label") == "How the object on “Layer 2” is found"
     page.evaluate("() => { window.asked = []; }")
     page.evaluate(
         """() => {
@@ -282,7 +282,7 @@ def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
         "Layer renamed",
         "Layer hidden",
         "Layer shown",
-        "Layer removed",
+        "Layer deleted",
     ]
     page.locator("#history summary").click()
     with studio.repainting():
@@ -299,7 +299,7 @@ def test_layers_are_saved_and_opened_again_with_which_is_worked_on(studio: Studi
     page.reload()
     page.wait_for_selector("html[data-ready]")
     # Another layer to be worked on is nothing that could be lost.
-    assert "fox" not in page.locator("#restore-words").inner_text()
+    assert "fox" not in page.locator("#toast-words").inner_text()
     assert page.locator("#layers").is_visible()
     page.locator("#open").click()
     with studio.repainting():
@@ -357,8 +357,7 @@ def test_unsaved_layers_and_their_history_outlive_a_reload(studio: Studio) -> No
     studio.wait_for_store(lambda kept: kept["doc"]["layers"][0]["name"] == "Layer 2")
     page.reload()
     page.wait_for_selector("html[data-ready]")
-    with studio.repainting():
-        page.locator("#restore-yes").click()
+    studio.restored()
     assert names(studio) == ["Layer 1", "Layer 2"]
     page.keyboard.press("Control+z")
     assert names(studio) == ["Layer 2", "Layer 1"]

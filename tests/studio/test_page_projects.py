@@ -52,7 +52,9 @@ def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> N
         studio.page.wait_for_selector("html[data-ready]")
         studio.page.wait_for_function("() => document.getElementById('result').dataset.painted")
         assert studio.inked(MIDDLE + 80, MIDDLE)  # what the tab showed
-        assert studio.page.locator("#restore").is_hidden()  # it is saved: nothing is left to restore
+        # It is saved: nothing is left to restore.
+        assert studio.page.locator("#restore").is_hidden()
+        assert studio.page.locator("#toast").is_hidden()
         studio.new()
         open_project(studio, "Füchslein 1")
         assert studio.inked(MIDDLE + 80, MIDDLE)
@@ -73,7 +75,8 @@ def test_a_drawing_named_on_the_command_line_is_opened_once_in_a_tab(
         studio.page.wait_for_function("() => document.getElementById('result').dataset.painted")
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
-        assert studio.predicted() == 0
+        studio.restored()  # and not imported again
+        assert "egg" not in studio.status()
 
 
 def test_two_tabs_do_not_overwrite_one_another(opened: "Browser", server: Server) -> None:
@@ -104,18 +107,16 @@ def test_unsaved_work_outlives_a_closed_tab_and_a_killed_server(opened: "Browser
         with studio.repainting():
             studio.circle()
         server.kill()
-        with studio.saying("server is away"):
+        with studio.saying("reach the studio"):
             studio.line((20, 20), (60, 20))  # on with it
         assert studio.inked(40, 20)
-        with studio.saying("server is back"):
+        with studio.saying("studio is back"):
             server.start()
         studio.line((20, 40), (60, 40))
         studio.page.close()
         studio = Studio(context.new_page(), server.url)
         studio.size = SIDE, SIDE
-        with studio.repainting():
-            studio.page.locator("#restore-yes").click()
-        studio.page.locator("#restore").wait_for(state="hidden")  # once it is kept as this tab's
+        studio.restored()
         for x, y in ((MIDDLE + 80, MIDDLE), (40, 20), (40, 40)):
             assert studio.inked(x, y)
 
@@ -132,6 +133,13 @@ def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", se
         with other.repainting():
             other.page.locator("#restore-yes").click()
         assert other.inked(MIDDLE + 80, MIDDLE)
+
+
+def test_projects_of_a_server_that_is_away_are_not_said_to_be_none(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url, tolerate=(AWAY,)) as studio:
+        server.kill()
+        studio.page.locator("#open").click()
+        studio.page.locator("#open-none", has_text="Can't reach the studio").wait_for()
 
 
 def test_an_exported_map_is_read_back(opened: "Browser", server: Server, tmp_path: Path) -> None:
@@ -253,9 +261,8 @@ def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", serv
         studio.page.close()
         studio = Studio(context.new_page(), server.url)
         studio.size = SIDE, SIDE
-        assert "fox" in studio.page.locator("#restore-words").inner_text()
-        with studio.saying("Restored"), studio.repainting():
-            studio.page.locator("#restore-yes").click()
+        studio.restored()
+        assert "fox" in studio.page.locator("#toast-words").inner_text()
         with studio.saying("Saved"):  # and not: changed elsewhere in the meantime
             studio.page.keyboard.press("Control+s")
 
@@ -264,6 +271,9 @@ def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -
     with storage(opened, width=1200, height=700) as context:
         for y in (60, 120, 180):
             studio = Studio(context.new_page(), server.url)
+            if studio.page.locator("#toast").is_visible():  # the first is restored
+                studio.page.locator("#toast button", has_text="Not now").click()
+                studio.page.locator("#empty-board").wait_for()
             studio.new()
             with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
                 studio.line((20, y), (200, y))
@@ -276,12 +286,76 @@ def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -
         assert rows.count() == 3
         drawn = "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, 96, 96).data).size > 1"
         assert all(row.locator("canvas").evaluate(drawn) for row in rows.all())
-        rows.nth(0).locator("button").nth(1).click()  # the newest is dropped
-        studio.page.wait_for_function("() => document.getElementById('restore-list').children.length === 2")
+        for undone in (True, False):  # the newest is dropped, which is asked, and can be undone
+            rows.nth(0).locator("button").nth(1).click()
+            with studio.answering("choose"):
+                studio.page.locator("#choose button[value=drop]").click()
+            studio.page.locator("#toast").wait_for()
+            if undone:
+                studio.page.locator("#toast button").click()
+            studio.page.locator("#restore-all", has_text="3" if undone else "2").click()
+            rows.nth(2 if undone else 1).wait_for()
+        assert rows.count() == 2
         with studio.repainting():
             rows.nth(1).locator(".project").click()
         assert studio.inked(100, 60)  # the oldest
         studio.page.locator("#restore").wait_for(state="hidden")  # once it is kept as this tab's
+
+
+def test_what_was_restored_is_put_back_for_later_and_comes_again(opened: "Browser", server: Server) -> None:
+    with storage(opened, width=1200, height=700) as context:
+        studio = Studio(context.new_page(), server.url)
+        studio.new()
+        studio.line((20, 60), (200, 60))
+        wait_for_kept(studio, 1, 1)
+        studio.page.close()
+        for _ in range(2):
+            studio = Studio(context.new_page(), server.url)
+            studio.size = SIDE, SIDE
+            studio.restored()
+            assert studio.inked(100, 60)
+            with studio.saying("find it under Open"):
+                studio.page.locator("#toast button", has_text="Not now").click()
+            assert studio.page.locator("#empty-board").is_visible()
+            if _:
+                break
+            studio.page.close()
+        studio.page.locator("#open").click()
+        studio.page.locator("#open-unsaved").click()
+        with studio.saying("Restored"):
+            studio.page.locator("#restore-list .project").click()
+        assert studio.inked(100, 60)
+        # From now on it is this tab's, and what is given up on leaving can be had back.
+        studio.page.locator("#new").click()
+        studio.page.locator("#choose button[value=drop]").click()
+        with studio.answering("new-dialog"):
+            studio.page.locator("#new-dialog button.strong").click()
+        assert studio.page.locator("#empty-board").is_visible()
+        studio.page.locator("#toast button", has_text="Undo").click()
+        studio.page.locator("#empty-board").wait_for(state="hidden")
+        assert studio.inked(100, 60)
+        wait_for_kept(studio, 1, 1)
+
+
+def test_restored_work_that_is_drawn_on_is_kept_once(opened: "Browser", server: Server) -> None:
+    with storage(opened, width=1200, height=700) as context:
+        studio = Studio(context.new_page(), server.url)
+        studio.new()
+        studio.line((20, 60), (200, 60))
+        wait_for_kept(studio, 1, 1)
+        studio.page.close()
+        studio = Studio(context.new_page(), server.url)
+        studio.size = SIDE, SIDE
+        studio.restored()
+        studio.line((20, 90), (200, 90))
+        studio.page.keyboard.press("Control+z")  # as it was restored, which is in no project
+        wait_for_kept(studio, 1, 1)
+        studio.wait_for_store(lambda kept: kept["history"]["at"] == 1 and len(kept["history"]["steps"]) == 3)
+        studio.page.close()
+        studio = Studio(context.new_page(), server.url)
+        studio.size = SIDE, SIDE
+        studio.restored()
+        assert studio.inked(100, 60)
 
 
 def test_each_stroke_is_written_once(opened: "Browser", server: Server) -> None:
@@ -315,7 +389,7 @@ def test_a_large_picture_that_is_made_smaller_is_said_to_be(
         with studio.page.expect_file_chooser() as chooser:
             studio.page.locator("#import").click()
         chooser.value.set_files(tmp_path / "large.png")
-        with studio.saying("3000 × 2000 pixels became 2048 × 1365"):
+        with studio.saying("from 3000 × 2000 to 2048 × 1365 pixels"):
             studio.page.locator("#choose button[value=traced]").click()
         assert studio.page.locator("#pixels").inner_text() == "2048 × 1365"
 
@@ -358,6 +432,7 @@ def test_work_that_was_undone_again_is_not_offered_as_unsaved(opened: "Browser",
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
         assert studio.page.locator("#restore").is_hidden()
+        assert studio.page.locator("#toast").is_hidden()
 
 
 def test_undone_work_that_arrived_unanswered_is_taken_back(opened: "Browser", server: Server) -> None:

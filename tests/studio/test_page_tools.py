@@ -1,6 +1,7 @@
 """The studio's tools: lines are selected, moved, scaled, mirrored, coloured; the paper is resized."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from PIL import Image
 from studio_page import SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+MIDDLE = SIDE / 2
 
 
 def box_of_ink(studio: Studio) -> tuple[float, float, float, float]:
@@ -146,3 +148,150 @@ def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_pat
     column, row = map(round, studio.on_board(-8, 200))
     np.testing.assert_allclose(studio.screen()[row, column], [40, 160, 60], atol=8)
     assert studio.predicted() == before  # what is looked at is never painted from
+
+
+def layer_after(studio: Studio, steps: int) -> dict[str, Any]:
+    """Return the only layer, or the hindmost, once the browser has kept so many steps."""
+    kept = studio.wait_for_store(lambda kept: kept["history"]["at"] == steps)
+    return dict(kept["doc"]["layers"][0])
+
+
+def moves(before: list[dict[str, Any]], after: list[dict[str, Any]]) -> list[tuple[int, int]]:
+    """Return how far each mark was moved."""
+    places = [
+        [mark["points"][:2] if "points" in mark else [mark["x"], mark["y"]] for mark in marks]
+        for marks in (before, after)
+    ]
+    return [(round(x - a), round(y - b)) for (a, b), (x, y) in zip(*places, strict=True)]
+
+
+def test_points_regions_mask_and_what_was_erased_move_with_the_lines_around_them(studio: Studio) -> None:
+    page = studio.page
+    studio.circle(60, 60, 40)
+    studio.line((150, 40), (230, 40), (230, 110), (150, 110), (150, 40))
+    page.keyboard.press("e")
+    studio.line((60, 95), (60, 105))  # a gap in the circle
+    assert not studio.inked(60, 100)
+    for x, y in ((60, 60), (190, 75)):
+        studio.pin(x, y)
+        page.keyboard.press("Escape")
+    page.keyboard.press("r")
+    studio.line((40, 40), (55, 40), (55, 55), (40, 55), (40, 41))
+    page.keyboard.press("m")
+    studio.line((50, 70), (70, 70))
+    page.keyboard.press("s")
+
+    before = layer_after(studio, 7)
+    with studio.repainting():
+        studio.line((20, 60), (60, 80), (120, 160))  # the circle, by its left side
+    after = layer_after(studio, 8)
+    assert moves(before["hints"], after["hints"]) == [(100, 100), (0, 0)]
+    assert moves(before["areas"], after["areas"]) == [(100, 100)]
+    assert moves(before["mask"], after["mask"]) == [(100, 100)]
+    assert not studio.inked(160, 200)  # the gap went along
+    assert studio.inked(160, 120)
+    page.keyboard.press("Control+a")
+    with studio.repainting():
+        studio.line((200, 160), (200, 150), (190, 130))  # all of the layer
+    assert moves(after["hints"], layer_after(studio, 9)["hints"]) == [(-10, -30), (-10, -30)]
+
+
+def test_a_selection_is_flipped_turned_nudged_and_its_points_turn_with_it(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.line((40, 40), (100, 40), (100, 70), (40, 70), (40, 41))
+    studio.pin(50, 60)
+    with studio.repainting():
+        studio.turn(0.6, 0)
+    page.keyboard.press("Escape")
+    steps = 3  # the line, the point, its direction
+    page.keyboard.press("Control+a")
+    page.locator("#select-flip").click()
+    hint = layer_after(studio, steps + 1)["hints"][0]
+    assert (hint["x"], hint["y"]) == pytest.approx((90.5, 60.5), abs=4)
+    assert hint["normal"] == pytest.approx([-0.6, 0, 0.8], abs=0.06)
+    page.locator("#select-turn").click()  # clockwise: what leans to the left leans upwards
+    hint = layer_after(studio, steps + 2)["hints"][0]
+    assert hint["normal"] == pytest.approx([0, 0.6, 0.8], abs=0.06)
+    left, top, right, bottom = box_of_ink(studio)
+    assert bottom - top == pytest.approx(66, abs=6)
+    assert right - left == pytest.approx(36, abs=6)
+    page.locator("#board").focus()
+    for _ in range(3):
+        page.keyboard.press("Shift+ArrowRight")
+    assert box_of_ink(studio)[0] == pytest.approx(left + 30, abs=1)
+    assert len(layer_after(studio, steps + 3)["hints"]) == 1  # three presses are one step
+
+
+def test_a_selection_is_turned_by_its_knob(studio: Studio) -> None:
+    with studio.repainting():
+        studio.line((80, 120), (180, 120))
+    studio.page.keyboard.press("Control+a")
+    scale = studio.on_board(1, 0)[0] - studio.on_board(0, 0)[0]
+    knob = studio.on_board(130, 117 - 26 / scale)
+    studio.page.mouse.move(*knob)
+    studio.page.mouse.down()
+    studio.page.mouse.move(*studio.on_board(150, 118))
+    studio.page.mouse.move(*studio.on_board(190, 120))  # a quarter turn
+    studio.page.mouse.up()
+    left, top, right, bottom = box_of_ink(studio)
+    assert bottom - top == pytest.approx(102, abs=7)
+    assert right - left < 12
+
+
+def test_a_mirrored_line_is_turned_as_two(studio: Studio) -> None:
+    studio.page.locator("#symmetry").click()
+    with studio.repainting():
+        studio.line((40, 60), (70, 60))
+    studio.page.locator("#symmetry").click()
+    studio.page.keyboard.press("Control+a")
+    studio.page.locator("#select-turn").click()
+    assert len(layer_after(studio, 2)["strokes"]) == 2
+    left, _, right, bottom = box_of_ink(studio)
+    assert right - left < 12
+    assert bottom == pytest.approx(148, abs=5)
+
+
+def test_lines_are_duplicated_copied_and_brought_to_another_layer(studio: Studio) -> None:
+    page = studio.page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    with studio.repainting():
+        studio.line((40, 40), (80, 40), (80, 80), (40, 80), (40, 41))
+    page.keyboard.press("Control+a")
+    page.keyboard.press("Control+d")
+    assert studio.inked(92, 70)
+    assert len(layer_after(studio, 2)["strokes"]) == 2
+    page.locator("#board").focus()
+    page.keyboard.press("Control+x")  # the copy, which is selected
+    assert not studio.inked(92, 70)
+    page.keyboard.press("Control+v")
+    studio.page.wait_for_function("() => !document.getElementById('select-copy').disabled")
+    assert len(layer_after(studio, 4)["strokes"]) == 2
+    with studio.saying("Moved to “Layer 2”."):
+        page.locator("#select-layer").select_option("new")
+    kept = studio.wait_for_store(lambda kept: kept["history"]["at"] == 5)
+    assert [len(layer["strokes"]) for layer in kept["doc"]["layers"]] == [1, 1]
+    page.keyboard.press("Control+z")
+    assert len(layer_after(studio, 4)["strokes"]) == 2
+
+
+def test_an_imported_picture_is_turned(studio: Studio, tmp_path: Path) -> None:
+    page = studio.page
+    pixels = np.full((64, 64, 3), 255, np.uint8)
+    pixels[:, :16] = (220, 40, 40)  # its left is red
+    Image.fromarray(pixels).save(tmp_path / "red.png")
+    studio.line((10, 10), (20, 10))
+    with studio.saying("red"):
+        page.set_input_files("#import-file", files=tmp_path / "red.png")
+        page.locator("#choose button[value=traced]").click()
+    page.locator("#paper summary").click()
+    page.locator("#picture-list input[type=range]").fill("100")
+    page.locator("#paper summary").click()
+    page.keyboard.press("s")
+    page.mouse.click(*studio.on_board(MIDDLE, MIDDLE))
+    page.locator("#select-turn").click()
+    page.keyboard.press("Escape")
+    page.mouse.move(2, 2)
+    for (x, y), red in (((MIDDLE, 20), True), ((20, MIDDLE + 60), False)):
+        column, row = map(round, studio.on_board(x, y))
+        assert (studio.screen()[row, column][1] < 100) == red

@@ -81,3 +81,19 @@ def test_once_there_is_a_pen_a_finger_only_moves_the_paper(studio: Studio) -> No
     assert dark(studio, (right[0] - 40, right[1] + 40))
     studio.page.locator("#zoom-fit").click()
     assert not studio.inked(MIDDLE + 60, MIDDLE + 20)  # where a stroke of the finger would be
+
+
+def test_two_fingers_undo_and_three_redo(studio: Studio) -> None:
+    hand = Hand(studio, pace=0.03)
+    places = [studio.on_board(100 + 30 * i, 100) for i in range(3)]
+    with studio.saying("Undone."):
+        hand.put(places[0])
+        hand.put(*places[:2])
+        hand.lift()
+    assert not studio.inked(*LEFT)
+    with studio.saying("Redone."):
+        hand.put(places[0])
+        hand.put(*places[:2])
+        hand.put(*places)
+        hand.lift()
+    assert studio.inked(*LEFT)

@@ -54,6 +54,34 @@ def test_a_name_is_the_same_however_its_letters_are_composed(client: TestClient)
     assert client.put("/api/projects/F\u00fcchse", json=document(), headers=NEW).status_code == 412
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are those of Unix")
+def test_what_is_no_project_hides_none_and_is_waited_for_by_nobody(
+    client: TestClient, tmp_path: Path
+) -> None:
+    assert client.put("/api/projects/fox", json=document(), headers=NEW).status_code == 204
+    folder = tmp_path / "projects"
+    os.mkfifo(folder / "pipe.normalgan")
+    (folder / "loop.normalgan").symlink_to("loop.normalgan")
+    (folder / "zero.normalgan").symlink_to("/dev/zero")
+    (folder / "folder.normalgan").mkdir()
+    with (folder / "large.normalgan").open("wb") as file:
+        file.truncate(3 * 2**30)  # sparse
+    assert {entry["name"] for entry in client.get("/api/projects").json()} == {"fox", "large"}
+    for name, words in {
+        "pipe": "is no file but a pipe or a device",
+        "loop": "cannot be read: ",
+        "zero": "is no file but a pipe or a device",
+        "folder": "cannot be read: ",
+        "large": "has more than 20971520 bytes",
+    }.items():
+        read = client.get(f"/api/projects/{name}")
+        assert (read.status_code, words in read.json()["error"]) == (400, True), name
+        assert client.put(f"/api/projects/{name}", json=document(), headers=NEW).status_code == 400
+        assert client.delete(f"/api/projects/{name}", headers={"If-Match": '"0"'}).status_code == 400
+    assert client.get("/api/projects/fox").status_code == 200
+    assert client.put("/api/projects/cub", json=document(), headers=NEW).status_code == 204
+
+
 def test_of_two_tabs_the_one_that_has_not_seen_the_others_work_is_told(client: TestClient) -> None:
     first = client.put("/api/projects/fox", json=document(), headers=NEW).headers["etag"]
     # Both tabs have opened it; one saves, and saves again.

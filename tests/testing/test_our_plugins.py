@@ -113,7 +113,15 @@ OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
         [CrossEntropy(), Wasserstein(), WassersteinGradientPenalty()],
     ),
     (RECONSTRUCTIONS, reconstruction_checks(), [L1AndHints(), AngularLikelihood(), CosineAndL2()]),
-    (AUGMENTATIONS, augmentation_checks(), [Augmentation(), Augmentation(stretch=True, shear=10.0)]),
+    (
+        AUGMENTATIONS,
+        augmentation_checks(),
+        [
+            Augmentation(),
+            Augmentation(stretch=True, shear=10.0),
+            Augmentation(fills=1.0, decals=1.0, hatching=1.0),
+        ],
+    ),
     (
         METRICS,
         metric_checks(),

@@ -1,6 +1,7 @@
 """Configurations made to do harm, by the places where the parser builds or reads what is named."""
 
 import json
+from base64 import b64encode
 
 from attacked_checkpoints import EVIL, SYMPY
 
@@ -28,24 +29,42 @@ UNSAFE: dict[str, dict[str, object]] = {
     "a function as an optimiser": {"model": {"generator_optimizer": "os.system"}},
     "a network": {"model": {"generator": f"{EVIL}.Foo"}},
     "a strategy": {"trainer": {"strategy": {"class_path": f"{EVIL}.Foo"}}},
-    "a path in a setting": {
-        "model": {"generator": {"class_path": "UNetGenerator", "init_args": {"norm": f"{EVIL}.x"}}}
-    },
-    "further arguments": {
-        "trainer": {
-            "logger": {"class_path": "CSVLogger", "init_args": {"save_dir": "."}, "dict_kwargs": {"a": 1}}
+    "one in further arguments": {
+        "data": {
+            "lines": {"class_path": "Mixture", "dict_kwargs": {"styles": [{"class_path": f"{EVIL}.Foo"}]}}
         }
     },
-    "a cluster": {"cluster": "cluster.yaml"},
     "another file": {"trainer": "unsafe_trainer.yaml"},
+    "a file as a URL": {"trainer": "file://{folder}/unsafe_trainer.yaml"},
+    "a file in the home folder": {"trainer": "~/unsafe_trainer.yaml"},
+    "a list of files in the home folder": {"trainer": {"callbacks": ["~/unsafe_class.yaml"]}},
     "a file for a class": {"model": {"generator": "unsafe_class.json"}},
     "a list of files": {"trainer": {"callbacks": ["unsafe_class.yaml"]}},
 }
 """What `--safe-config` refuses."""
+URLS = (
+    f"data://text/yaml;base64,{b64encode(f'callbacks: {{class_path: {EVIL}.Foo}}'.encode()).decode()}",
+    "local://{folder}/unsafe_trainer.yaml",
+    "simplecache::file://{folder}/unsafe_trainer.yaml",
+    "http://127.0.0.1:{port}/unsafe_trainer.yaml",
+    "simplecache::http://127.0.0.1:{port}/unsafe_trainer.yaml",
+    "${oc.env:HOME}/unsafe_trainer.yaml",
+)
+"""Where no configuration is read from, safe or not."""
 NESTED = {
     "unsafe_trainer.yaml": f"callbacks: {{class_path: {EVIL}.Foo}}\n",
     "unsafe_class.yaml": f"class_path: {EVIL}.Foo\n",
     "unsafe_class.json": f'{{"class_path": "{EVIL}.Foo"}}\n',
-    "cluster.yaml": "class_path: subprocess.Popen\n",
 }
 """Files that they name."""
+FOREIGN: dict[str, dict[str, object]] = {
+    "trainer.default_root_dir": {"trainer": {"default_root_dir": "other"}},
+    "trainer.logger": {
+        "trainer": {"logger": {"class_path": "CSVLogger", "init_args": {"save_dir": "other"}}}
+    },
+    "checkpoint.filename": {"checkpoint": {"filename": "../../other/checkpoints/last"}},
+    "data.cache": {"data": {"cache": "reference::{folder}/unsafe_class.json"}},
+    "data.local_cache": {"data": {"local_cache": "other"}},
+    "output.folder": {"output": {"folder": "other"}},
+}
+"""Settings that say where is written, by the name of each."""

@@ -32,9 +32,9 @@ def rig(path: Path) -> None:
 
 def configuration(path: Path) -> None:
     """Look at a configuration as every training command does first."""
-    from normalgan.cli.config_files import ConfigCheck
+    from normalgan.cli.config_files import check_config
 
-    ConfigCheck(("trainer", "data", "model")).check(path)
+    check_config(path, ("trainer", "data", "model"))
 
 
 def drawing(path: Path) -> None:

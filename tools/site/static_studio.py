@@ -32,6 +32,7 @@ CACHE = ROOT / "build" / "npm"
 RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs")
 BINARY = "ort-wasm-simd-threaded.wasm"
 """Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
+SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
     "<p>This studio runs in your browser alone; nothing you draw leaves it, and projects stay in its store. "
@@ -101,7 +102,8 @@ def build(folder: Path, runtime: bytes) -> None:
     shutil.copytree(PAGE, page)
     (page / "index.html").unlink()
     for path in BACKEND.glob("*.js"):
-        shutil.copy(path, page)
+        if path.name != SERVICE_WORKER:
+            shutil.copy(path, page)
     for path in (*MODELS, CLAY):
         shutil.copy(path, page)
     notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths}  # a browser's runtime does not read them
@@ -128,3 +130,17 @@ def build(folder: Path, runtime: bytes) -> None:
     assert about in text, "the page's help has no line about itself"
     text = markup(text.replace(main, first + main).replace(about, _ABOUT + about), page)
     (folder / "index.html").write_text(text, encoding="utf-8")
+    _write_service_worker(folder)
+
+
+def _write_service_worker(folder: Path) -> None:
+    """Write what keeps the studio's files in a browser; where a file differs, it is another version."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    version = hashlib.sha256()
+    for path in files:
+        version.update(hashlib.sha256(path.read_bytes()).digest())
+    names = ["./", *(path.relative_to(folder).as_posix() for path in files)]
+    built = json.dumps({"VERSION": version.hexdigest()[:16], "FILES": names})
+    code = (BACKEND / SERVICE_WORKER).read_text(encoding="utf-8")
+    # In the folder of the page: it serves what lies below it.
+    (folder / SERVICE_WORKER).write_text(f"globalThis.BUILT = {built};\n{code}", encoding="utf-8")

@@ -8,6 +8,8 @@ import { encodePng, levelsOf } from "./png.js";
 import { blurred } from "./raster.js";
 
 const MOST = 2048;
+/** What can be exported without Python, and its formats. */
+const EXPORTS = { map: ["png8", "png16"], lines: ["png"] };
 /** Layers whose pixels are kept. */
 const MOST_KEPT = 64;
 const LACKS = "this needs Python: install normalgan and run `normalgan studio`, which opens what you save here with Open a file";
@@ -157,7 +159,7 @@ async function answer(path, { method = "GET", body, headers }) {
     const stored = /^\/api\/(projects|autosave)(?:\/(.+))?$/.exec(path);
     if (stored) return await documents(stored[1], stored[2] && decodeURIComponent(stored[2]), method, new Headers(headers), String(body ?? ""));
     if (path === "/api/about") {
-      return json({ version: "in the browser", model: { name: "ours.onnx", size: await size, confidence: true }, limits: { side: MOST } });
+      return json({ version: "in the browser", model: { name: "ours.onnx", size: await size, confidence: true }, limits: { side: MOST }, exports: EXPORTS });
     }
     if (path === "/api/open") return json(null);
     if (path === "/api/import" && body instanceof Blob) return await picture(body);
@@ -167,6 +169,9 @@ async function answer(path, { method = "GET", body, headers }) {
     return refused(error instanceof Error ? error.message : String(error), 500);
   }
 }
+
+// So that the page opens again without a network. Some browsers have none, or none in private windows.
+globalThis.navigator.serviceWorker?.register("service_worker.js").catch(() => {});
 
 const beyond = globalThis.fetch;
 /** @param {RequestInfo | URL} address @param {RequestInit} [options] */

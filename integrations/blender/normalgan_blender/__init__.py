@@ -71,7 +71,7 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
                 predicted = Path(folder) / f"{drawing.stem}_normal.png"
                 warned = predict(drawing, predicted, "--bits", "16", "--alpha", chosen=chosen)
                 normals = bpy.data.images.load(str(predicted))
-                normals.colorspace_settings.name = "Non-Color"  # before it is packed, which reads it
+                set_non_color(normals)  # before it is packed, which reads it
                 normals.pack()
         except CommandError as error:
             self.report({"ERROR"}, str(error))
@@ -86,6 +86,15 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
         target.data.materials.clear()
         target.data.materials.append(material)
         return {"FINISHED"}
+
+
+def set_non_color(image: Any) -> None:
+    """Let an image hold numbers, not colours, under any OCIO configuration."""
+    space, usual = image.colorspace_settings, image.colorspace_settings.name
+    space.is_data = True  # the space that has the role "data" in the OCIO configuration
+    if space.name == usual:  # none has
+        spaces = space.bl_rna.properties["name"].enum_items.keys()
+        space.name = next((raw for raw in ("Non-Color", "Raw", "Utility - Raw") if raw in spaces), usual)
 
 
 def material_of(name: str, normals: Any, colours: Any | None, strength: float) -> Any:

@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from normalgan.animals.quadrupeds_poses import POSTURES
 from normalgan.animals.species import GROUPS, SPECIES
 from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.mesh import Mesh
@@ -61,7 +62,9 @@ class Animal:
         return to_mesh(self.name, SPECIES[self.species].grow(self.pose, rng))
 
 
-def make_animals(count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",)) -> list[Animal]:
+def make_animals(
+    count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",), postures: float = 0.0
+) -> list[Animal]:
     """Return ``count`` animals, the species in rotation; the same for the same seed and species.
 
     Animals of different herd seeds differ, and a longer herd begins with the shorter one.
@@ -70,9 +73,11 @@ def make_animals(count: int, seed: int = 0, species: Sequence[str] = ("quadruped
         count: how many.
         seed: of the herd.
         species: names of species, and of groups, which stand for all their species.
+        postures: share of the animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back, where
+            the species knows one of these; the others are in a pose of their habits.
 
     Raises:
-        InputError: if there is no animal, no species, or a name is not known.
+        InputError: if there is no animal, no species, a name is not known, or the share is none.
 
     Example:
         >>> [animal.species for animal in make_animals(3, seed=0)]
@@ -82,8 +87,18 @@ def make_animals(count: int, seed: int = 0, species: Sequence[str] = ("quadruped
     """
     if count < 1:
         raise InputError(f"a herd has at least one animal, not {count}.")
+    if not 0 <= postures <= 1:
+        raise InputError(f"the share of postures is {postures}; give a number from 0 to 1.")
     names = members(species)
-    return [Animal(names[i % len(names)], seed * 10_000 + i // len(names)) for i in range(count)]
+    numbered = [(names[i % len(names)], seed * 10_000 + i // len(names)) for i in range(count)]
+    return [Animal(name, number, _posture(name, number, postures)) for name, number in numbered]
+
+
+def _posture(species: str, seed: int, share: float) -> str | None:
+    """Return the posture of an animal, None for all but a share of them."""
+    known = [pose for pose in SPECIES[species].poses if pose == "sit" or pose in POSTURES]
+    rng = rng_of(f"posture of {species}", seed)
+    return str(rng.choice(known)) if known and rng.random() < share else None
 
 
 def members(names: Sequence[str]) -> list[str]:

@@ -10,7 +10,7 @@ from normalgan.animals.dinosaurs import Armour
 from normalgan.animals.frames import Frame, bend, fold, pitch, unit, yaw
 from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
 from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
-from normalgan.animals.quadrupeds_poses import POSES, Pose
+from normalgan.animals.quadrupeds_poses import POSES, POSTURES, Pose
 from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
 from normalgan.arrays import Doubles
@@ -277,14 +277,15 @@ class Quadruped:
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """Stand, walk, trot, gallop, graze and sit, whatever it is mostly seen in; in armour, only those."""
-        return tuple(POSES) if self.armour is None else tuple(dict.fromkeys(self.habits))
+        """All poses and postures, whatever it is mostly seen in; in armour, only its habits."""
+        return (*POSES, *POSTURES) if self.armour is None else tuple(dict.fromkeys(self.habits))
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return one individual's parts."""
         young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
         build = proportions(_RANGES, self.ranges, rng, young)
-        return _assemble(self, build, POSES[drawn_pose(self.habits, pose, rng)](rng), rng)
+        drawn = drawn_pose(self.habits, pose, rng)
+        return _assemble(self, build, (POSES[drawn] if drawn in POSES else POSTURES[drawn])(rng), rng)
 
 
 def _assemble(species: Quadruped, build: _Build, pose: Pose, rng: Rng) -> list[Part]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from normalgan.animals.plan import Rng
 
-__all__ = ["POSES", "Angles", "Pose"]
+__all__ = ["POSES", "POSTURES", "Angles", "Pose"]
 
 Angles = tuple[float, float, float, float]
 
@@ -139,3 +139,77 @@ POSES: Mapping[str, Callable[[Rng], Pose]] = {
     "graze": _graze,
     "sit": _sit,
 }
+
+
+_IN_THE_AIR = (False, False, False, False)
+
+
+def _lie(rng: Rng) -> Pose:
+    """Lie on the belly, the forelegs ahead as a dog's or folded under as a cow's."""
+    fold = rng.uniform(-6, 6)
+    ahead = (-28.0 + fold, 102.0, 8.0, 0.0)
+    under = (44.0 + fold, 22.0, -152.0, -20.0)
+    fore = ahead if rng.uniform() < 0.5 else under
+    hind = (58.0 + fold, -104.0, 112.0, -8.0)
+    return replace(_carriage(rng), legs=(fore, fore, hind, hind), stance=_IN_THE_AIR)
+
+
+def _rear(rng: Rng) -> Pose:
+    fores = [(float(a), float(b), -55.0, -25.0) for a, b in rng.uniform((15, 20), (55, 60), (2, 2))]
+    push = rng.uniform(-4, 12)
+    hind = (push, -push, 0.0, 0.0)
+    stance = (False, False, True, True)
+    return replace(
+        _carriage(rng), legs=(*fores, hind, hind), stance=stance, pitch=rng.uniform(35, 62), neck_pitch=0.0
+    )
+
+
+def _beg(rng: Rng) -> Pose:
+    fores = [(float(a), 65.0, -30.0, -25.0) for a in rng.uniform(-15, 20, 2)]
+    fold = rng.uniform(-4, 6)
+    hind = (62.0 + fold, -102.0, 98.0, -58.0 - fold)
+    return replace(
+        _carriage(rng),
+        legs=(*fores, hind, hind),
+        stance=_IN_THE_AIR,
+        pitch=rng.uniform(52, 72),
+        neck_pitch=0.0,
+    )
+
+
+def _bow(rng: Rng) -> Pose:
+    """Stretch the forelegs ahead, the chest low and the rump high."""
+    ahead = rng.uniform(48, 66)
+    fore = (ahead, 12.0, 4.0, 10.0)
+    pose = _stand(rng)
+    stance = (False, False, True, True)
+    return replace(
+        pose,
+        legs=(fore, fore, *pose.legs[2:]),
+        stance=stance,
+        pitch=rng.uniform(-30, -18),
+        neck_pitch=1.0,
+        tail_lift=1.0,
+    )
+
+
+def _leap(rng: Rng) -> Pose:
+    fores = [(float(a), float(b), -15.0, -10.0) for a, b in rng.uniform((35, 0), (65, 30), (2, 2))]
+    hinds = [(float(a), 10.0, -12.0, -20.0) for a in rng.uniform(-62, -40, 2)]
+    return replace(_carriage(rng), legs=(*fores, *hinds), stance=_IN_THE_AIR, pitch=rng.uniform(-12, 25))
+
+
+def _look_back(rng: Rng) -> Pose:
+    side = 1.0 if rng.uniform() < 0.5 else -1.0
+    return replace(_stand(rng), neck_yaw=side * rng.uniform(55, 95), head_yaw=side * rng.uniform(15, 45))
+
+
+POSTURES: Mapping[str, Callable[[Rng], Pose]] = {
+    "lie": _lie,
+    "rear": _rear,
+    "beg": _beg,
+    "bow": _bow,
+    "leap": _leap,
+    "look_back": _look_back,
+}
+"""Poses that no species takes by itself; they are to be asked for."""

@@ -118,8 +118,8 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--human",
         type=str | None,
-        help="measure a model, --evaluate or shipped, on drawings by people: a folder in the layout of "
-        "OpenSketch, DifferSketching or Tracing versus Freehand; takes no plan; --rows names groups",
+        help="measure a model, --evaluate or shipped, on drawings by people: a folder with a "
+        "drawings.json, see docs/benchmark.md; takes no plan; --rows names groups",
     )
     parser.add_argument(
         "--spec",

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeVar
 
 import yaml
 
-from normalgan.cli.config_files import ConfigCheck
+from normalgan.cli.config_files import check_config
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.parser_errors import refusal
 from normalgan.errors import InputError, did_you_mean
@@ -215,7 +215,7 @@ def read_yaml(path: str | Path) -> Settings:
         InputError: if it cannot be read as one.
     """
     path = find_config(str(path))
-    ConfigCheck(()).check(path)
+    check_config(path)
     content: Settings = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     return content
 

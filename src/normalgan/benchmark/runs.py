@@ -25,8 +25,8 @@ __all__ = [
 ]
 
 OWN_DATA = (
-    *("augmentation", "batch_size", "extra_animals", "local_cache", "local_cache_size", "memory"),
-    *("on_the_fly", "render_workers", "variants", "variation", "workers"),
+    *("augmentation", "batch_size", "extra_animals", "extra_postures", "local_cache", "local_cache_size"),
+    *("memory", "on_the_fly", "render_workers", "variants", "variation", "workers"),
 )
 """Settings of the data that are a method's own affair; all others are the same for every row."""
 

@@ -1,6 +1,7 @@
 """Checkpoints: written whole or not at all, and looked at before they are used."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ __all__ = [
     "AtomicCheckpointIO",
     "LastCheckpoint",
     "best_checkpoint",
+    "check_others",
     "check_size",
     "check_sizes",
     "check_unused",
@@ -134,17 +136,53 @@ def named_checkpoint(last: Path, name: str) -> Path:
     return best
 
 
-def check_unused(folder: Path) -> None:
-    """Make sure that the folder of a new run's checkpoints holds none to go on from.
+def check_unused(folder: Path, resumed: Path | None = None) -> None:
+    """Make sure that the folder of a run's checkpoints holds none of another run.
+
+    Args:
+        folder: where the run is to write.
+        resumed: the checkpoint that it goes on from, which lies there if they are its own.
 
     Raises:
         InputError: if it does.
     """
-    for there in (folder / "last.ckpt", stopped_checkpoint(str(folder.parent))):
-        if there.is_file():
+    if resumed is not None and resumed.parent.resolve() == folder.resolve():
+        return
+    first = [folder / "last.ckpt", stopped_checkpoint(str(folder.parent))]
+    if there := next((path for path in [*first, *sorted(folder.glob("*.ckpt"))] if path.is_file()), None):
+        raise InputError(
+            f"{folder} holds a run already: resume it with --ckpt_path {there}, "
+            "or give another --trainer.default_root_dir."
+        )
+
+
+def check_others(
+    callbacks: Iterable[object], root: str | None, resumed: Path | None, known: set[str]
+) -> None:
+    """Make sure that no checkpoint is written over one of another run in a folder that a callback names.
+
+    Args:
+        callbacks: of the run; those of Lightning's checkpoints matter.
+        root: folder of the run.
+        resumed: the checkpoint that it goes on from.
+        known: folders that this one says its run wrote to.
+
+    Raises:
+        InputError: if one would be.
+    """
+    own = Path(checkpoint_folder(root)).resolve()
+    for callback in callbacks:
+        if not isinstance(callback, ModelCheckpoint) or "://" in str(callback.dirpath or ""):
+            continue
+        # A name may lead out of the folder; a metric in it, such as {val/angle:.2f}, does not.
+        name = re.sub(r"\{.*?\}", "_", callback.filename or "_")
+        folder = (Path(callback.dirpath or own) / name).resolve().parent
+        if folder == own or str(folder) in known or (resumed and resumed.parent.resolve() == folder):
+            continue
+        if there := next(iter(sorted(folder.glob("*.ckpt"))), None):
             raise InputError(
-                f"{folder} holds a run already: resume it with --ckpt_path {there}, "
-                "or give another --trainer.default_root_dir."
+                f"{folder} holds checkpoints of another run, such as {there.name}; "
+                "give the callback that names it another dirpath or filename."
             )
 
 

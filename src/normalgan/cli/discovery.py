@@ -3,11 +3,12 @@
 import contextlib
 import inspect
 from collections.abc import Iterator
+from importlib import import_module
 from importlib.metadata import entry_points
+from itertools import accumulate
 from typing import Any
 
 from normalgan.data.augmentation import AUGMENTATIONS
-from normalgan.data.jobs.cluster_address import CLUSTERS
 from normalgan.data.sources import DATA_SOURCES
 from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS
@@ -22,11 +23,10 @@ __all__ = [
     "REGISTRIES",
     "SETTINGS",
     "described",
-    "is_safe",
     "load_plugins",
     "misplaced",
     "namable",
-    "settings_of_classes",
+    "safe_imports",
 ]
 
 REGISTRIES: dict[str, Registry[Any]] = {
@@ -83,47 +83,52 @@ _SCHEDULES = (
     "OneCycleLR PolynomialLR ReduceLROnPlateau StepLR"
 )
 _CALLBACKS = (
-    "DeviceStatsMonitor EarlyStopping LearningRateMonitor ModelCheckpoint ModelSummary RichModelSummary "
-    "RichProgressBar TQDMProgressBar Timer"
+    "DeviceStatsMonitor EarlyStopping LearningRateMonitor ModelSummary RichModelSummary RichProgressBar "
+    "TQDMProgressBar Timer"
 )
 _SAFE = {
-    f"{module}.{name}"
-    for module, names in {
-        "torch.optim": _OPTIMIZERS,
-        "torch.optim.lr_scheduler": _SCHEDULES,
-        "lightning.pytorch.cli": "ReduceLROnPlateau",
-        "lightning.pytorch.callbacks": _CALLBACKS,
-        "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
-        "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
-        "normalgan.callbacks.checkpoints": "AtomicCheckpointIO LastCheckpoint",
-        "normalgan.optimizers": "MuonRAdam",
-    }.items()
-    for name in names.split()
+    "torch.optim": _OPTIMIZERS,
+    "torch.optim.lr_scheduler": _SCHEDULES,
+    "lightning.pytorch.cli": "ReduceLROnPlateau",
+    "lightning.pytorch.callbacks": _CALLBACKS,
+    "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
+    "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
+    "normalgan.callbacks.checkpoints": "AtomicCheckpointIO LastCheckpoint",
+    "normalgan.data.sources": "MeshGroup",
+    "normalgan.rendering": "Views",
+    "normalgan.rendering.hand": "Hand",
+    "normalgan.rendering.media": "Medium",
+    "normalgan.rendering.variation": "Variation",
+    "normalgan.gan": "_rmsprop",
+    "normalgan.optimizers": "MuonRAdam",
 }
-"""What a stranger's configuration may name beside plug-ins: none of it takes a function in turn."""
-_SAFE_NAMES = {name.rpartition(".")[2] for name in _SAFE}
+"""What a stranger's configuration may name beside plug-ins: none takes a function or a path to write to."""
 
 
-def is_safe(name: str) -> bool:
-    """Return whether a configuration that is not trusted may name a class; nothing is imported for it.
+def safe_imports() -> list[str]:
+    """Return every import path that a configuration may name under ``--safe-config``, in dots.
 
-    >>> is_safe("torch.optim.RAdam"), is_safe("UNetGenerator"), is_safe("sympy.Lambda"), is_safe("os.system")
-    (True, True, False, False)
+    These are the registered classes and a few of torch, Lightning and this package, each where it is defined
+    and as each package above may show it.
+
+    >>> "torch.optim.RAdam" in safe_imports(), "torch.optim.radam.RAdam" in safe_imports()
+    (True, True)
     """
-    if name in _SAFE | _SAFE_NAMES or name == "normalgan.gan._rmsprop":
-        return True
-    return any(registry.knows(name) for registry in REGISTRIES.values())
-
-
-def settings_of_classes() -> set[str]:
-    """Return the settings that take a class, by the last part of their name."""
-    optimizers = ("generator_optimizer", "discriminator_optimizer", "lr_scheduler")
-    return {*REGISTRIES, "styles", *optimizers, "logger", "callbacks"}
+    named = [
+        getattr(import_module(module), name) for module, names in _SAFE.items() for name in names.split()
+    ]
+    plugins = [cls for registry in REGISTRIES.values() for cls in registry]
+    return sorted(
+        f"{package}.{found.__qualname__}"
+        for found in {*named, *plugins}
+        if found.__qualname__.isidentifier()  # no setting can name one that is defined in a function
+        for package in accumulate(found.__module__.split("."), "{}.{}".format)
+    )
 
 
 def misplaced() -> list[LeftOut]:
     """Return what packages offer in groups that look like ours and are none: a typo nobody would notice."""
-    groups = [*(registry.group for registry in REGISTRIES.values()), CLUSTERS]
+    groups = [registry.group for registry in REGISTRIES.values()]
     strange = [g for g in entry_points().groups if g.startswith("normalgan.") and g not in groups]
     return [
         LeftOut(

@@ -75,24 +75,23 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
 
 
 def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Return the arguments with the paths of shipped configurations in place of their names, and all paths.
+    """Return the arguments with each configuration as one ``--config=PATH``, and the paths.
 
     Args:
-        arguments: of a command; ``--config`` may be spelled in any way.
+        arguments: of a command; ``--config`` may be spelled in any way, and name one of the package.
 
     >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
-    >>> with_shipped_configs(given)[1]
-    ['a.yaml', 'b.yaml', 'c.yaml']
+    >>> with_shipped_configs(given)[0]
+    ['fit', '--config=a.yaml', '--config=b.yaml', '--config=c.yaml', '--data.size', '64']
     """
     replaced, found = [], []
-    for before, argument in zip(["", *arguments], arguments, strict=False):
-        joined = re.fullmatch(r"(--config=|-c(?!$))(.+)", argument)
-        prefix, given = ("", argument) if joined is None else joined.groups()
-        if before in {"-c", "--config"}:
-            prefix, given = "", argument
-        elif joined is None:
-            replaced.append(argument)
+    words = iter(arguments)
+    for word in words:
+        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", word)
+        given = joined[1] if joined else next(words, None) if word in {"-c", "--config"} else None
+        if given is None:
+            replaced.append(word)
             continue
         found.append(find_config(given))
-        replaced.append(f"{prefix}{found[-1]}")
+        replaced.append(f"--config={found[-1]}")
     return replaced, found

@@ -49,6 +49,11 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     ):
         name = ".".join(part for part in found.groups() if part)
         return f"there is no setting {name}.{did_you_mean(name, settings)}"
+    if found := re.search(r"Importing '(.+?)' is not allowed", message):
+        return (
+            f"{where}--safe-config does not allow {found[1]}; it takes registered classes and a few of "
+            "torch and Lightning."
+        )
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
         return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
     if found := re.search(r"Expected a dot import path string: (.+)", message):

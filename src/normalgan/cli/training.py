@@ -12,7 +12,7 @@ from textwrap import shorten
 from typing import Any
 
 import yaml
-from jsonargparse import get_loader, set_loader
+from jsonargparse import get_loader, set_loader, set_parsing_settings
 from lightning.fabric.utilities.cloud_io import get_filesystem
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
@@ -24,6 +24,7 @@ from lightning.pytorch.utilities.exceptions import SIGTERMException
 from normalgan.callbacks import PictureLogger, StoppedCheckpoint, TestReport
 from normalgan.callbacks.checkpoints import (
     LastCheckpoint,
+    check_others,
     check_size,
     check_sizes,
     check_unused,
@@ -31,8 +32,8 @@ from normalgan.callbacks.checkpoints import (
     named_checkpoint,
     run_folder,
 )
-from normalgan.cli.config_files import ConfigCheck, load_bounded
-from normalgan.cli.discovery import is_safe, load_plugins, settings_of_classes
+from normalgan.cli.config_files import check_config, load_bounded
+from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
@@ -59,7 +60,12 @@ __all__ = [
 ]
 
 SAFE_CONFIG = "--safe-config"
-"""The option under which a configuration may name but what cannot run a program."""
+"""The option under which only registered classes are imported and built."""
+_OUTPUTS = (
+    *("trainer.default_root_dir", "trainer.logger", "trainer.model_registry", "checkpoint.filename"),
+    *("data.cache", "data.local_cache", "output.folder", "cluster"),
+)
+"""What writes, or runs elsewhere: `SAFE_CONFIG` takes it from the command line alone."""
 
 
 INSTEAD = {
@@ -141,13 +147,16 @@ class NormalGANCLI(LightningCLI):
         command: the Trainer's method that is run.
         arguments: its options.
         held: what the command holds until it ends: the run's folder.
+        safe: whether configurations may not say where is written.
     """
 
-    def __init__(self, command: str, arguments: list[str], held: ExitStack) -> None:
+    def __init__(self, command: str, arguments: list[str], held: ExitStack, safe: bool = False) -> None:
         self.command = command
         self.held = held
+        self.safe = safe
         self.weights: Weights | None = None  # what the model gets, if it does not go on learning
-        self.resumed: str | None = None  # the checkpoint that fit goes on from
+        self.resumed: Path | None = None  # the checkpoint that fit goes on from
+        self.known: set[str] = set()  # the folders that its callbacks wrote to
         self.given = given_names(*with_shipped_configs(arguments), "model")
         super().__init__(
             NormalGAN,
@@ -219,6 +228,14 @@ class NormalGANCLI(LightningCLI):
         """Let what is saved in a file decide on the model, after a look at whether it can be used."""
         super().parse_arguments(parser, args)
         command, config = self.command, self.config
+        if self.safe:
+            own = parser.parse_args([word for word in args if not word.startswith("--config=")])
+            for name in _OUTPUTS:
+                if config.get(name) != own.get(name):
+                    raise InputError(
+                        f"a configuration sets {name}, and {SAFE_CONFIG} takes it from the command line "
+                        f"alone: give --{name}."
+                    )
         given = None if command == "render" else config["ckpt_path"]
         if given is None and command in {"fit", "render"}:
             return
@@ -240,7 +257,7 @@ class NormalGANCLI(LightningCLI):
         """Refuse to train over a finished run, or where nothing can be written."""
         if self.resumed is not None:
             # Tell Lightning the checkpoint that fit goes on from.
-            self.config["ckpt_path"] = self.resumed
+            self.config["ckpt_path"] = str(self.resumed)
             self.config["weights_only"] = True
         command, config = self.command, self.config
         last = Path(checkpoint_folder(config["trainer"]["default_root_dir"])) / "last.ckpt"
@@ -251,8 +268,8 @@ class NormalGANCLI(LightningCLI):
             config["verbose"] = False  # Lightning's own list of figures would bury our table
         if command in {"fit", "test"}:
             check_writable(last.parent.parent)
-        if command == "fit" and config["ckpt_path"] is None:
-            check_unused(last.parent)
+        if command == "fit":
+            check_unused(last.parent, self.resumed)
         # The other processes of a run share its folder.
         if command == "fit" and rank_zero_only.rank == 0:  # type: ignore[attr-defined]
             self.held.enter_context(one_run_in(last.parent.parent))
@@ -267,6 +284,9 @@ class NormalGANCLI(LightningCLI):
             raise InputError(f"a setting cannot be used: {refusal(error)}") from error
         if self.weights is not None:
             self.weights.load_into(self.model.generator)
+        if self.command == "fit":
+            root = self.config["trainer"]["default_root_dir"]
+            check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
 
     def _resume(self, path: Path) -> None:
         """Read a checkpoint's settings over the configuration's."""
@@ -278,7 +298,8 @@ class NormalGANCLI(LightningCLI):
             self.config = self.parser.parse_object({"model": saved}, self.config)
         except InputError as error:
             raise InputError(f"the model in {path} cannot be built here: {error}") from error
-        self.resumed = str(path)
+        states = [state for state in checkpoint.callbacks.values() if isinstance(state, Mapping)]
+        self.resumed, self.known = path, {str(state.get("dirpath")) for state in states}
 
     def _use_checkpoint(self, path: Path, command: str) -> None:
         """Take the generator of a checkpoint and the hints it learnt with; what else learnt is left alone."""
@@ -326,11 +347,12 @@ def run(arguments: list[str]) -> int:
         KeyboardInterrupt: if it was stopped.
     """
     arguments, section = asked_for(arguments)
-    arguments = _check_configs(arguments)
-    with _reading_settings() as held:
+    safe = SAFE_CONFIG in arguments
+    arguments = _check_configs([argument for argument in arguments if argument != SAFE_CONFIG])
+    with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
         try:
-            NormalGANCLI(arguments[0], arguments[1:], held).run_command()
+            NormalGANCLI(arguments[0], arguments[1:], held, safe).run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
         except SIGTERMException as stop:
@@ -363,11 +385,25 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
 
 
 @contextmanager
-def _reading_settings() -> Iterator[ExitStack]:
-    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used."""
+def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
+    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used.
+
+    Args:
+        safe: whether to import and build registered classes alone. jsonargparse decides on each class or
+            function that any setting names, and cannot be told to allow more again in this process.
+    """
     with warnings.catch_warnings(), ExitStack() as held:
         filter_warnings()
         load_plugins()
+        # Lightning lets jsonargparse read any URL, data: and http: too, that stands where settings may.
+        set_parsing_settings(config_read_mode_fsspec_enabled=False)
+        if safe:
+            set_parsing_settings(
+                import_path_denylist=["*"],
+                import_path_allowlist=safe_imports(),
+                validate_subclass_spec_in_any=True,
+                instantiate_subclass_spec_in_any=False,
+            )
         load = get_loader("yaml")
         held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
         set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
@@ -400,12 +436,9 @@ def _check_configs(arguments: list[str]) -> list[str]:
     """Look at the configurations before anything in them is used; return the parser's arguments.
 
     Raises:
-        InputError: if one cannot be used, or is not as safe as it was asked to be.
+        InputError: if one cannot be used.
     """
-    safe = SAFE_CONFIG in arguments
-    check = ConfigCheck(tuple(SECTIONS), settings_of_classes(), is_safe if safe else None)
     arguments, configs = with_shipped_configs(arguments)
     for given in configs:
-        check.check(given)
-    check.check_arguments(arguments)
-    return [argument for argument in arguments if argument != SAFE_CONFIG]
+        check_config(given, SECTIONS)
+    return arguments

@@ -11,10 +11,11 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.contracts import class_name, describe, refused
+from normalgan.data.surface_marks import mark_surfaces
 from normalgan.errors import InputError
-from normalgan.metrics.functional import unit_vectors, unit_vectors_within
 from normalgan.losses.distractor_consistency import add_distractor_strokes
-from normalgan.contracts import class_name, refused, describe
+from normalgan.metrics.functional import unit_vectors, unit_vectors_within
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 
@@ -239,7 +240,11 @@ class Augmentation(BatchAugmentation):
         stretch: whether width and height are scaled each by a factor of its own, drawn from ``scale``: an
             animal becomes a longer or a taller one, which few meshes can make many.
         shear: largest slant in degrees, either way.
-        distractor_strokes: probability of each of two short strokes on the object that say nothing of its form.
+        distractor_strokes: probability of each of two short strokes on the object that say nothing of its
+            form.
+        fills: probability that areas of the drawing are filled black, with white lines in them or none.
+        decals: probability of text, a logo, windows, spots or stripes on the object.
+        hatching: probability that the object's side away from a light is hatched.
         translation: largest move along each axis, as a share of the side.
         jitter: how far lines wobble, in pixels of a sketch of 256 (standard deviation).
         dropout: largest share of the paper on which lines are left out.
@@ -258,6 +263,9 @@ class Augmentation(BatchAugmentation):
         stretch: bool = False,
         shear: float = 0.0,
         distractor_strokes: float = 0.0,
+        fills: float = 0.0,
+        decals: float = 0.0,
+        hatching: float = 0.0,
     ) -> None:
         for name, share in {
             "flip": flip,
@@ -265,6 +273,9 @@ class Augmentation(BatchAugmentation):
             "width": width,
             "translation": translation,
             "distractor_strokes": distractor_strokes,
+            "fills": fills,
+            "decals": decals,
+            "hatching": hatching,
         }.items():
             if not 0 <= share <= 1:
                 raise InputError(f"the augmentation's {name} must be between 0 and 1, not {share}.")
@@ -285,11 +296,15 @@ class Augmentation(BatchAugmentation):
             "stretch": stretch,
             "shear": shear,
             "distractor_strokes": distractor_strokes,
+            "fills": fills,
+            "decals": decals,
+            "hatching": hatching,
         }
         self.jitter = jitter
         self.dropout = dropout
         self.width = width
         self.distractor_strokes = distractor_strokes
+        self.marks = (fills, decals, hatching)
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; the same for the same seed.
@@ -314,6 +329,8 @@ class Augmentation(BatchAugmentation):
                 sketch = add_distractor_strokes(sketch, mask, self.distractor_strokes)
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
         normal = unit_vectors_within(turn_normals(moved[:, :3], transform), mask)
+        if any(self.marks):
+            sketch = mark_surfaces(sketch, normal, mask, seed, *self.marks)
         augmented: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": mask}
         if "hints" in batch:
             augmented["hints"] = move_hints(batch["hints"], transform)

@@ -12,6 +12,7 @@ from torch.utils.data import DataLoader
 
 from normalgan.animals import make_animals
 from normalgan.batch import Batch
+from normalgan.contracts import check_kinds, class_name, refused
 from normalgan.data.augmentation import BatchAugmentation, augmented
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.jobs.usable import find_unusable, leave_out
@@ -29,9 +30,8 @@ from normalgan.data.splits import SPLITS
 from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
-from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.inference.jobs.plan import find_files
-from normalgan.contracts import class_name, check_kinds, refused
+from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
@@ -54,6 +54,8 @@ class MeshDataModule(LightningDataModule):
         animals: how many embedded animals there are, if no meshes are given.
         extra_animals: embedded animals that join the training meshes that are given; those to validate and
             test stay as they are.
+        extra_postures: share of these animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back,
+            where the species knows one of these.
         species: groups (such as quadrupeds or birds) and species that the embedded animals are of, in turn.
         poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
         variants: individuals that join each training mesh, varied at random; those to validate and test stay
@@ -102,6 +104,7 @@ class MeshDataModule(LightningDataModule):
         groups: list[MeshGroup] = [],  # noqa: B006  # never changed
         animals: int = 24,
         extra_animals: int = 0,
+        extra_postures: float = 0.0,
         species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
         poses: int = 0,
         variants: int = 0,
@@ -180,7 +183,7 @@ class MeshDataModule(LightningDataModule):
         self.meshes = meshes
         self.groups = groups
         self.animals = animals
-        self.extra_animals = extra_animals
+        self.extra_animals, self.extra_postures = extra_animals, extra_postures
         self.species = species
         self.poses = poses
         self.variants = variants
@@ -246,7 +249,8 @@ class MeshDataModule(LightningDataModule):
             kinds = [MeshGroup(self.meshes, *how).split(settings), *kinds]
         elif not self.groups:
             kinds = [Animals(self.animals, tuple(self.species), self.variants).split(settings)]
-        extra = make_animals(self.extra_animals, self.seed, self.species) if self.extra_animals else []
+        how_many = (self.extra_animals, self.seed, self.species, self.extra_postures)
+        extra = make_animals(*how_many) if self.extra_animals else []
         joined = {split: [mesh for kind in kinds for mesh in kind[split]] for split in SPLITS}
         return {**joined, "train": [*joined["train"], *extra]}
 

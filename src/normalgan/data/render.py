@@ -68,7 +68,7 @@ def render_samples(
         if manifest is None:
             if Manifest.damaged(folder):
                 warnings.warn(f"damaged, and written again: the manifest of {folder.url}.", stacklevel=2)
-            manifest = lay_out(pool, sources, views, recipe, meshes, per_shard, progress)
+            manifest = lay_out(pool, sources, views, recipe, meshes, per_shard)
             manifest.write(folder)
         elif folder.local or thorough:
             manifest.describe(folder)  # mends what describes the arrays

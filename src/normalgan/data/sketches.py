@@ -12,11 +12,11 @@ from torch.utils.data import Dataset
 
 from normalgan.batch import Sketches
 from normalgan.errors import InputError, with_subject
-from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.inference.inputs import check_size, prepare_any
 from normalgan.inference.jobs.plan import DrawingFiles
 from normalgan.inference.parallel import stream
 from normalgan.inference.preparation import Prepared
+from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
 __all__ = ["SketchDataset", "SketchSample", "collate_sketches"]
 

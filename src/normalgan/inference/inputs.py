@@ -13,7 +13,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
 from normalgan.decoding.worker import plain, reduced
 from normalgan.errors import InputError, brief
-from normalgan.inference.jobs.plan import MODEL, OUTLINE
+from normalgan.inference.jobs.plan import MODEL, OUTLINE, READER
 from normalgan.inference.mask.masks import load_mask, mask_of
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST
@@ -60,8 +60,9 @@ def prepare_any(
         hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels of the drawing from
             its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
         mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
-            black; ``outline`` fills the drawing's own, ``model`` leaves it to the network; None takes the
-            drawing's opacity if that tells, else its outline.
+            black; ``outline`` fills the drawing's own, ``model`` leaves it to the network, ``reader`` lets
+            the reader network vote on what lines enclose; None takes the drawing's opacity if that tells,
+            else its outline.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
         line_widths: of the lines that the network is shown as they were drawn, in its pixels.
 
@@ -99,7 +100,7 @@ def check_any(image: AnyPicture, hints: AnyHints, mask: AnyMask, size: int | Non
     """
     check_size(size)
     picture = as_picture(image, size)
-    source = mask if isinstance(mask, str) and mask in {OUTLINE, MODEL} else None
+    source = mask if isinstance(mask, str) and mask in {OUTLINE, MODEL, READER} else None
     where = None if source is not None else as_mask(mask, picture.shape)
     return Given(picture, where, as_hints(hints, picture.shape), source)
 

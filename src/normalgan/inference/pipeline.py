@@ -188,7 +188,7 @@ def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
     if prepared.scenery:
         return prepared.mask if prepared.closed >= CLOSED else prepared.mask | present, _SCENERY
     if prepared.closed >= CLOSED:
-        return prepared.mask, _STRAIGHT if prepared.guessed else ""
+        return prepared.mask, _STRAIGHT if prepared.guessed else prepared.unsure
     return prepared.mask | present, (
         f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "
         "not, the mask is the model's guess (close the gaps, or give --mask)"

@@ -7,9 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import Cleaned, clean
-from normalgan.inference.jobs.plan import MODEL
+from normalgan.inference.cleaning.silhouette import contour
+from normalgan.inference.jobs.plan import MODEL, READER
 from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.mask.reader import Reading, drop_ground, read, vote
 from normalgan.inference.network.framing import Bounds, Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
@@ -17,6 +20,9 @@ from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, re
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
 __all__ = ["Prepared", "hinted", "prepare", "reframed"]
+
+_LEAST = 0.01
+"""Share of a picture that an object takes at least, and its ground, if no line tells it."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,7 @@ class Prepared:
         scenery: whether the mask comes from the outline, and what is behind the object is painted too.
         line_widths: of the lines that the model is shown as they were drawn.
         given: the hints in pixels of the drawing, if they are to be looked for on the object; or None.
+        unsure: what is to be said of regions of which the reader is unsure.
     """
 
     shape: tuple[int, int]
@@ -56,6 +63,7 @@ class Prepared:
     scenery: bool = False
     line_widths: LineWidths = USUAL_WIDTHS
     given: Hints | None = None
+    unsure: str = ""
 
 
 def prepare(
@@ -76,8 +84,8 @@ def prepare(
         mask: (h, w), the object, of any size; None takes the drawing's opacity or fills its outline.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
-        source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, or None for the drawing's
-            opacity if that tells, else its outline.
+        source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, `READER`, or None for the
+            drawing's opacity if that tells, else its outline.
         painted: (H, W) of any size, 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere.
             What was added closes the gaps that it covers in an outline.
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
@@ -87,8 +95,10 @@ def prepare(
     """
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
-    cleaned: Cleaned = clean(picture.resized(worked))
-    alpha, closed, guessed, from_outline = None, 1.0, False, False
+    shown_whole = picture.resized(worked)
+    unknown = mask is None and source in {None, READER}
+    cleaned, reading = _clean_and_read(shown_whole, unknown, votes=unknown and source == READER)
+    alpha, closed, guessed, from_outline, unsure = None, 1.0, False, False, ""
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
@@ -102,6 +112,10 @@ def prepare(
         outline = fill_outline(walls)
         mask, closed, guessed = outline.mask, outline.closed, outline.guessed
         from_outline = True
+        if reading is not None:
+            voted = vote(walls, mask, reading.presence)
+            if voted.mask.any():
+                mask, closed, guessed, unsure = voted.mask, 1.0, False, voted.unsure
     prepared = Prepared(
         shape=shape,
         ink=cleaned.ink,
@@ -115,8 +129,39 @@ def prepare(
         painted=painted,
         scenery=from_outline and cleaned.scenery,
         line_widths=line_widths,
+        unsure=unsure,
     )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
+
+
+def _clean_and_read(picture: Picture, unknown: bool, votes: bool) -> tuple[Cleaned, Reading | None]:
+    """Return a picture's ink and, if the reader votes on its object, what that sees in it.
+
+    Where cleaning finds no line, as in a sprite on a flat ground, the rim of the reader's object is its line.
+
+    Args:
+        picture: of the drawing.
+        unknown: whether nothing but the picture tells the object.
+        votes: whether the reader is asked in any case.
+
+    Raises:
+        InputError: if neither finds anything.
+    """
+    try:
+        cleaned = clean(picture)
+    except InputError:
+        if not unknown or picture.alpha is not None:
+            raise
+        reading = read(picture)
+        silhouette = reading.presence > 0.5
+        if not _LEAST <= silhouette.mean() <= 1 - _LEAST:
+            raise
+        lines = np.where(silhouette, reading.ink, 0)
+        return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
+    if not votes:
+        return cleaned, None
+    reading = read(picture)
+    return replace(cleaned, ink=drop_ground(cleaned.ink, reading)), reading
 
 
 def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:

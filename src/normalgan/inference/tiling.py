@@ -7,8 +7,9 @@ from math import ceil
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
-from normalgan.inference.jobs.plan import MODEL
+from normalgan.inference.jobs.plan import MODEL, READER
 from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.framing import Frame
@@ -68,6 +69,8 @@ def predict_tile(
     """
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_TILED else fitted(shape, MOST_TILED)
+    if source == READER:
+        raise InputError("a tile takes no mask from the reader; use a file, outline or model for its mask.")
     page = picture.resized(worked, partial(resize_tile, tile=tile))
     room = (round(_BESIDE * max(worked)),) * 2
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)

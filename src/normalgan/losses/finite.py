@@ -9,9 +9,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from normalgan.batch import Batch
 from normalgan.errors import RunError
 
-__all__ = ["FEW", "LossError", "async_to_cpu", "loss_error", "not_finite"]
+__all__ = ["FEW", "LossError", "async_to_cpu", "loss_error", "not_finite", "watch"]
 
 FEW = 8
 """More names of samples than this no one reads."""
@@ -79,3 +80,34 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
         f"the loss cannot be followed any further ({which}) in epoch {epoch}, batch {batch}, with the "
         f"samples {', '.join(names[:FEW])}{more}; lower the learning rates, or look at these samples."
     )
+
+
+def watch(losses: Mapping[str, Tensor], processes: int) -> Callable[[Batch, int, int], dict[str, Tensor]]:
+    """Begin to read losses while backward is at work, and return what checks them before the weights change.
+
+    It takes the batch, the epoch and the number of the batch in it, and returns the losses on the CPU: to log
+    a figure that is on a GPU would wait for it.
+
+    Args:
+        losses: scalars by name.
+        processes: how many train together. One that stopped alone would leave the others waiting, so the sum
+            of all is checked too.
+
+    Raises:
+        LossError: from what is returned, where the step would make all weights NaN; in every process.
+    """
+    values = torch.stack([value.detach().float() for value in losses.values()])
+    if processes > 1:
+        total = values.clone()
+        torch.distributed.all_reduce(total)  # Lightning's own reduction waits for all processes first
+        values = torch.cat([values, total])
+    read = async_to_cpu(values)
+
+    def check(batch: Batch, epoch: int, batch_idx: int) -> dict[str, Tensor]:
+        numbers = read()
+        own = dict(zip(losses, numbers, strict=False))
+        if not_finite(dict(enumerate(numbers))):
+            raise loss_error(not_finite(own), batch.get("name", []), epoch, batch_idx)
+        return {name: torch.tensor(number) for name, number in own.items()}
+
+    return check

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import stat
 import sys
 import unicodedata
 from collections.abc import Iterator
@@ -13,8 +14,10 @@ from typing import Any, Final
 
 from filelock import FileLock, Timeout
 
-from normalgan.errors import RunError, unwritable
+from normalgan.errors import InputError, RunError, unwritable
+from normalgan.files.limits import read_bounded
 from normalgan.files.writing import write_bytes
+from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.names import check_name, is_name
 from normalgan.studio.refusals import ChangedError, MissingError
 
@@ -61,14 +64,19 @@ class DocumentStore:
             ) from error
 
     def entries(self) -> list[dict[str, Any]]:
-        """Return the name, the time of the last change (ISO, UTC) and the size of each, newest first."""
+        """Return the name, the time of the last change (ISO, UTC) and the size of each, newest first.
+
+        Files alone count: no pipe, no folder, and nothing that cannot be looked at.
+        """
         found = []
         for path in self.folder.glob(f"*{SUFFIX}"):
             if not is_name(path.stem):
                 continue
             try:
                 status = path.stat()
-            except FileNotFoundError:  # deleted just now
+            except OSError:  # deleted just now, or a link to itself
+                continue
+            if not stat.S_ISREG(status.st_mode):
                 continue
             changed = datetime.fromtimestamp(status.st_mtime, UTC).isoformat()
             name = unicodedata.normalize("NFC", path.stem)
@@ -79,13 +87,16 @@ class DocumentStore:
         """Return a document and its tag.
 
         Raises:
-            InputError: if the name is none.
+            InputError: if the name is none, or it is longer than the page may send, no file, or not readable.
             MissingError: if there is none of that name.
         """
+        path = self._path(name)
         try:
-            content = self._path(name).read_bytes()
+            content = read_bounded(path, MOST_BYTES)
         except FileNotFoundError:
             raise MissingError(f"there is nothing called {name!r}.") from None
+        except OSError as error:
+            raise InputError(f"{path} cannot be read: {error.strerror}.") from None
         return content, tag_of(content)
 
     def write(self, name: str, content: bytes, expected: Expected) -> str:

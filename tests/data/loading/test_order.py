@@ -62,7 +62,9 @@ def test_a_mesh_is_loaded_once_for_a_group_of_views(workers: int, batch: int) ->
     count = loads(order_of_epoch(meshes, views, 0, 0, batch), batch, workers, room=row)
     # The last groups of an epoch need not fill a row; their batches then come to all workers.
     assert count <= meshes * 3 + row * (workers - 1)
-    shuffled = [ViewIndex(int(i) // views, int(i) % views) for i in np.random.default_rng(0).permutation(40_000)]
+    shuffled = [
+        ViewIndex(int(i) // views, int(i) % views) for i in np.random.default_rng(0).permutation(40_000)
+    ]
     assert loads(shuffled, batch, workers, room=row) > 5 * count
 
 

@@ -1,4 +1,4 @@
-"""Drawings by people of objects whose mesh and camera are known: read in public layouts and measured."""
+"""Drawings by people of objects whose normals are known: read in one layout and measured."""
 
 from normalgan.benchmark.human.command import human
 

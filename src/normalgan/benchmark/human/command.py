@@ -1,4 +1,4 @@
-"""normalgan benchmark --human: measures a model on drawings by people, in the layout of a public data set."""
+"""normalgan benchmark --human: measures a model on drawings by people of objects whose normals are known."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -7,12 +7,8 @@ from typing import Any
 
 import torch
 
-from normalgan.benchmark.human.cameras import CAMERAS
-from normalgan.benchmark.human.differsketching import is_differsketching, read_differsketching
-from normalgan.benchmark.human.drawing import Found
+from normalgan.benchmark.human.drawings import read_drawings
 from normalgan.benchmark.human.evaluation import COUNTS, Measurement, measure_drawings
-from normalgan.benchmark.human.opensketch import is_opensketch, read_opensketch
-from normalgan.benchmark.human.tracings import is_tracings, read_tracings
 from normalgan.benchmark.intervals import mesh_interval
 from normalgan.benchmark.machine import commit, describe_machine, describe_versions
 from normalgan.benchmark.pictures import Line, draw_methods
@@ -22,15 +18,10 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.files.writing import write_bytes
 from normalgan.inference.load import load
 
-__all__ = ["find_drawings", "human", "tables"]
+__all__ = ["human", "tables"]
 
 _GALLERY = 6
 _SEED = 0
-_LAYOUTS = (
-    (is_opensketch, read_opensketch),
-    (is_differsketching, read_differsketching),
-    (is_tracings, read_tracings),
-)
 
 
 def human(
@@ -39,7 +30,7 @@ def human(
     """Measure a model on the drawings in a folder, and write results.json, table.md and gallery.png.
 
     Args:
-        folder: in the layout of a data set.
+        folder: with ``drawings.json``, as `read_drawings` takes it.
         name: of the model's file, or ``shipped``.
         out: where the files go.
         groups: of drawings that are measured; empty for all.
@@ -48,64 +39,42 @@ def human(
     Raises:
         InputError: if the folder or the model cannot be used.
     """
-    found = find_drawings(folder)
-    known = Counter(drawing.group for drawing in found.drawings)
+    listed, left_out = read_drawings(folder)
+    known = Counter(drawing.group for drawing in listed)
     for group in groups:
         if group not in known:
             raise InputError(
                 f"{folder} has no drawings {group!r}; it has {', '.join(sorted(known))}."
                 f"{did_you_mean(group, known)}"
             )
-    drawings = [drawing for drawing in found.drawings if not groups or drawing.group in groups]
-    say(f"{found.layout}: {len(drawings)} drawings in {folder}")
+    drawings = [drawing for drawing in listed if not groups or drawing.group in groups]
+    say(f"{len(drawings)} drawings in {folder}")
     measured = measure_drawings(drawings, load(name), _SEED, _GALLERY, say)
-    measured.left_out = [*found.left_out, *measured.left_out]
+    measured.left_out = [*left_out, *measured.left_out]
     if not measured.drawings:
         raise InputError(f"none of the drawings in {folder} can be measured; {measured.left_out[0]}")
-    head: dict[str, Any] = {"layout": found.layout, "model": name, "hint_seed": _SEED}
+    head: dict[str, Any] = {"model": name, "hint_seed": _SEED}
     head |= {"machine": describe_machine(torch.device("cpu")), "versions": describe_versions()}
     content = {**head, "commit": commit(), "groups": measured.groups}
     content |= {"drawings": measured.drawings, "left_out": measured.left_out}
     write_json(out / "results.json", content)
-    text = tables(found.layout, name, measured)
+    text = tables(name, measured)
     write_bytes(out / "table.md", text.encode())
     bare, hinted = zip(*measured.shown, strict=True)
     lines = [Line("no hints", bare), Line(f"{COUNTS[-1]} hints", hinted)]
-    write_bytes(out / "gallery.png", draw_methods(lines, f"{found.layout}, {name}"))
+    write_bytes(out / "gallery.png", draw_methods(lines, f"drawings by people, {name}"))
     say(f"\n{text}")
     say(f"Report: {out.resolve()}")
     return measured
 
 
-def find_drawings(folder: Path) -> Found:
-    """Return the drawings in a folder, whichever layout it has.
-
-    Raises:
-        InputError: if it has none that is known, or nothing in it can be read.
-    """
-    if not folder.is_dir():
-        raise InputError(f"--human was given {folder}, which is no folder.")
-    for fits, read in _LAYOUTS:
-        if fits(folder):
-            found = read(folder)
-            if not found.drawings:
-                why = found.left_out[0] if found.left_out else "there are none."
-                raise InputError(f"{folder} has no drawing that can be measured; {why}")
-            return found
-    raise InputError(
-        f"{folder} has the layout of no data set that is known: OpenSketch "
-        "(DESIGNER/OBJECT/view1_concept.json), DifferSketching (CATEGORY/original_json/*.json and "
-        f"{CAMERAS}) or Tracing versus Freehand (tracings.json and {CAMERAS})."
-    )
-
-
-def tables(layout: str, model: str, measured: Measurement) -> str:
+def tables(model: str, measured: Measurement) -> str:
     """Return the figures as Markdown: by group, and by drawing."""
     most = str(COUNTS[-1])
     headings = ["drawings", "drawings", "objects", "no hints", "95 % over objects", f"{most} hints"]
     headings += ["95 % over objects", "median, no hints", "where both are, no hints", "mask IoU"]
     headings += ["calibration error"]
-    lines = [f"# Drawings by people: {layout}, {model}", ""]
+    lines = [f"# Drawings by people: {model}", ""]
     lines += [
         "Mean angular error on the object; where nothing is painted it is 90°. Hints are the true normals at "
         "points uniform on the object; hinted pixels do not count. *Where both are* leaves out what is not "

@@ -11,19 +11,20 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.benchmark.accumulator import Accumulator, Figure
-from normalgan.benchmark.human.drawing import HumanDrawing
+from normalgan.benchmark.accumulator import Accumulator, Figure, mesh_of
+from normalgan.benchmark.human.drawings import HumanDrawing
 from normalgan.benchmark.human.registration import camera_of, read_placed_mesh
 from normalgan.benchmark.measure import Measured
 from normalgan.benchmark.points import hint_points
 from normalgan.callbacks.gallery import Row
+from normalgan.data.sources.pairs import PairFiles
 from normalgan.errors import InputError
 from normalgan.hints import hints_at
 from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.drawings import read_drawing
 from normalgan.metrics import angular_error, without_hints
 from normalgan.metrics.contour import distance_from_contour
 from normalgan.rendering.renderers.embree import EmbreeRenderer
-from normalgan.rendering.strokes.raster import rasterise
 
 __all__ = ["COUNTS", "Measurement", "measure_drawings", "sample_of"]
 
@@ -31,6 +32,8 @@ COUNTS = (0, 15)
 """Numbers of hints that every drawing is painted with, those of the benchmark's table 1."""
 _VISIBLE = 0.05
 """Ink fainter than this is not seen."""
+_LARGEST_SIDE = 4096
+"""Larger drawings are a mistake: the map of one would take minutes."""
 _APART = 0.1
 """Boxes of a drawing and of its object that share less are of another sheet or camera."""
 _CPU = torch.device("cpu")
@@ -43,7 +46,7 @@ class Measurement:
 
     Args:
         groups: figures of drawings that belong together, as those of a method of the benchmark.
-        drawings: name, group, mesh, size, camera and figures of each.
+        drawings: name, group, object, size and figures of each.
         left_out: a sentence for each that could not be measured.
         shown: rows of the gallery, without hints and with the most.
     """
@@ -55,30 +58,38 @@ class Measurement:
 
 
 def sample_of(drawing: HumanDrawing) -> Batch:
-    """Return the drawing with the true normals beneath it, a batch of one.
+    """Return the drawing with the true normals beneath it, a batch of one; padded to a square with paper.
 
     Raises:
-        InputError: if its mesh or camera cannot be used, none of the mesh or of the lines is on the sheet, or
-            they lie in different places on it.
+        InputError: if one of its files or its camera cannot be used, none of the mesh is on the sheet, or
+            lines and object lie in different places on it.
     """
-    placed = _placed(drawing.mesh)
-    camera = camera_of(drawing.projection, placed, drawing.side)
-    maps = EmbreeRenderer().render(placed.mesh, camera, drawing.side)
-    if not maps.mask.any():
+    ink = read_drawing(drawing.drawing)
+    side = max(ink.shape)
+    if side > _LARGEST_SIDE:
+        raise InputError(f"it is {side} pixels wide; up to {_LARGEST_SIDE} can be measured.")
+    normal, mask = np.zeros((side, side, 3), np.float32), np.zeros((side, side), bool)
+    if drawing.projection is None:
+        pair = PairFiles(drawing.name, drawing.drawing, drawing.truth).load()
+        within = tuple(slice(length) for length in pair.mask.shape)
+        normal[within], mask[within] = pair.normal, pair.mask
+    else:
+        placed = _placed(drawing.truth)
+        maps = EmbreeRenderer().render(placed.mesh, camera_of(drawing.projection, placed, side), side)
+        normal, mask = maps.normal, maps.mask
+    if not mask.any():
         raise InputError("its camera shows nothing of the mesh.")
-    ink = rasterise(drawing.strokes, drawing.side)
-    if not (ink > _VISIBLE).any():
-        raise InputError("none of its lines can be seen on the sheet.")
-    shared = _shared(_box(ink > _VISIBLE), _box(maps.mask))
+    ink = np.pad(ink, [(0, side - length) for length in ink.shape])
+    shared = _shared(_box(ink > _VISIBLE), _box(mask))
     if shared < _APART:
         raise InputError(
             f"the lines and the object as its camera shows it lie apart: their boxes share {shared:.0%}; "
-            f"is the camera for a sheet of {drawing.side} pixels?"
+            f"is the camera for a sheet of {side} pixels?"
         )
     return {
         "sketch": torch.from_numpy(ink)[None, None],
-        "normal": torch.from_numpy(np.ascontiguousarray(maps.normal.transpose(2, 0, 1)))[None],
-        "mask": torch.from_numpy(maps.mask.astype(np.float32))[None, None],
+        "normal": torch.from_numpy(np.ascontiguousarray(normal.transpose(2, 0, 1)))[None],
+        "mask": torch.from_numpy(mask.astype(np.float32))[None, None],
         "name": [drawing.name],
     }
 
@@ -117,7 +128,7 @@ def measure_drawings(
     """
     found = Measurement()
     gathered: dict[str, dict[str, Accumulator]] = {}
-    ordered = sorted(drawings, key=lambda one: (str(one.mesh), one.name))
+    ordered = sorted(drawings, key=lambda one: (str(one.truth), one.name))
     every = max(len(ordered) // max(gallery, 1), 1)
     for number, drawing in enumerate(ordered):
         try:
@@ -126,8 +137,8 @@ def measure_drawings(
             found.left_out.append(f"{drawing.name} is left out: {error}")
             continue
         group = gathered.setdefault(drawing.group, {str(count): Accumulator(_CPU) for count in COUNTS})
-        record: dict[str, Any] = {"name": drawing.name, "group": drawing.group, "mesh": drawing.mesh.name}
-        record |= {"size": drawing.side, "camera_misses": drawing.misses, "figures": {}}
+        record: dict[str, Any] = {"name": drawing.name, "group": drawing.group}
+        record |= {"object": mesh_of(drawing.name), "size": batch["mask"].shape[-1], "figures": {}}
         rows = []
         for count in COUNTS:
             predicted, hints, warning = _predict(predictor, batch, count, seed)

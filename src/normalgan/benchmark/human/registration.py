@@ -1,4 +1,4 @@
-"""Registration: the camera under which a mesh lies beneath a drawing, from a projection or from points."""
+"""Registration: the camera under which a mesh lies beneath a drawing, from a projection matrix."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,16 +12,13 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.rendering.views import Camera
 
-__all__ = ["CREASE_ANGLE", "PlacedMesh", "camera_of", "fit_projection", "read_placed_mesh"]
-
+__all__ = ["CREASE_ANGLE", "PlacedMesh", "camera_of", "read_placed_mesh"]
 
 CREASE_ANGLE = 40.0
 """Edges sharper than this, in degrees, stay hard: most objects that people were asked to draw have such."""
 _SKEWED = 0.03
 """A camera whose axes are farther from right angles, or an orthographic one whose axes differ more in scale,
 does not turn normals into normals."""
-_FEWEST = 6
-_FLAT = 0.01
 
 
 @dataclass(frozen=True)
@@ -117,75 +114,3 @@ def _rq(matrix: Doubles) -> tuple[Doubles, Doubles]:
     upper, rotation = triangle.T[::-1, ::-1], flipped.T[::-1]
     signs = np.sign(np.diag(upper))
     return upper * signs, rotation * signs[:, None]
-
-
-def fit_projection(points: Doubles, pixels: Doubles) -> tuple[Doubles, float]:
-    """Return the camera that sees points at pixels, and by how many pixels it misses them in the mean.
-
-    Square pixels, no skew, any centre: found by the direct linear transform (Hartley and Zisserman,
-    algorithm 7.1) and refined by least squares over its nine parameters.
-
-    Args:
-        points: (N, 3) on the object, N at least 6 and not in one plane.
-        pixels: (N, 2) on the drawing, y downwards.
-
-    Returns:
-        The (3, 4) projection, and the mean distance in pixels.
-
-    Raises:
-        InputError: if they determine no camera.
-    """
-    from scipy.optimize import least_squares
-    from scipy.spatial.transform import Rotation
-
-    if len(points) != len(pixels):
-        raise InputError(
-            f"{len(points)} points of it are given, and {len(pixels)} places where they are drawn."
-        )
-    if len(points) < _FEWEST or points.shape != (len(pixels), 3) or pixels.shape != (len(points), 2):
-        raise InputError(f"a camera is fitted to {_FEWEST} pairs of points or more, not to {len(points)}.")
-    centre, middle = points.mean(axis=0), pixels.mean(axis=0)
-    spread, reach = np.abs(points - centre).max(), np.abs(pixels - middle).max()
-    thickness = np.linalg.svd(points - centre, compute_uv=False)
-    if not thickness[2] > _FLAT * thickness[0] or not reach > 0:
-        raise InputError("its points lie in one plane, which leaves the camera open.")
-    near, flat = (points - centre) / spread, (pixels - middle) / reach
-    start = _direct_linear(near, flat)
-    inner, rotation = _rq(start[:, :3] * np.sign(np.linalg.det(start[:, :3])))
-    start = start * np.sign(np.linalg.det(start[:, :3]))
-    shift = np.linalg.solve(inner, start[:, 3])
-    inner = inner / inner[2, 2]
-    focal = (inner[0, 0] + inner[1, 1]) / 2
-    first = np.array([np.log(focal), *inner[:2, 2], *Rotation.from_matrix(rotation).as_rotvec(), *shift])
-
-    def build(values: Doubles) -> Doubles:
-        f = np.exp(values[0])
-        calibration = np.array([[f, 0, values[1]], [0, f, values[2]], [0, 0, 1]])
-        turned = Rotation.from_rotvec(values[3:6]).as_matrix()
-        return np.asarray(calibration @ np.c_[turned, values[6:]])
-
-    def misses(values: Doubles) -> Doubles:
-        return np.asarray((_project(build(values), near) - flat).ravel())
-
-    found = build(least_squares(misses, first, x_scale="jac").x)
-    to_points, to_pixels = np.eye(4), np.array([[reach, 0, middle[0]], [0, reach, middle[1]], [0, 0, 1]])
-    to_points[:3, :3] /= spread
-    to_points[:3, 3] = -centre / spread
-    projection = to_pixels @ found @ to_points
-    missed = np.linalg.norm(_project(projection, points) - pixels, axis=1)
-    return projection, float(missed.mean())
-
-
-def _direct_linear(points: Doubles, pixels: Doubles) -> Doubles:
-    whole, none = np.c_[points, np.ones(len(points))], np.zeros((len(points), 4))
-    rows = np.r_[
-        np.c_[whole, none, -pixels[:, :1] * whole],
-        np.c_[none, whole, -pixels[:, 1:] * whole],
-    ]
-    found: Doubles = np.linalg.svd(rows)[2][-1].reshape(3, 4)
-    return found
-
-
-def _project(projection: Doubles, points: Doubles) -> Doubles:
-    seen = np.c_[points, np.ones(len(points))] @ projection.T
-    return np.asarray(seen[:, :2] / seen[:, 2:])

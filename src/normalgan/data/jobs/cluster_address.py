@@ -5,7 +5,6 @@ import logging
 import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -17,22 +16,14 @@ from normalgan.errors import InputError
 from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.warning_filters import quiet_loggers
 
-__all__ = ["CLUSTERS", "TIMEOUT", "connect", "read_cluster"]
+__all__ = ["TIMEOUT", "connect", "read_cluster"]
 
 TIMEOUT = 10.0
 """Seconds in which a scheduler must answer."""
 
-CLUSTERS = "normalgan.clusters"
-"""The group of entry points in which a package offers a class of clusters."""
-
 _FORMS = "tcp://host:port, a scheduler file (.json), local:N or a YAML file that names a cluster class"
 _KEYS = {"class_path", "init_args", "scale", "adapt", "patience"}
 _PATIENCE = 60.0
-_PACKAGES = frozenset(
-    ("distributed", "dask", "dask_jobqueue", "dask_kubernetes", "dask_cloudprovider", "dask_cuda", "coiled")
-)
-_CODE = re.compile(r"preload.*|(.*_)?(cls|class)|plugins?|extensions")
-"""Arguments of Dask's clusters that take a class by its name, or Python's source."""
 _LOCAL = {
     # A mesh that kills is tried again alone, so a second death is enough here, instead of a fourth.
     "distributed.scheduler.allowed-failures": 1,
@@ -130,13 +121,8 @@ def _make(file: str, content: dict[str, Any], stack: ExitStack) -> Any:
     """Return the cluster that a YAML file describes; ``stack`` ends it."""
     path = str(content["class_path"])
     kind = _cluster_class(file, path)
-    arguments = content.get("init_args") or {}
-    if code := _names_code(arguments):
-        raise InputError(
-            f"the cluster file {file} sets {code[:40]}, which could run any program here; leave it out."
-        )
     try:
-        cluster = stack.enter_context(kind(**arguments))
+        cluster = stack.enter_context(kind(**(content.get("init_args") or {})))
         for method in ("scale", "adapt"):
             if method in content:
                 getattr(cluster, method)(**content[method])
@@ -146,7 +132,7 @@ def _make(file: str, content: dict[str, Any], stack: ExitStack) -> Any:
 
 
 def _cluster_class(file: str, path: str) -> Callable[..., Any]:
-    """Return the class of clusters that a file names; no other module is imported for it.
+    """Return the class of clusters that a file names, of any package: a cluster file is a program.
 
     Raises:
         InputError: if it is none, or cannot be imported.
@@ -155,14 +141,6 @@ def _cluster_class(file: str, path: str) -> Callable[..., Any]:
     from distributed.deploy.cluster import Cluster
 
     module, _, name = path.rpartition(".")
-    offered = {entry.value.replace(":", ".") for entry in entry_points(group=CLUSTERS)}
-    # SpecCluster takes the names of further classes.
-    known = module.partition(".")[0] in _PACKAGES and name.endswith("Cluster") and name != "SpecCluster"
-    if not known and path not in offered:
-        raise InputError(
-            f"{ascii(path)[:80]} in the cluster file {file} is no known class of Dask clusters: it is one of "
-            f"{', '.join(sorted(_PACKAGES))}, or one that an installed package offers as {CLUSTERS}."
-        )
     try:
         kind = getattr(importlib.import_module(module), name)
     except (ImportError, AttributeError, ValueError) as error:
@@ -171,16 +149,3 @@ def _cluster_class(file: str, path: str) -> Callable[..., Any]:
         raise InputError(f"{path} in the cluster file {file} is no class of Dask clusters.")
     made: Callable[..., Any] = kind
     return made
-
-
-def _names_code(arguments: Any) -> str:
-    """Return the name of an argument that takes code, however deep it lies; empty if there is none."""
-    if isinstance(arguments, dict):
-        for key, value in arguments.items():
-            if _CODE.fullmatch(str(key)):
-                return str(key)
-            if found := _names_code(value):
-                return found
-    if isinstance(arguments, list):
-        return next(filter(None, map(_names_code, arguments)), "")
-    return ""

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 from normalgan.data.jobs.pool import Killed, Pool
+from normalgan.data.jobs.shard_runner import validate_sources
 from normalgan.data.jobs.tasks import MeshTask, check_recipe
-from normalgan.data.jobs.usable import find_troubles
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.splits import plural
 from normalgan.data.store.layout import Layout
@@ -39,11 +39,11 @@ def lay_out(
     recipe: SampleRecipe,
     meshes: Mapping[str, MeshTask],
     per_shard: int,
-    progress: bool,
 ) -> Manifest:
-    """Find out which meshes can be used, as only loading them can tell, and say what lies where.
+    """Say what lies where, after a look at one mesh of each split.
 
-    ``progress`` says whether to show a bar meanwhile: of thousands of meshes it takes minutes.
+    Of each split, meshes are loaded until one can be used, so that a split without any is refused before
+    hours of rendering. The others are loaded once, when they are rendered, and fail there.
 
     Raises:
         InputError: if the renderer does not run, or no mesh of a split can be used.
@@ -51,16 +51,19 @@ def lay_out(
     for _, outcome in pool.run(check_recipe, [recipe]):
         if isinstance(outcome, Killed):
             raise RunError(f"{type(recipe).__name__} kills the process that asks whether it runs.")
-    reasons = find_troubles(pool, list(meshes.values()), plural(recipe.noun), progress)
-    left_out = {name: reasons[name] for name in meshes if name in reasons}
     splits = {}
     for split, number in views.items():
-        usable = tuple(source.name for source in sources[split] if source.name not in left_out)
-        if not usable:
-            first = left_out[sources[split][0].name]
-            raise InputError(
-                f"none of the {len(sources[split])} {plural(recipe.noun)} for {split} can be used; "
-                f"the first: {first}"
-            )
-        splits[split] = Layout(usable, number, recipe.size, per_shard, recipe.hints)
-    return Manifest(recipe.describe(), splits, left_out)
+        names = tuple(source.name for source in sources[split])
+        _refuse_if_none_usable(pool, [meshes[name] for name in names], split, recipe.noun)
+        splits[split] = Layout(names, number, recipe.size, per_shard, recipe.hints)
+    return Manifest(recipe.describe(), splits, {})
+
+
+def _refuse_if_none_usable(pool: Pool, tasks: Sequence[MeshTask], split: str, noun: str) -> None:
+    first = ""
+    for task in tasks:
+        ((_, reason),) = validate_sources(pool, [task])
+        if reason is None:
+            return
+        first = first or reason
+    raise InputError(f"none of the {len(tasks)} {plural(noun)} for {split} can be used; the first: {first}")

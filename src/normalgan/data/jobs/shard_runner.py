@@ -4,10 +4,10 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 from normalgan.data.jobs.pool import Killed, Pool, alone
-from normalgan.data.jobs.tasks import MeshTask, ShardTask, validate_source, render_shard, try_mesh
+from normalgan.data.jobs.tasks import MeshTask, ShardTask, render_shard, try_mesh, validate_source
 from normalgan.errors import RunError
 
-__all__ = ["DEADLY", "validate_sources", "render_shards"]
+__all__ = ["DEADLY", "render_shards", "validate_sources"]
 
 DEADLY = "it kills the process that works on it, most likely for want of memory."
 

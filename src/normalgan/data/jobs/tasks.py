@@ -21,9 +21,9 @@ __all__ = [
     "check_recipe",
     "error_text",
     "find_damage",
-    "validate_source",
     "render_shard",
     "try_mesh",
+    "validate_source",
 ]
 
 

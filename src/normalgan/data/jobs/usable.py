@@ -4,7 +4,6 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 
-from normalgan.data.jobs.pool import Pool
 from normalgan.data.jobs.shard_runner import validate_sources
 from normalgan.data.jobs.tasks import MeshTask
 from normalgan.data.jobs.workers import Workers
@@ -15,7 +14,7 @@ from normalgan.errors import InputError
 from normalgan.progress import progress_bar
 from normalgan.rendering.samples import RENDERING_VERSION
 
-__all__ = ["find_troubles", "find_unusable", "leave_out"]
+__all__ = ["find_unusable", "leave_out"]
 
 
 def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
@@ -43,28 +42,15 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
         pass
     with Workers(workers) as pool:
         tasks = [MeshTask(source, seen) for source, (_, seen) in zip(sources, prints, strict=True)]
-        reasons = find_troubles(pool, tasks, "meshes")
+        reasons = {}
+        with progress_bar("looking at", len(tasks), "meshes", stays=False) as advance:
+            for task, reason in validate_sources(pool, tasks):
+                advance(1)
+                if reason is not None:
+                    reasons[task.source.name] = reason
     left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
     folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
     return left_out
-
-
-def find_troubles(pool: Pool, tasks: Sequence[MeshTask], unit: str, progress: bool = True) -> dict[str, str]:
-    """Return why meshes cannot be used, by name.
-
-    Args:
-        pool: who loads them.
-        tasks: the meshes.
-        unit: what they are called in the bar.
-        progress: whether to show one on the error stream.
-    """
-    reasons = {}
-    with progress_bar("looking at", len(tasks), unit, progress, stays=False) as advance:
-        for task, reason in validate_sources(pool, tasks):
-            advance(1)
-            if reason is not None:
-                reasons[task.source.name] = reason
-    return reasons
 
 
 def leave_out(sources: Sequence[Loadable], reasons: Mapping[str, str], split: str) -> list[Loadable]:

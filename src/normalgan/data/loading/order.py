@@ -35,11 +35,12 @@ def order_of_epoch(
 
     To load a mesh takes as long as a dozen views of it, so its views should not lie scattered over the
     epoch; but a batch should show many meshes. The views of each mesh are therefore cut into groups, and the
-    groups shuffled. A row holds one view of each of the next ``BATCHES_PER_CYCLE * replicas * batch_size`` groups; the
-    next row another view of the same groups in the same order, until they are used up and the next groups
-    come. So a batch shows as many groups as it has samples, its neighbours show others, and the same meshes
-    return every ``BATCHES_PER_CYCLE`` batches. A DataLoader deals batches out to its workers in rotation: if their number
-    divides ``BATCHES_PER_CYCLE``, these batches all go to one worker, and a mesh is loaded once for a whole group.
+    groups shuffled. A row holds one view of each of the next ``BATCHES_PER_CYCLE * replicas * batch_size``
+    groups; the next row another view of the same groups in the same order, until they are used up and the
+    next groups come. So a batch shows as many groups as it has samples, its neighbours show others, and the
+    same meshes return every ``BATCHES_PER_CYCLE`` batches. A DataLoader deals batches out to its workers in
+    rotation: if their number divides ``BATCHES_PER_CYCLE``, these batches all go to one worker, and a mesh is
+    loaded once for a whole group.
 
     The order does not depend on the number of workers.
 

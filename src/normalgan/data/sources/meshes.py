@@ -28,9 +28,11 @@ class MeshGroup:
         poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
         variants: individuals that join each training mesh, varied at random.
         split_file: JSON file that lists the group's train, val and test meshes; None splits by fractions.
+        postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
+            rearing, where the skeleton is a known one; the others are as the animations show them.
 
     Raises:
-        InputError: if a number is negative.
+        InputError: if a number is negative, or the share greater than 1.
     """
 
     meshes: str | list[str]
@@ -39,11 +41,16 @@ class MeshGroup:
     poses: int = 0
     variants: int = 0
     split_file: str | None = None
+    postures: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("poses", "variants"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} of a group of meshes is {getattr(self, name)}; give 0 or more.")
+        if not 0 <= self.postures <= 1:
+            raise InputError(
+                f"postures of a group of meshes is {self.postures}; it is a share of the poses, from 0 to 1."
+            )
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
         """Return the group's meshes by split.
@@ -54,7 +61,11 @@ class MeshGroup:
         found = find_meshes(self.meshes, self.orientation, self.crease_angle)
         split = split_meshes(found, replace(settings, file=self.split_file))
         # After the split: poses and variants of one mesh are too much alike to be on both sides of it.
-        posed = {name: pose(part, self.poses) for name, part in split.items()}
+        # Validation and test keep the poses that earlier figures were measured on.
+        posed = {
+            name: pose(part, self.poses, self.postures if name == "train" else 0.0)
+            for name, part in split.items()
+        }
         return posed | {"train": join_variants(posed["train"], settings.variation, self.variants)}
 
 
@@ -70,6 +81,8 @@ class Meshes(MeshGroup, DataSource):
         poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
         variants: individuals that join each training mesh, varied at random.
         split_file: JSON file that lists the train, val and test meshes; None takes `data.split_file`.
+        postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
+            rearing, where the skeleton is a known one; the others are as the animations show them.
     """
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
@@ -121,11 +134,11 @@ def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict
     return {split: [by_name[name] for name in names[split]] for split in SPLITS}
 
 
-def pose(sources: Sequence[MeshSource], poses: int) -> list[MeshSource]:
+def pose(sources: Sequence[MeshSource], poses: int, postures: float = 0.0) -> list[MeshSource]:
     """Return the meshes with ``poses`` poses in place of each rigged file; 0 leaves all as they are."""
     posed: list[MeshSource] = []
     for source in sources:
-        posed += find_poses([source], poses) if isinstance(source, MeshFile) else [source]
+        posed += find_poses([source], poses, postures) if isinstance(source, MeshFile) else [source]
     return posed
 
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.normals import normalize
 from normalgan.inference.inputs import AnyHints, AnyMask, AnyPicture, as_hints, as_mask, as_picture
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import resize
+from normalgan.normals import normalize
 from normalgan.rendering.samples import Sample
 
 __all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "outwardness"]

@@ -20,10 +20,10 @@ from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError, did_you_mean, with_subject
 from normalgan.files.limits import read_bounded
-from normalgan.normals import Green, flip_green
 from normalgan.inference.reading.drawings import SUFFIXES, read_normals
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.inference.reading.picture import read_picture
+from normalgan.normals import Green, flip_green
 
 __all__ = ["COLUMNS", "NORMAL_SUFFIXES", "PairFiles", "Pairs"]
 

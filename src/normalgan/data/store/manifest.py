@@ -34,7 +34,7 @@ class Manifest:
     Args:
         recipe: how the samples were made, as `Recipe.describe` tells it.
         splits: what lies where, by split.
-        left_out: why a mesh was left out, by name.
+        left_out: why a mesh was left out before rendering, by name; those that fail later have notes.
     """
 
     recipe: dict[str, Any]

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO, Literal
 
@@ -19,7 +20,7 @@ Kind = Literal["gif", "webp", "png"]
 """Of an animation; a PNG that moves is an APNG."""
 SUFFIXES = (".gif", ".webp", ".png", ".apng", ".ase", ".aseprite")
 _MOST_CHUNKS = 1000
-_EXTENSION, _IMAGE, _END = 0x21, 0x2C, 0x3B
+_EXTENSION, _CONTROL, _IMAGE, _END = 0x21, 0xF9, 0x2C, 0x3B
 
 
 def moving_kind(path: Path, content: bytes | None = None) -> Kind | None:
@@ -80,7 +81,7 @@ def _frames_of_gif(path: Path, data: bytes) -> int:
     """Return how many frames a GIF has."""
     count = 0
     try:
-        at = 13 + _table(data[10])
+        at = _after_head(data)
         while at < len(data) and data[at] != _END:
             if data[at] == _EXTENSION:
                 at = _after_blocks(data, at + 2)
@@ -92,6 +93,11 @@ def _frames_of_gif(path: Path, data: bytes) -> int:
     except IndexError:
         raise InputError(f"{path} is broken: it ends within its frame {count + 1}.") from None
     return count
+
+
+def _after_head(data: bytes) -> int:
+    """Return where the blocks of a GIF begin."""
+    return 13 + _table(data[10])
 
 
 def _table(flags: int) -> int:
@@ -119,36 +125,94 @@ def encode_animation(
         durations: milliseconds that each is shown.
         loop: how often all are shown; 0 is for ever.
     """
-    first, *rest = (Image.fromarray(each) for each in frames)
-    file = io.BytesIO()
+    images = [Image.fromarray(each) for each in frames]
     match kind:
         case "gif":
-            # What a frame leaves transparent must not show the one before.
-            shown = 2 if frames[0].shape[2] == 4 else 1
-            once = {} if loop == 1 else {"loop": loop}
-            first.save(
-                file,
-                "GIF",
-                save_all=True,
-                append_images=rest,
-                duration=list(durations),
-                disposal=shown,
-                **once,
-            )
+            return _gif(images, durations, loop, transparent=frames[0].shape[2] == 4)
         case "webp":
-            first.save(
-                file,
-                "WEBP",
-                save_all=True,
-                append_images=rest,
-                duration=list(durations),
-                loop=loop,
-                lossless=True,
-                exact=True,
-                quality=50,
-            )
+            return _webp(images, durations, loop)
         case "png":
-            first.save(
-                file, "PNG", save_all=True, append_images=rest, duration=list(durations), loop=loop, blend=0
-            )
+            return _apng(images, frames, durations, loop)
+
+
+def _gif(images: Sequence[Image.Image], durations: Sequence[int], loop: int, transparent: bool) -> bytes:
+    """Return a GIF that holds every frame, also one that equals the frame before it."""
+    file = io.BytesIO()
+    # What a frame leaves transparent must not show the one before.
+    shown = 2 if transparent else 1
+    once = {} if loop == 1 else {"loop": loop}
+    # Pillow joins equal frames and adds up their durations. Each lasts one hundredth of a second here, so
+    # that the sum is their number; then they are repeated, with their own durations.
+    images[0].save(file, "GIF", save_all=True, append_images=images[1:], duration=10, disposal=shown, **once)
+    data, waits = file.getvalue(), iter(durations)
+    at = _after_head(data)
+    parts = [data[:at]]
+    control = b""
+    while data[at] != _END:
+        start = at
+        if data[at] == _EXTENSION:
+            at = _after_blocks(data, at + 2)
+            if data[start + 1] == _CONTROL:
+                control = data[start:at]
+            else:
+                parts.append(data[start:at])
+            continue
+        at = _after_blocks(data, at + 11 + _table(data[at + 9]))
+        for _ in range(int.from_bytes(control[4:6], "little")):
+            wait = min(next(waits) // 10, 0xFFFF).to_bytes(2, "little")
+            parts += [control[:4], wait, control[6:], data[start:at]]
+    return b"".join([*parts, data[at:]])
+
+
+def _webp(images: Sequence[Image.Image], durations: Sequence[int], loop: int) -> bytes:
+    """Return a WebP of whole frames, each by itself: libwebp would join equal ones.
+
+    The container is that of RFC 9649, section 2.7.
+    """
+    width, height = images[0].size
+    canvas = (width - 1).to_bytes(3, "little") + (height - 1).to_bytes(3, "little")
+    frames = []
+    for image, duration in zip(images, durations, strict=True):
+        file = io.BytesIO()
+        image.save(file, "WEBP", lossless=True, exact=True, quality=50)
+        still = file.getvalue()
+        at = still.index(b"VP8L", 12)
+        pixels = still[at : at + 8 + int.from_bytes(still[at + 4 : at + 8], "little")]
+        wait = min(duration, 0xFFFFFF).to_bytes(3, "little")
+        # At the canvas's upper left, not blended with the frame before, which stays until then.
+        frames.append(
+            _chunk(b"ANMF", bytes(6) + canvas + wait + b"\x02" + pixels + b"\0" * (len(pixels) % 2))
+        )
+    flags = 0x02 | (0x10 if images[0].mode == "RGBA" else 0)
+    head = _chunk(b"VP8X", bytes([flags, 0, 0, 0]) + canvas)
+    return _chunk(
+        b"RIFF", b"".join([b"WEBP", head, _chunk(b"ANIM", bytes(4) + loop.to_bytes(2, "little")), *frames])
+    )
+
+
+def _chunk(name: bytes, content: bytes) -> bytes:
+    """Return a chunk of RIFF, of an even length."""
+    return name + len(content).to_bytes(4, "little") + content + b"\0" * (len(content) % 2)
+
+
+def _apng(
+    images: Sequence[Image.Image], frames: Sequence[NDArray[np.uint8]], durations: Sequence[int], loop: int
+) -> bytes:
+    """Return a PNG that holds every frame, also one that equals the frame before it."""
+    # Pillow joins equal frames whose disposal is the same. Whether a frame is cleared before the next one is
+    # drawn makes no difference to what is seen, as Pillow draws what was cleared too.
+    disposals = [0]
+    for before, each in pairwise(frames):
+        disposals.append(1 - disposals[-1] if np.array_equal(before, each) else 0)
+    file = io.BytesIO()
+    images[0].save(
+        file,
+        "PNG",
+        save_all=True,
+        append_images=images[1:],
+        duration=list(durations),
+        disposal=disposals,
+        loop=loop,
+        blend=0,
+    )
     return file.getvalue()

@@ -8,7 +8,7 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.jobs.plan import MODEL, OUTLINE
+from normalgan.inference.jobs.plan import MODEL, OUTLINE, READER
 from normalgan.inference.network.framing import bounds_of, united
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import stream
@@ -17,6 +17,7 @@ from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared, hinted, prepare, reframed
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted
+from normalgan.inference.vectors import lengths
 
 __all__ = ["Member", "flat_map", "left_flat", "predict_series", "steadied"]
 
@@ -26,6 +27,8 @@ _AROUND = 1 / 32
 """Standard deviation of the window, as a share of the network's side, in which frames are compared."""
 _ALIKE = 0.075
 """Mean difference of the ink in a window from which two frames no longer show the same."""
+_SAME = 0.05
+"""Difference of two frames' normals, in radians, from which they are those of two surfaces."""
 _PASSES = 3
 """How often frames are averaged: what moves on from each to the next is alike in neighbours alone."""
 
@@ -37,7 +40,7 @@ class Member:
     Args:
         picture: the drawing.
         hints: in pixels of the drawing, or None.
-        mask: (H, W), the object; `OUTLINE` or `MODEL`; or None, as `Predictor` has it.
+        mask: (H, W), the object; `OUTLINE`, `MODEL` or `READER`; or None, as `Predictor` has it.
     """
 
     picture: Picture
@@ -99,8 +102,9 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
     """Return what was painted for the frames of an animation, each averaged with its neighbours.
 
     A neighbour counts at a pixel as far as its lines about it are those of the frame itself: the difference
-    of both drawings, blurred over a window, tells. Where something moves, a frame keeps its own; where it
-    moves slowly, frames farther apart count by way of those between them.
+    of both drawings, blurred over a window, tells. Blank paper is alike everywhere, so the normals must be
+    alike too: a ball that has moved on by a few pixels is another surface. Where something moves, a frame
+    keeps its own; where it moves slowly, frames farther apart count by way of those between them.
 
     Args:
         seen: (S, S) each, what the network was shown, all framed alike.
@@ -108,17 +112,20 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
 
     Example:
         >>> still = np.zeros((32, 32), np.float32)
-        >>> tilted = [np.full((32, 32, 3), each, np.float32) for each in (0.0, 1.0)]
-        >>> [float(each.mean()) for each in steadied([still, still], tilted)]
-        [0.5, 0.5]
+        >>> tilted = [np.full((32, 32, 3), each, np.float32) for each in (0.0, 0.01)]
+        >>> [round(float(each.mean()), 3) for each in steadied([still, still], tilted)]
+        [0.005, 0.005]
     """
     width = max(_AROUND * seen[0].shape[0], 0.5) if seen else 1.0
     alike: dict[tuple[int, int], Floats] = {}
     for i, own in enumerate(seen):
         for j in range(i + 1, min(i + _REACH + 1, len(seen))):
             differ = cv2.GaussianBlur(np.abs(own - seen[j]), (0, 0), width)
-            weight = np.exp(-np.square(np.asarray(differ, np.float32) / np.float32(_ALIKE)))
-            alike[i, j] = alike[j, i] = weight[..., None]
+            turned = lengths(preds[i] - preds[j])
+            turned = np.maximum(turned, cv2.GaussianBlur(turned, (0, 0), width))
+            apart = np.square(np.asarray(differ, np.float32) / np.float32(_ALIKE))
+            apart += np.square(turned / np.float32(_SAME))
+            alike[i, j] = alike[j, i] = np.exp(-apart)[..., None]
     means = list(preds)
     for _ in range(_PASSES):
         totals = [each.astype(np.float32) for each in means]
@@ -151,7 +158,7 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
 
 def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepared:
     source = member.mask if isinstance(member.mask, str) else None
-    assert source in {None, OUTLINE, MODEL}
+    assert source in {None, OUTLINE, MODEL, READER}
     mask = None if isinstance(member.mask, str) else member.mask
     widths = predictor.backend.line_widths
     return prepare(member.picture, predictor.size, mask, None, size, source, line_widths=widths)

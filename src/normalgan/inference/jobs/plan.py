@@ -17,6 +17,7 @@ __all__ = [
     "FILES",
     "MODEL",
     "OUTLINE",
+    "READER",
     "STDIN",
     "STDOUT",
     "DrawingFiles",
@@ -42,7 +43,7 @@ _NO_MAPS = {
     *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
 }
 """What no folder's name ends in: who names such an output wants a file that is not written."""
-OUTLINE, MODEL = "outline", "model"
+OUTLINE, MODEL, READER = "outline", "model", "reader"
 """What a mask may be in place of a file."""
 COMPANIONS = (
     *("_hints", "_mask", "_input", "_preview", "_height", "_relief"),
@@ -59,7 +60,7 @@ class DrawingFiles:
         drawing: its file, or what to call standard input.
         content: what was read from standard input.
         hints: the file of its hints.
-        mask: the file of its mask, or one of `OUTLINE` and `MODEL`.
+        mask: the file of its mask, or one of `OUTLINE`, `MODEL` and `READER`.
         below: the folder below the output that its map goes to.
     """
 
@@ -114,7 +115,7 @@ def find_files(
         sketches: files, folders and globs; ``-`` is ``content``.
         ending: of a normal map's name; such files beside drawings are none.
         hints: a file or a folder.
-        mask: a file, a folder, or one of `OUTLINE` and `MODEL`.
+        mask: a file, a folder, or one of `OUTLINE`, `MODEL` and `READER`.
         content: what standard input holds.
 
     Raises:
@@ -175,7 +176,9 @@ def companions_of(ending: str) -> tuple[str, ...]:
 def _with_companions(read: Sequence[DrawingFiles], hints: str | None, mask: str | None) -> list[DrawingFiles]:
     of_hints = _companions(read, hints, "hints", HINT_ENDINGS)
     of_masks: list[Path | str | None] = (
-        [mask] * len(read) if mask in {OUTLINE, MODEL} else [*_companions(read, mask, "mask", MASK_ENDINGS)]
+        [mask] * len(read)
+        if mask in {OUTLINE, MODEL, READER}
+        else [*_companions(read, mask, "mask", MASK_ENDINGS)]
     )
     found = zip(read, of_hints, of_masks, strict=True)
     return [replace(each, hints=own, mask=where) for each, own, where in found]

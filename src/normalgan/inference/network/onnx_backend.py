@@ -22,8 +22,8 @@ SHIPPED = Path(__file__).parents[2] / "weights" / "ours.onnx"
 """The model that comes with the package."""
 PATIENCE = 300.0
 """Seconds by the clock for one picture."""
-MEMORY = 2**33
-"""Bytes that all models of a process may take together while they paint; ours takes some 2e8."""
+MEMORY = 2**31
+"""Bytes that all models of a process may take together in all threads; ours takes some 7e8 in eight."""
 SMALLEST, LARGEST = 8, 2048
 """Least and greatest side in pixels of a model's pictures."""
 

@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -49,53 +51,47 @@ def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
             file; theirs is a script for their Python, which imports the map that lies beside it.
         target: the map.
     """
-    texts = {
-        "unity": _unity,
-        "unreal": _unreal,
-        "godot": _godot,
-        "godot3": _godot3,
-        "blender": _blender,
-    }
-    return target.with_name(target.name + CONVENTIONS[engine].sidecar), texts[engine](target).encode()
+    path = target.with_name(target.name + CONVENTIONS[engine].sidecar)
+    if engine == "unity":
+        literal = hashlib.md5(os.fsencode(target.as_posix()), usedforsecurity=False).hexdigest()
+    elif engine in {"godot", "godot3"}:
+        literal = json.dumps(f"res://{target.name}", ensure_ascii=False)
+    else:
+        literal = ascii(target.name)  # JSON writes a letter beyond 16 bits as two, which Python reads as two
+    text = _TEXTS[engine].replace(_LITERAL, literal)
+    return path, text.encode("utf-8", sys.getfilesystemencodeerrors())  # a name need not be UTF-8
 
 
-def _unity(target: Path) -> str:
-    guid = hashlib.md5(target.as_posix().encode(), usedforsecurity=False).hexdigest()
-    return (
-        f"fileFormatVersion: 2\nguid: {guid}\nTextureImporter:\n  serializedVersion: 12\n"
+_LITERAL = "<LITERAL>"
+"""Stands for the only text that depends on the map. A name is data: it is never part of code."""
+_TEXTS: dict[Engine, str] = {
+    "unity": (
+        "fileFormatVersion: 2\nguid: <LITERAL>\nTextureImporter:\n  serializedVersion: 12\n"
         "  mipmaps:\n    sRGBTexture: 0\n    enableMipMap: 1\n  bumpmap:\n    convertToNormalMap: 0\n"
         "  textureType: 1\n"  # Normal map
         "  textureShape: 1\n"
-    )
-
-
-def _godot(target: Path) -> str:
+    ),
     # What is left out is filled in by Godot on its first scan.
-    return (
+    "godot": (
         '[remap]\n\nimporter="texture"\ntype="CompressedTexture2D"\n\n[deps]\n\n'
-        f"source_file={json.dumps('res://' + target.name)}\n\n[params]\n\n"
+        "source_file=<LITERAL>\n\n[params]\n\n"
         "compress/mode=0\ncompress/normal_map=1\nroughness/mode=0\n"
         "process/normal_map_invert_y=false\ndetect_3d/compress_to=0\n"
-    )
-
-
-def _godot3(target: Path) -> str:
-    return (
+    ),
+    "godot3": (
         '[remap]\n\nimporter="texture"\ntype="StreamTexture"\n\n[deps]\n\n'
-        f"source_file={json.dumps('res://' + target.name)}\n\n[params]\n\n"
+        "source_file=<LITERAL>\n\n[params]\n\n"
         "compress/mode=0\ncompress/normal_map=1\nflags/filter=true\nflags/srgb=0\ndetect_3d=false\n"
-    )
-
-
-def _unreal(target: Path) -> str:
-    return f'''"""Imports {target.name} as a normal map: Tools > Execute Python Script."""
+    ),
+    "unreal": '''"""Imports a normal map that lies beside this file: Tools > Execute Python Script."""
 
 import os
 
 import unreal
 
+name = <LITERAL>
 task = unreal.AssetImportTask()
-task.filename = os.path.join(os.path.dirname(os.path.abspath(__file__)), {json.dumps(target.name)})
+task.filename = os.path.join(os.path.dirname(os.path.abspath(__file__)), name)
 task.destination_path = "/Game/NormalMaps"
 task.automated = task.save = True
 unreal.AssetToolsHelpers.get_asset_tools().import_asset_tasks([task])
@@ -105,20 +101,25 @@ for path in task.imported_object_paths:
     texture.set_editor_property("srgb", False)
     texture.set_editor_property("flip_green_channel", False)
     unreal.EditorAssetLibrary.save_loaded_asset(texture)
-'''
+''',
+    "blender": '''"""Makes a material with a normal map that lies beside this file.
 
-
-def _blender(target: Path) -> str:
-    return f'''"""Makes a material with {target.name}: Blender's text editor, or blender --python."""
+Run it in Blender's text editor, or by blender --python.
+"""
 
 import os
 
 import bpy
 
+name = <LITERAL>
 here = os.path.dirname(os.path.abspath(__file__))
-image = bpy.data.images.load(os.path.join(here, {json.dumps(target.name)}), check_existing=True)
-image.colorspace_settings.name = "Non-Color"
-material = bpy.data.materials.new({json.dumps(target.stem)})
+image = bpy.data.images.load(os.path.join(here, name), check_existing=True)
+space, usual = image.colorspace_settings, image.colorspace_settings.name
+space.is_data = True  # the space that has the role "data" in the OCIO configuration
+if space.name == usual:  # none has
+    spaces = space.bl_rna.properties["name"].enum_items.keys()
+    space.name = next((raw for raw in ("Non-Color", "Raw", "Utility - Raw") if raw in spaces), usual)
+material = bpy.data.materials.new(os.path.splitext(name)[0])
 material.use_nodes = True
 nodes, links = material.node_tree.nodes, material.node_tree.links
 texture, turn = nodes.new("ShaderNodeTexImage"), nodes.new("ShaderNodeNormalMap")
@@ -126,4 +127,5 @@ texture.image = image
 shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
 links.new(texture.outputs["Color"], turn.inputs["Color"])
 links.new(turn.outputs["Normal"], shader.inputs["Normal"])
-'''
+''',
+}

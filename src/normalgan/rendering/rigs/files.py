@@ -19,6 +19,8 @@ __all__ = ["RIG_VERSION", "RiggedFile", "find_poses"]
 
 RIG_VERSION = 2
 """Part of every fingerprint; raise it when the same pose comes to be another."""
+POSTURES_VERSION = 1
+"""Part of the fingerprint where there are postures; raise it when their table changes."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,8 @@ class RiggedFile:
     Args:
         file: the file, and how it stands; its crease angle holds for the pose.
         pose: number of the pose, from 0: it alone draws the pose, with the file's name.
+        postures: share of the poses, from 0 to 1, that are postures such as sitting or lying, where the
+            skeleton is a known one.
 
     Raises:
         InputError: if the number is negative.
@@ -35,6 +39,7 @@ class RiggedFile:
 
     file: MeshFile
     pose: int
+    postures: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse a number that cannot seed."""
@@ -52,7 +57,9 @@ class RiggedFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        settings = json.dumps([RIG_VERSION, self.pose, self.file.fingerprint()])
+        # A file without postures keeps the fingerprint that its samples are stored under.
+        share = [POSTURES_VERSION, self.postures] if self.postures else []
+        settings = json.dumps([RIG_VERSION, self.pose, self.file.fingerprint(), *share])
         return hashlib.sha256(settings.encode()).hexdigest()
 
     def load(self) -> Mesh:
@@ -71,7 +78,7 @@ class RiggedFile:
         rng = rng_of(self.file.name, self.pose)
         with np.errstate(over="ignore", invalid="ignore"):
             try:
-                vertices, faces = posed_surface(rig, draw_pose(rig, rng))
+                vertices, faces = posed_surface(rig, draw_pose(rig, rng, self.postures))
             except LooseRigError as error:
                 raise bad_rig(Path(self.file.path), str(error)) from error
         if not np.isfinite(vertices).all():
@@ -79,8 +86,13 @@ class RiggedFile:
         return finish(self.name, self.file, vertices, faces)
 
 
-def find_poses(files: Sequence[MeshFile], poses: int) -> list[MeshFile | RiggedFile]:
+def find_poses(files: Sequence[MeshFile], poses: int, postures: float = 0.0) -> list[MeshFile | RiggedFile]:
     """Return mesh files with ``poses`` poses in place of each rigged one; 0 leaves all at rest.
+
+    Args:
+        files: rigged and others.
+        poses: how many of each rigged file.
+        postures: share of them that are postures, as `RiggedFile` takes it.
 
     Raises:
         InputError: if the number is negative.
@@ -90,7 +102,7 @@ def find_poses(files: Sequence[MeshFile], poses: int) -> list[MeshFile | RiggedF
     found: list[MeshFile | RiggedFile] = []
     for file in files:
         if poses and has_skin(Path(file.path)):
-            found += [RiggedFile(file, pose) for pose in range(poses)]
+            found += [RiggedFile(file, pose, postures) for pose in range(poses)]
         else:
             found.append(file)
     return found

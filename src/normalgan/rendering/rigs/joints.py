@@ -21,6 +21,7 @@ __all__ = [
     "Joints",
     "LooseRigError",
     "find_joints",
+    "owned_vertices",
 ]
 
 
@@ -70,7 +71,7 @@ def find_joints(rig: Rig) -> Joints:
     Raises:
         LooseRigError: if there are too many such trees.
     """
-    points, owners = _owned(rig)
+    points, owners = owned_vertices(rig)
     nodes = rig.nodes
     moving = np.zeros(len(nodes.parents), dtype=bool)
     moving[owners] = True
@@ -88,7 +89,7 @@ def find_joints(rig: Rig) -> Joints:
     return Joints(members, np.array([position.get(int(hung[node]), -1) for node in members]), low, high)
 
 
-def _owned(rig: Rig) -> tuple[Doubles, Indices]:
+def owned_vertices(rig: Rig) -> tuple[Doubles, Indices]:
     """Return every vertex (V, 3) at rest, and the node (V,) that moves it most."""
     world = world_matrices(rig.nodes)
     points, owners = [], []

@@ -1,4 +1,4 @@
-"""Poses drawn at random: a moment of an animation, or joints turned within their ranges."""
+"""Poses drawn at random: a posture, a moment of an animation, or joints turned within their ranges."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -6,18 +6,28 @@ from scipy.spatial.transform import Rotation
 from normalgan.arrays import Doubles
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.joints import Joints, find_joints
+from normalgan.rendering.rigs.postures import draw_posture, find_skeleton, in_posture
 from normalgan.rendering.rigs.rig import Rig
 from normalgan.rendering.rigs.skinning import world_matrices
 
 __all__ = ["draw_pose", "turned"]
 
 
-def draw_pose(rig: Rig, rng: np.random.Generator) -> Doubles:
+def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doubles:
     """Return where (N, 4, 4) the nodes are in a pose drawn at random.
 
-    Half of the poses are a moment of an animation. The others, and all of a rig without animations, start
-    from rest and turn each joint by a rotation vector drawn from its range, its middle more likely.
+    Of the poses that are no posture, half are a moment of an animation. The others, and all of a rig without
+    animations, start from rest and turn each joint by a rotation vector drawn from its range, its middle
+    more likely.
+
+    Args:
+        rig: what is posed.
+        rng: draws the pose.
+        postures: share of the poses that are postures, if the rig's skeleton is a known one.
     """
+    # At 0 nothing is drawn, so that poses without postures stay what they were.
+    if postures and rng.random() < postures and (skeleton := find_skeleton(rig)) is not None:
+        return in_posture(rig, skeleton, draw_posture(skeleton.kind, rng))
     if rig.clips and rng.random() < 0.5:
         clip = rig.clips[rng.integers(len(rig.clips))]
         return world_matrices(pose_at(rig.nodes, clip, rng.uniform(*clip.span)))

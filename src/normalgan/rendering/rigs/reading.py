@@ -38,13 +38,14 @@ def read_rig(path: Path) -> Rig:
             piece for index in _shown(container, nodes) for piece in _pieces(container, nodes, index)
         )
         clips = read_clips(container, nodes)
+        names = tuple(str(entry.get("name", "")) for entry in container.tree.get("nodes", []))
     except InputError:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise bad_rig(path, f"it is not as glTF 2.0 says: {type(error).__name__}: {brief(error)}") from error
     if not any(len(piece.faces) for piece in pieces):
         raise bad_rig(path, "its scene shows no triangles")
-    return Rig(nodes, pieces, clips)
+    return Rig(nodes, pieces, clips, names)
 
 
 def _nodes(container: Container) -> Nodes:

@@ -116,8 +116,10 @@ class Rig:
         nodes: what moves.
         pieces: what is seen.
         clips: how it can move; those without a track are left out.
+        names: of the nodes, as in the file; empty where it has none.
     """
 
     nodes: Nodes
     pieces: tuple[Piece, ...]
     clips: tuple[Clip, ...]
+    names: tuple[str, ...]

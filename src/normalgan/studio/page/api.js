@@ -56,11 +56,18 @@ const number = (response, name) => Number(response.headers.get(name));
 /** @param {Response} response @param {string} name */
 const words = (response, name) => decodeURIComponent(response.headers.get(name) ?? "");
 
-/** @returns {Promise<{version: string, model: {name: string, size: number}}>} */
+/** Milliseconds after which a server that says nothing is taken to be away, where the page waits for it to begin. */
+const PATIENCE = 10_000;
+const inTime = () => ({ signal: AbortSignal.timeout(PATIENCE) });
+
+/**
+ * Returns what answers; `exports`: what can be exported and in which formats, all where that is not said.
+ * @returns {Promise<{version: string, model: {name: string, size: number}, exports?: Record<string, string[]>}>}
+ */
 export const about = async () => (await ask("/api/about")).json();
 
 /** Returns what the command line named. @returns {Promise<{kind: string, name: string, [more: string]: any} | null>} */
-export const named = async () => (await ask("/api/open")).json();
+export const named = async () => (await ask("/api/open", inTime())).json();
 
 /**
  * Returns a painted map, or null if a newer request came in between.
@@ -138,7 +145,7 @@ export const importedLayers = async (file) => (await sendFile(file, "/api/import
 /** Projects and autosaves: documents in a folder of the server. @param {string} path */
 const folder = (path) => ({
   /** @returns {Promise<{name: string, changed: string}[]>} */
-  list: async () => (await ask(path)).json(),
+  list: async () => (await ask(path, inTime())).json(),
   /** @param {string} name */
   read: async (name) => {
     const response = await ask(`${path}/${encodeURIComponent(name)}`);

@@ -2,10 +2,16 @@
 
 import { Away, Refused, autosaves } from "./api.js";
 import { isEmpty } from "./document.js";
-import { forget, keep, kept } from "./store.js";
+import { StoreFailure, forget, keep, kept } from "./store.js";
 import { text } from "./text.js";
 
 const LATER = 2500;
+
+/** What is said of the browser's store that keeps nothing. */
+const SAID = { full: text.storageFull, newer: text.storageNewer, blocked: text.storageBlocked, silent: text.storageSilent, broken: text.noStorage };
+
+/** Returns a failure of the store in words; of anything else itself. @param {unknown} error @returns {unknown} */
+export const inWords = (error) => (error instanceof StoreFailure ? new Error(SAID[error.why]) : error);
 
 /** Event `failed` (detail: the error) when the browser cannot keep the work. */
 export class Autosave extends EventTarget {
@@ -21,10 +27,15 @@ export class Autosave extends EventTarget {
     this.tab = tab;
     /** @type {string | null} what the server called the project as this tab has seen it */
     this.etag = null;
-    /** The document as it was last saved or opened: nothing to keep. */
+    /** @type {import("./document.js").Doc | null} the document as it was last saved or opened: nothing to keep */
     this.clean = editor.doc;
-    this.writing = false;
+    /** @type {Left | null} what another tab left and this one shows; it stays where it is until more is drawn and kept */
+    this.borrowed = null;
     this.stale = false;
+    /** @type {Promise<void> | null} the writing to the browser's store that goes on */
+    this.writing = null;
+    /** @type {import("./document.js").Doc | null} what the browser's store holds */
+    this.kept = null;
     this.timer = 0;
     /** @type {import("./document.js").Doc | null} what the server holds, as it has answered */
     this.sent = null;
@@ -45,21 +56,47 @@ export class Autosave extends EventTarget {
     return this.editor.history.state !== this.clean;
   }
 
+  /** Whether there is work on show that is in no project. */
+  get unsaved() {
+    return this.dirty || this.borrowed !== null;
+  }
+
+  /** Takes what is on show for what another tab left. @param {Left} left */
+  borrow(left) {
+    this.borrowed = left;
+    this.clean = this.editor.history.state;
+  }
+
+  /** Drops what another tab left: it is saved, kept under this one's name, or not wanted any more. */
+  async #return() {
+    const { borrowed } = this;
+    this.borrowed = null;
+    if (borrowed) await this.drop(borrowed);
+  }
+
   /** Notes that the document is saved as a project, or fresh: what was kept is dropped. */
   async settle(doc = this.editor.history.state) {
     this.clean = doc;
     if (this.dirty) return;
+    await this.#return();
     clearTimeout(this.timer);
     this.timer = 0;
     await this.sending; // or it would lie there although it is saved
-    await forget(this.tab, true);
+    await forget(this.tab, true).catch((error) => this.#failed(error));
     await this.#withdraw();
   }
 
-  /** Drops what a tab has kept, here and on the server. @param {string} tab @param {boolean} there it is on the server */
-  async drop(tab, there) {
-    await forget(tab, tab === this.tab);
+  /** Drops what a tab has kept, here and on the server. @param {Left} left */
+  async drop({ tab, here, there }) {
+    if (here) await forget(tab, tab === this.tab).catch((error) => this.#failed(error));
     if (there) await autosaves.remove(tab).catch((error) => this.#failed(error));
+  }
+
+  /** Keeps what is drawn here and on the server. @returns {Promise<boolean>} whether one of them has it */
+  async secure() {
+    await Promise.all([this.#keep(), this.flush()]);
+    const { state } = this.editor.history;
+    return this.kept === state || this.sent === state;
   }
 
   /** Sends what has changed to the server. */
@@ -98,33 +135,39 @@ export class Autosave extends EventTarget {
   }
 
   #changed() {
+    // From now on it is this tab's, whatever is undone.
+    if (this.borrowed && this.dirty) this.clean = null;
     this.#keep();
     this.timer ||= setTimeout(() => this.flush(), LATER);
   }
 
-  /** Writes to the browser's store, one writing at a time, the newest last. */
-  async #keep() {
+  /** Writes to the browser's store, one writing at a time, the newest last. @returns {Promise<void>} */
+  #keep() {
     this.stale = true;
-    if (this.writing) return;
-    this.writing = true;
-    try {
-      while (this.stale) {
-        this.stale = false;
+    this.writing ??= this.#write();
+    return this.writing;
+  }
+
+  async #write() {
+    while (this.stale) {
+      this.stale = false;
+      const { state } = this.editor.history;
+      try {
         if (!this.dirty) await forget(this.tab, true);
-        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, doc: this.editor.history.state, past: this.editor.history });
+        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, doc: state, past: this.editor.history });
+        this.kept = state;
+        if (this.borrowed && this.dirty) await this.#return();
+      } catch (error) {
+        this.#failed(error);
       }
-    } catch (error) {
-      const full = /** @type {Error} */ (error).name === "QuotaExceededError";
-      this.dispatchEvent(new CustomEvent("failed", { detail: new Error(full ? text.storageFull : text.noStorage) }));
-    } finally {
-      this.writing = false;
     }
+    this.writing = null;
   }
 
   /** @param {unknown} error */
   #failed(error) {
     if (error instanceof Away) this.connection.lost();
-    else if (!isGone(error)) this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+    else if (!isGone(error)) this.dispatchEvent(new CustomEvent("failed", { detail: inWords(error) }));
   }
 }
 
@@ -134,30 +177,53 @@ function isGone(error) {
 }
 
 /**
- * @typedef {{doc: unknown, etag: string | null, past: import("./steps.js").Past | null}} Found etag: of the project it
- *   was made from, null for none; past: its history, if that was kept
- * @typedef {{tab: string, changed: string, name: string, there: boolean, read: () => Promise<Found>}} Left
- *   unsaved work of a tab; there: it is on the server
+ * @typedef {{doc: unknown, etag: string | null, past: import("./steps.js").Past | null, missing: number}} Found etag: of the
+ *   project it was made from, null for none; past: its history, if that was kept; missing: strokes and pictures that could not
+ *   be read
+ * @typedef {{tab: string, changed: string, name: string, here: boolean, there: boolean, read: () => Promise<Found>}} Left
+ *   unsaved work of a tab; here: it is in the browser's store; there: it is on the server
  */
 
 /**
  * Returns unsaved work of tabs that are closed, newest first; what both stores hold counts once.
- * @param {Set<string>} open tabs that live
- * @returns {Promise<Left[]>}
+ * @param {Set<string> | null} open tabs that live, if that is known
+ * @returns {Promise<{left: Left[], failed: unknown}>} failed: why the browser's store could not be read, null if it was
  */
 export async function unsaved(open) {
-  const [here, there] = await Promise.all([kept(), autosaves.list().catch(() => [])]);
+  /** @type {unknown} */
+  let failed = null;
+  const [here, there] = await Promise.all([
+    kept().catch((error) => {
+      failed = inWords(error);
+      return [];
+    }),
+    autosaves.list().catch(() => []),
+  ]);
   /** @type {Map<string, Left>} */
-  const found = new Map(there.map(({ name: tab, changed }) => [tab, { tab, changed, name: "", there: true, read: () => fromServer(tab) }]));
+  const found = new Map(there.map(({ name: tab, changed }) =>
+    [tab, { tab, changed, name: "", here: false, there: true, read: () => fromServer(tab) }]));
   for (const { tab, changed, etag, name, read } of here) {
+    const other = found.get(tab);
     // The store holds each change at once, the server some seconds later: the store's is never older.
-    found.set(tab, { tab, changed, name, there: found.has(tab), read: async () => ({ ...(await read()), etag }) });
+    const both = async () => {
+      const own = await read().catch((error) => {
+        if (!other) throw error instanceof StoreFailure && error.why === "broken" ? new Error(text.damaged) : inWords(error);
+        return null;
+      });
+      if (own && !own.missing) return { ...own, etag };
+      // Something of it is damaged: the server's is whole, if there is one.
+      const whole = await other?.read().catch(() => null);
+      if (!whole && !own) throw new Error(text.damaged);
+      return whole ?? { .../** @type {import("./store.js").Whole} */ (own), etag };
+    };
+    found.set(tab, { tab, changed: changed || (other?.changed ?? ""), name, here: true, there: other !== undefined, read: both });
   }
-  return [...found.values()].filter(({ tab }) => !open.has(tab)).sort((a, b) => (a.changed < b.changed ? 1 : -1));
+  const left = [...found.values()].filter(({ tab }) => !open?.has(tab)).sort((a, b) => (a.changed < b.changed ? 1 : -1));
+  return { left, failed };
 }
 
 /** @param {string} tab @returns {Promise<Found>} */
 async function fromServer(tab) {
   const { doc } = await autosaves.read(tab);
-  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null, past: null };
+  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null, past: null, missing: 0 };
 }

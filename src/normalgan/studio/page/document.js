@@ -6,7 +6,9 @@ import { say, text } from "./text.js";
  * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number}} Line x, y,
  *   pressure, x, y, pressure, …; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
  *   mirrored, and drawn twice
- * @typedef {{kind: "picture", picture: string, x: number, y: number, width: number, height: number}} Placed
+ * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
+ *   before it is turned clockwise about its middle by so many radians; flipped from left to right before that
+ * @typedef {{kind: "picture", picture: string} & Box} Placed
  * @typedef {Line | Placed} Stroke what the ink is made of, in order; `picture` is a data URL
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
  * @typedef {{x: number, y: number, normal: Normal, reach?: number}} Hint in pixels of the drawing, x right, y down;
@@ -30,7 +32,7 @@ export const VERSION = 5;
 export const SIDES = { least: 16, most: 2048 };
 /** From this version on a drawing has layers, and each has its own source. */
 const [LAYERED, SOURCED] = [4, 5];
-const MOST_STROKES = 20000;
+export const MOST_STROKES = 20000;
 export const MOST_HINTS = 200;
 export const MOST_AREAS = 200;
 export const MOST_MASK_STROKES = 500;
@@ -186,7 +188,7 @@ const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
 const isSide = (value) => Number.isInteger(value) && value >= SIDES.least && value <= SIDES.most;
 /** @type {Check} */
 const isPlaced = (value) =>
-  [value.x, value.y, value.width, value.height].every(isNumber) && String(value.picture).startsWith("data:image/png;base64,");
+  [value.x, value.y, value.width, value.height, value.turn ?? 0].every(isNumber) && [undefined, true, false].includes(value.flipped) && String(value.picture).startsWith("data:image/png;base64,");
 /** @type {Check} */
 const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&

@@ -42,12 +42,16 @@ export function fill(root = document) {
   each("icon", (element, name) => element.prepend(icon(name)));
   each("text", (element, name) => element.append(wordsOf(name)));
   each("label", (element, name) => label(element, wordsOf(name)));
+  // Those that show their words have no other name, and only their keys to be told.
+  for (const element of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll("[data-keys]:not([data-label])"))) element.title = element.dataset.keys ?? "";
 }
 
 /** Names an element for the eye and for screen readers. @param {Element} element @param {string} words */
 export function label(element, words) {
   element.setAttribute("aria-label", words);
-  if (element.matches("button, summary, input, select")) element.setAttribute("title", words);
+  if (!element.matches("button, summary, input, select")) return;
+  const keys = /** @type {HTMLElement} */ (element).dataset.keys;
+  element.setAttribute("title", keys ? `${words} (${keys})` : words);
 }
 
 /** Hands a file to the browser's downloads. @param {Blob} blob @param {string} name */

@@ -5,6 +5,9 @@ import { History } from "./history.js";
 
 /** @typedef {import("./document.js").Doc} Doc */
 
+/** Milliseconds within which steps of one kind are one. */
+const TOGETHER = 1000;
+
 /** @typedef {{strokes: number[], pictures: number[]}} Selection places in the strokes of the layer that is worked on, and in the
  *   document's pictures */
 
@@ -18,6 +21,8 @@ export class Editor extends EventTarget {
   constructor() {
     super();
     this.history = new History(newDocument(512, 512));
+    /** @type {{kind: string, at: number, state: Doc | null}} the step that was made last */
+    this.last = { kind: "", at: 0, state: null };
     /** @type {Doc | null} what a gesture shows before it ends */
     this.draft = null;
     this.tool = "pen";
@@ -100,10 +105,19 @@ export class Editor extends EventTarget {
     this.#changed(false);
   }
 
-  /** Makes a document the next step in history. @param {Doc} doc */
-  commit(doc) {
+  /**
+   * Makes a document the next step in history.
+   * @param {Doc} doc
+   * @param {string} [kind] steps of one kind that follow one another at once are one step
+   */
+  commit(doc, kind = "") {
     this.draft = null;
-    this.history.push(doc);
+    const { history, last } = this;
+    const now = performance.now();
+    const goesOn = kind !== "" && last.kind === kind && last.state === history.state && now - last.at < TOGETHER && !history.canRedo;
+    if (goesOn) history.replace(doc);
+    else history.push(doc);
+    this.last = { kind, at: now, state: doc };
     this.#changed(false);
   }
 

@@ -47,9 +47,25 @@ export class Exporting {
     this.editor = editor;
     this.predictor = predictor;
     this.status = status;
+    /** @type {Record<string, string[]>} */
+    this.offered = FORMATS;
     $("export-what").addEventListener("change", () => this.#formats());
     $("export-format").addEventListener("change", () => this.#rows());
     this.#recall();
+  }
+
+  /** Has only what can be exported here be chosen. @param {Record<string, string[]>} offered formats of each kind of file */
+  offer(offered) {
+    this.offered = offered;
+    /** @type {HTMLSelectElement} */
+    const what = $("export-what");
+    for (const option of what.options) {
+      option.disabled = !(option.value in offered);
+      option.title = option.disabled ? text.needsPython : "";
+    }
+    if (what.selectedOptions[0]?.disabled) what.value = Object.keys(offered)[0];
+    $("export-python").hidden = false;
+    this.#formats();
   }
 
   /** Asks what to export, and hands it to the browser's downloads or to the clipboard. */
@@ -139,7 +155,8 @@ export class Exporting {
   #formats() {
     const what = field("export-what").value;
     const words = (/** @type {string} */ format) => wordsOf(what === "height" && format === "png" ? "png16" : format);
-    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: words(format) })));
+    const has = (/** @type {string} */ format) => this.offered[what]?.includes(format) ?? false;
+    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: words(format), disabled: !has(format) })));
     this.#rows();
   }
 

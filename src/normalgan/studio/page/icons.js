@@ -41,6 +41,10 @@ const paths = {
   fit: "M4 9V4h5 M20 9V4h-5 M4 15v5h5 M20 15v5h-5",
   suggest: "M12 3v4 M12 17v4 M3 12h4 M17 12h4 M6 6l2.2 2.2 M15.8 15.8L18 18 M18 6l-2.2 2.2 M8.2 15.8L6 18",
   remove: "M5 7h14 M10 7V4h4v3 M7 7l1 13h8l1-13 M10.5 11v5 M13.5 11v5",
+  flip: "M12 3v18 M9 7L3.5 17H9z M15 7v10h5.5z",
+  flipDown: "M3 12h18 M7 9L17 3.5V9z M7 15h10v5.5z",
+  turn: "M19.5 12a7.5 7.5 0 1 1-2.3-5.4 M19.5 3v4.5H15",
+  copy: "M9 9h11v11H9z M5 15H4V4h11v1",
   grip: "M9 6v.1 M15 6v.1 M9 12v.1 M15 12v.1 M9 18v.1 M15 18v.1",
   close: "M6 6l12 12 M18 6L6 18",
 };

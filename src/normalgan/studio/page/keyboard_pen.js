@@ -2,6 +2,8 @@
 
 import { say, text } from "./text.js";
 
+/** Pixels that Shift nudges. */
+const FAR = 10;
 /** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
@@ -10,8 +12,9 @@ const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], Arrow
  * @param {import("./board.js").Board} board
  * @param {() => import("./tools.js").Tool | null} tool
  * @param {import("./status.js").Status} status
+ * @param {(x: number, y: number) => boolean} nudge moves what is selected; whether there is something
  */
-export function followKeyboard(board, tool, status) {
+export function followKeyboard(board, tool, status, nudge) {
   const { canvas, editor } = board;
   /** @type {ReturnType<typeof tool>} the stroke that goes on */
   let active = null;
@@ -58,7 +61,9 @@ export function followKeyboard(board, tool, status) {
   canvas.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const arrow = ARROWS[event.key];
-    if (arrow) move(arrow, Math.max(1, (event.shiftKey ? 0.08 : 0.02) * Math.max(editor.doc.width, editor.doc.height)));
+    const far = event.shiftKey ? FAR : 1;
+    if (arrow && editor.tool === "select" && !active && nudge(arrow[0] * far, arrow[1] * far)) event.preventDefault();
+    else if (arrow) move(arrow, Math.max(1, (event.shiftKey ? 0.08 : 0.02) * Math.max(editor.doc.width, editor.doc.height)));
     else if (event.key === "Enter") press();
     else if (event.key === "Escape" && active) lift();
     else return;

@@ -1,6 +1,7 @@
 /** Main: puts the parts of the studio together. */
 
 import { about } from "./api.js";
+import { Arranging } from "./arranging.js";
 import { Autosave } from "./autosave.js";
 import { Board } from "./board.js";
 import { View } from "./camera.js";
@@ -65,6 +66,7 @@ const areas = new AreaTool(editor, () => predictor.painted, (words) => status.sa
 const points = new Points([board, overlay], pins, predictor, status);
 const mask = new MaskTool(editor, (words) => status.say(words));
 const select = new SelectTool(editor);
+const arranging = new Arranging(editor, (words) => status.say(words));
 const light = new LightTool((x, y) => lights.move(x, y));
 /** @type {Record<string, import("./tools.js").Tool | null>} */
 const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null };
@@ -81,8 +83,8 @@ const overResult = () => {
   return tool();
 };
 const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overResult }].map(({ each, chosen }) =>
-  followPointers(each, chosen, () => points.use(each)));
-followKeyboard(board, tool, status);
+  followPointers(each, chosen, () => points.use(each), (fingers) => (fingers === 2 ? undo() : redo())));
+followKeyboard(board, tool, status, (x, y) => arranging.nudge(x, y));
 followTools(editor, inks);
 offerSamples((doc, name) => {
   projects.load(doc, null, false).then((shown) => shown && status.say(say("opened", { name }))).catch((error) => status.fail(error));
@@ -160,7 +162,7 @@ followKeys({
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
   n: () => points.next(1), "shift+n": () => points.next(-1),
-  y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
+  y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), "ctrl+d": () => arranging.duplicate(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
 });
 for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
   button.addEventListener("click", () => {
@@ -173,8 +175,12 @@ for (const cancel of document.querySelectorAll("[data-close]")) {
 const rows = SHOWN.map(([keys, words]) => make("tr", {}, make("td", {}, ...keys.split("  ").flatMap((key) => [make("kbd", { text: key }), " "])), make("td", { text: wordsOf(words) })));
 $("keys").replaceChildren(...rows);
 
-const served = await about().catch((error) => status.fail(error));
-if (served) $("about").textContent = say("about", { version: served.version, model: served.model.name });
 teach(editor, predictor, result);
+const served = about().then(({ version, model, exports }) => {
+  if (exports) exporting.offer(exports);
+  $("about").textContent = say("about", { version, model: model.name });
+  status.ready();
+}).catch((error) => status.fail(error));
 await begin({ projects, importing, autosave, status });
+await served;
 document.documentElement.dataset.ready = "true";

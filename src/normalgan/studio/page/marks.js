@@ -70,6 +70,8 @@ export function drawAreas(context, camera, editor) {
     }
     [context.lineJoin, context.lineCap] = ["round", "round"];
     if (area.size) {
+      // Its tint would hide what is judged while its ball is turned.
+      if (chosen && editor.draft) continue;
       context.lineWidth = area.size * camera.scale;
       context.globalAlpha = chosen ? 0.3 : 0.15;
       context.strokeStyle = ACCENT;

@@ -1,29 +1,204 @@
 /** Moving: strokes, pictures and whole documents made larger or smaller and put elsewhere. */
 
+import { sidesOf } from "./strokes.js";
+
 /**
  * @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Stroke} Stroke
- * @typedef {import("./document.js").Picture} Picture
- * @typedef {{scale: number, x: number, y: number}} Move (x, y) goes to scale · (x, y) + these
+ * @typedef {import("./document.js").Layer} Layer @typedef {import("./document.js").Picture} Picture
+ * @typedef {{scale: number, x: number, y: number, angle?: number, flipped?: boolean}} Move flipped from left to right, then
+ *   turned clockwise by so many radians, then made larger, then moved by x and y
  * @typedef {{left: number, top: number, right: number, bottom: number}} Box
+ * @typedef {{x: number, y: number}} Point
  */
 
 /** @param {number[]} points x, y, then more numbers that stay @param {number} stride numbers for a point @param {Move} move */
-function moved(points, stride, { scale, x, y }) {
-  const offsets = [x, y];
-  return points.map((value, i) => (i % stride < 2 ? value * scale + offsets[i % stride] : value));
+function moved(points, stride, move) {
+  const place = placeBy(move);
+  const all = [...points];
+  for (let i = 0; i < points.length; i += stride) {
+    const { x, y } = place({ x: points[i], y: points[i + 1] });
+    [all[i], all[i + 1]] = [x, y];
+  }
+  return all;
 }
 
-/** @template {{x: number, y: number, width: number, height: number}} T @param {T} placed @param {Move} move @returns {T} */
-export function movedPicture(placed, { scale, x, y }) {
-  return { ...placed, x: placed.x * scale + x, y: placed.y * scale + y, width: placed.width * scale, height: placed.height * scale };
+/** Returns where a move brings a point. @param {Move} move @returns {(point: Point) => Point} */
+function placeBy({ scale, x, y, angle = 0, flipped = false }) {
+  const [cos, sin] = [scale * Math.cos(angle), scale * Math.sin(angle)];
+  return (point) => {
+    const across = flipped ? -point.x : point.x;
+    return { x: cos * across - sin * point.y + x, y: sin * across + cos * point.y + y };
+  };
 }
 
-/** @param {Stroke} stroke @param {Move} move @returns {Stroke} */
-export function movedStroke(stroke, move) {
-  if (stroke.kind === "picture") return movedPicture(stroke, move);
-  const mirror = stroke.mirror === undefined ? {} : { mirror: stroke.mirror * move.scale + move.x };
-  return { ...stroke, points: moved(stroke.points, 3, move), size: stroke.size * move.scale, ...mirror };
+/**
+ * Returns a move about a point, which stays where it is.
+ * @param {Point} point @param {{scale: number, angle?: number, flipped?: boolean}} how
+ * @returns {Move}
+ */
+export function aboutPoint({ x, y }, { scale, angle = 0, flipped = false }) {
+  const [cos, sin, across] = [Math.cos(angle), Math.sin(angle), flipped ? -x : x];
+  return { scale, angle, flipped, x: x - scale * (cos * across - sin * y), y: y - scale * (sin * across + cos * y) };
 }
+
+/** Returns a normal that is turned with the surface. @param {import("./document.js").Normal} normal @param {Move} move @returns {import("./document.js").Normal} */
+function movedNormal([x, y, z], { angle = 0, flipped = false }) {
+  if (!angle && !flipped) return [x, y, z];
+  const [cos, sin, across] = [Math.cos(angle), Math.sin(angle), flipped ? -x : x];
+  // Its y points up, and the paper's down.
+  return [cos * across + sin * y, cos * y - sin * across, z];
+}
+
+/** @template {import("./document.js").Box} T @param {T} placed @param {Move} move @returns {T} */
+export function movedPicture(placed, move) {
+  const { scale, angle = 0, flipped = false } = move;
+  const [width, height] = [placed.width * scale, placed.height * scale];
+  const { x, y } = placeBy(move)({ x: placed.x + placed.width / 2, y: placed.y + placed.height / 2 });
+  const turn = (flipped ? -1 : 1) * (placed.turn ?? 0) + angle;
+  return {
+    ...placed, x: x - width / 2, y: y - height / 2, width, height,
+    ...((turn || placed.turn) && { turn: Math.atan2(Math.sin(turn), Math.cos(turn)) }),
+    ...((flipped || placed.flipped) && { flipped: flipped !== (placed.flipped ?? false) }),
+  };
+}
+
+/** A line that is mirrored becomes two where its mirror is upright no more. @param {Stroke} stroke @param {Move} move @returns {Stroke[]} */
+function movedStroke(stroke, move) {
+  if (stroke.kind === "picture") return [movedPicture(stroke, move)];
+  const { mirror, ...line } = stroke;
+  const upright = Math.abs(Math.sin(move.angle ?? 0)) < 1e-9;
+  const size = stroke.size * move.scale;
+  if (mirror === undefined || !upright) return sidesOf(stroke).map(({ points }) => ({ ...line, points: moved(points, 3, move), size }));
+  return [{ ...line, points: moved(stroke.points, 3, move), size, mirror: placeBy(move)({ x: mirror, y: 0 }).x }];
+}
+
+/** A point stays on the paper, in the middle of a pixel. @param {import("./document.js").Hint} hint @param {Move} move @param {{width: number, height: number}} doc */
+function movedHint(hint, move, { width, height }) {
+  const clamp = (/** @type {number} */ value, /** @type {number} */ side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
+  const { x, y } = placeBy(move)(hint);
+  return {
+    ...hint, x: clamp(x, width), y: clamp(y, height), normal: movedNormal(hint.normal, move),
+    ...(hint.reach !== undefined && { reach: hint.reach * move.scale }),
+  };
+}
+
+/** @param {import("./document.js").Area} area @param {Move} move @returns {import("./document.js").Area} */
+const movedArea = (area, move) => ({ ...area, points: moved(area.points, 2, move), normal: movedNormal(area.normal, move), ...(area.size && { size: area.size * move.scale }) });
+
+/** @param {import("./document.js").MaskStroke} stroke @param {Move} move @returns {import("./document.js").MaskStroke} */
+const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * move.scale });
+
+/**
+ * @typedef {{strokes: Set<number>, hints: Set<number>, areas: Set<number>, mask: Set<number>}} Along places in the lists of a
+ *   layer of all that moves together
+ */
+
+/**
+ * Returns what moves with chosen strokes: what was erased, points, regions and strokes of the mask that lie among them. With
+ * all strokes of a layer goes all that it has.
+ * @param {Layer} layer
+ * @param {number[]} chosen places of the strokes
+ * @returns {Along}
+ */
+export function alongWith({ strokes, hints, areas, mask }, chosen) {
+  const all = strokes.every(({ kind }, i) => kind === "eraser" || chosen.includes(i));
+  const hull = all ? [] : hullOf(chosen.flatMap((i) => cornersAbout(strokes[i])));
+  /** @template T @param {T[]} list @param {(each: T) => Point | null} at @returns {Set<number>} */
+  const among = (list, at) => new Set(list.flatMap((each, i) => {
+    const point = at(each);
+    return point && (all || isInside(hull, point)) ? [i] : [];
+  }));
+  const erased = among(strokes, (stroke) => (stroke.kind === "eraser" ? middleOf(stroke.points, 3) : null));
+  return {
+    strokes: new Set([...chosen, ...erased]), hints: among(hints, (hint) => hint),
+    areas: among(areas, ({ points }) => middleOf(points, 2)), mask: among(mask, ({ points }) => middleOf(points, 2)),
+  };
+}
+
+/**
+ * Returns a layer in which some of what it has is moved.
+ * @param {Layer} layer @param {Along} along @param {Move} move @param {{width: number, height: number}} doc its paper
+ * @returns {{layer: Layer, chosen: number[]}} chosen: where the moved strokes are now, but for erasers
+ */
+export function movedParts(layer, along, move, doc) {
+  /** @template T @param {T[]} list @param {Set<number>} places @param {(each: T) => T} work @returns {T[]} */
+  const some = (list, places, work) => (places.size ? list.map((each, i) => (places.has(i) ? work(each) : each)) : list);
+  /** @type {Stroke[]} */
+  const strokes = [];
+  /** @type {number[]} */
+  const chosen = [];
+  for (const [i, stroke] of layer.strokes.entries()) {
+    for (const each of along.strokes.has(i) ? movedStroke(stroke, move) : [stroke]) {
+      if (along.strokes.has(i) && each.kind !== "eraser") chosen.push(strokes.length);
+      strokes.push(each);
+    }
+  }
+  const moved = {
+    ...layer,
+    strokes: along.strokes.size ? strokes : layer.strokes,
+    hints: some(layer.hints, along.hints, (each) => movedHint(each, move, doc)),
+    areas: some(layer.areas, along.areas, (each) => movedArea(each, move)),
+    mask: some(layer.mask, along.mask, (each) => movedMask(each, move)),
+  };
+  return { layer: moved, chosen };
+}
+
+/** The middle of what points cover. @param {number[]} points @param {number} stride numbers for a point @returns {Point} */
+function middleOf(points, stride) {
+  const box = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
+  for (let i = 0; i < points.length; i += stride) {
+    box.left = Math.min(box.left, points[i]);
+    box.right = Math.max(box.right, points[i]);
+    box.top = Math.min(box.top, points[i + 1]);
+    box.bottom = Math.max(box.bottom, points[i + 1]);
+  }
+  return { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 };
+}
+
+/** Returns the corners of a picture, which may be turned. @param {import("./document.js").Box} placed @returns {Point[]} */
+function cornersOf({ x, y, width, height, turn = 0 }) {
+  const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
+  return [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([across, down]) => {
+    const [dx, dy] = [(across * width) / 2, (down * height) / 2];
+    return { x: x + width / 2 + cos * dx - sin * dy, y: y + height / 2 + sin * dx + cos * dy };
+  });
+}
+
+/** Points around all that a stroke covers. @param {Stroke} stroke @returns {Point[]} */
+function cornersAbout(stroke) {
+  if (stroke.kind === "picture") return cornersOf(stroke);
+  const reach = stroke.size / 2;
+  return sidesOf(stroke).flatMap(({ points }) => {
+    /** @type {Point[]} */
+    const around = [];
+    for (let i = 0; i < points.length; i += 3) {
+      for (const [dx, dy] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) around.push({ x: points[i] + dx * reach, y: points[i + 1] + dy * reach });
+    }
+    return around;
+  });
+}
+
+/** Returns the convex hull of points, by Andrew's monotone chain. @param {Point[]} points @returns {Point[]} */
+function hullOf(points) {
+  const sorted = [...points].sort((a, b) => a.x - b.x || a.y - b.y);
+  /** @param {Point[]} way */
+  const half = (way) => {
+    /** @type {Point[]} */
+    const hull = [];
+    for (const point of way) {
+      while (hull.length > 1 && turnOf(hull[hull.length - 2], hull[hull.length - 1], point) <= 0) hull.pop();
+      hull.push(point);
+    }
+    return hull.slice(0, -1);
+  };
+  return [...half(sorted), ...half(sorted.reverse())];
+}
+
+/** Above 0 where the way from a over b to c turns clockwise on the screen. @param {Point} a @param {Point} b @param {Point} c */
+const turnOf = (a, b, c) => (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+
+/** @param {Point[]} hull @param {Point} point */
+const isInside = (hull, point) => hull.length > 2 && hull.every((from, i) => turnOf(from, hull[(i + 1) % hull.length], point) >= 0);
 
 /**
  * Returns a document on paper of another size.
@@ -37,23 +212,21 @@ export function onPaper(doc, width, height, along) {
   const scale = along ? Math.min(width / doc.width, height / doc.height) : 1;
   const offset = (/** @type {number} */ to, /** @type {number} */ from) => (along ? (to - from * scale) / 2 : Math.round((to - from) / 2));
   const move = { scale, x: offset(width, doc.width), y: offset(height, doc.height) };
-  const clamp = (/** @type {number} */ value, /** @type {number} */ side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
-  const layers = doc.layers.map((layer) => ({
-    ...layer,
-    strokes: layer.strokes.map((stroke) => movedStroke(stroke, move)),
-    hints: layer.hints.map((hint) => ({
-      ...hint, x: clamp(hint.x * scale + move.x, width), y: clamp(hint.y * scale + move.y, height),
-      ...(hint.reach !== undefined && { reach: hint.reach * scale }),
-    })),
-    areas: layer.areas.map((area) => ({ ...area, points: moved(area.points, 2, move), ...(area.size && { size: area.size * scale }) })),
-    mask: layer.mask.map((stroke) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * scale })),
-  }));
+  const places = (/** @type {unknown[]} */ list) => new Set(list.keys());
+  const layers = doc.layers.map((layer) => {
+    const all = { strokes: places(layer.strokes), hints: places(layer.hints), areas: places(layer.areas), mask: places(layer.mask) };
+    return movedParts(layer, all, move, { width, height }).layer;
+  });
   return { ...doc, width, height, layers, pictures: doc.pictures.map((picture) => movedPicture(picture, move)) };
 }
 
 /** Returns what a stroke or picture covers. @param {Stroke | Picture} item @returns {Box} */
 export function extentOf(item) {
-  if ("picture" in item) return { left: item.x, top: item.y, right: item.x + item.width, bottom: item.y + item.height };
+  if ("picture" in item) {
+    const corners = cornersOf(item);
+    const [xs, ys] = [corners.map(({ x }) => x), corners.map(({ y }) => y)];
+    return { left: Math.min(...xs), top: Math.min(...ys), right: Math.max(...xs), bottom: Math.max(...ys) };
+  }
   const reach = item.size / 2;
   const box = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
   for (let i = 0; i < item.points.length; i += 3) {
@@ -86,7 +259,7 @@ export function unitedBox(boxes) {
 export function isHit(item, { x, y }, reach) {
   const { left, top, right, bottom } = extentOf(item);
   if (x < left - reach || x > right + reach || y < top - reach || y > bottom + reach) return false;
-  if ("picture" in item) return true;
+  if ("picture" in item) return isInside(cornersOf(item), { x, y });
   const near = item.size / 2 + reach;
   const on = (/** @type {number} */ px) => {
     const { points } = item;

@@ -7,6 +7,9 @@ const REACH = { mouse: 14, pen: 16, touch: 24 };
 /** Radians that two fingers turn before the paper turns with them. */
 const LEAST_TURN = 0.3;
 
+/** Milliseconds that a tap of several fingers takes at most, and pixels that they stir. */
+const [TAP, STIRRED] = [300, 12];
+
 /** Whether it is the other end of a pen. @param {PointerEvent} event */
 const isEraser = (event) => event.pointerType === "pen" && (event.button === 5 || (event.buttons & 32) !== 0);
 
@@ -15,8 +18,9 @@ const isEraser = (event) => event.pointerType === "pen" && (event.button === 5 |
  * @param {import("./board.js").Board} board
  * @param {(event: PointerEvent) => Tool | null} tool null moves the view
  * @param {() => void} touched is called first
+ * @param {(fingers: number) => void} tapped is called when so many fingers, two or more, have tapped together
  */
-export function followPointers(board, tool, touched) {
+export function followPointers(board, tool, touched, tapped) {
   const { canvas, camera } = board;
   /** @type {Map<number, {x: number, y: number}>} fingers and others that are down, in the pane */
   const down = new Map();
@@ -26,6 +30,8 @@ export function followPointers(board, tool, touched) {
   let penSeen = false;
   let spaceHeld = false;
   let turned = 0;
+  /** Fingers of the tap that may be going on; none if it is none. */
+  let tap = { fingers: 0, since: 0, stirred: 0 };
 
   /** @param {MouseEvent} event */
   const inPane = (event) => {
@@ -68,6 +74,8 @@ export function followPointers(board, tool, touched) {
     board.cursor = null;
     penSeen ||= event.pointerType === "pen";
     down.set(event.pointerId, inPane(event));
+    if (down.size === 1) tap = { fingers: 0, since: event.timeStamp, stirred: 0 };
+    if (event.pointerType === "touch") tap.fingers += 1;
     if (down.size === 2) {
       active?.cancel();
       active = null;
@@ -90,6 +98,9 @@ export function followPointers(board, tool, touched) {
     board.pointer = camera.toDrawing(at.x, at.y);
     const before = down.get(event.pointerId);
     if (before) {
+      tap.stirred += Math.hypot(at.x - before.x, at.y - before.y);
+      // Fingers that lie still stir a little.
+      if (down.size > 1 && tap.stirred < STIRRED) return;
       if (down.size > 1) pinch(event.pointerId, before, at);
       else if (panning) camera.pan(at.x - before.x, at.y - before.y);
       if (down.size === 1 && !panning && active) {
@@ -105,6 +116,7 @@ export function followPointers(board, tool, touched) {
   const ended = (event, way) => {
     if (!down.delete(event.pointerId)) return;
     if (down.size) return;
+    if (way === "up" && tap.fingers > 1 && event.timeStamp - tap.since < TAP && tap.stirred < STIRRED) tapped(tap.fingers);
     panning = false;
     canvas.classList.remove("grabbing");
     const ending = active;

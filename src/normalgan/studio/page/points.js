@@ -9,6 +9,10 @@ import { say, text } from "./text.js";
 
 const COUNT = 6;
 const GAP = 30;
+/** Pixels below which a pane has no room for the upright card. */
+const LOW = 320;
+/** Pixels that an arrow key moves the card. */
+const STEP = 16;
 /** The farthest that a point has an effect, as a share of the drawing's longer side, and how far if nothing is said. */
 const MOST_REACH = 0.4;
 const USUAL_REACH = 0.05;
@@ -136,7 +140,8 @@ export class Points {
 
   /** @param {import("./document.js").Doc} doc @param {boolean} ended */
   #change(doc, ended) {
-    if (ended) this.editor.commit(doc);
+    // Presses of an arrow that follow one another are one step in history.
+    if (ended) this.editor.commit(doc, `turned ${this.editor.chosen} ${this.editor.area}`);
     else this.editor.preview(doc);
   }
 
@@ -218,6 +223,13 @@ export class Points {
       this.#place();
     });
     for (const end of ["pointerup", "pointercancel"]) handle.addEventListener(end, () => { from = null; });
+    handle.addEventListener("keydown", (event) => {
+      const way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      if (!way) return;
+      event.preventDefault();
+      this.dragged = { x: this.popover.offsetLeft + way[0] * STEP, y: this.popover.offsetTop + way[1] * STEP };
+      this.#place();
+    });
   }
 
   /**
@@ -251,6 +263,7 @@ export class Points {
   #place() {
     const chosen = this.#chosen();
     if (!chosen || this.popover.hidden) return;
+    this.popover.classList.toggle("low", this.board.pane.height < LOW);
     const { x, y } = this.board.camera.toPane(chosen.x, chosen.y);
     const { offsetWidth: width, offsetHeight: height } = this.popover;
     const { pane } = this.board;

@@ -1,13 +1,15 @@
 /** Projects: saved on the server, opened again, or kept as files. */
 
-import { Refused, projects } from "./api.js";
+import { Away, Refused, projects } from "./api.js";
 import { askName, choose } from "./dialogs.js";
 import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from "./document.js";
 import { $, download, label, make } from "./dom.js";
 import { icon } from "./icons.js";
 import { decodeAll, keepOnly } from "./pictures.js";
+import { tabRecalls, tabRemembers } from "./settings.js";
 import { pastOf, savedSteps } from "./steps.js";
 import { say, text } from "./text.js";
+import { toast } from "./toast.js";
 
 const CONFLICT = 412;
 const ENDING = ".normalgan";
@@ -26,6 +28,8 @@ export class Projects {
     this.status = status;
     /** @type {import("./document.js").Doc | null} what may be left: saved, empty, or given up when that was asked */
     this.left = null;
+    /** @type {{doc: import("./document.js").Doc, etag: string | null, past: import("./steps.js").Past} | null} what was given up now */
+    this.discarded = null;
     $("open-file").addEventListener("change", () => this.#openFile());
     $("open-file-button").addEventListener("click", () => $("open-file").click());
     $("download-project").addEventListener("click", () => this.download());
@@ -93,10 +97,13 @@ export class Projects {
 
   /** Asks what to do with unsaved work. @returns {Promise<boolean>} whether to go on */
   async mayLeave() {
-    if (this.autosave.dirty && !isEmpty(this.editor.doc)) {
+    this.discarded = null;
+    if (this.autosave.unsaved && !isEmpty(this.editor.doc)) {
       const ways = [{ value: "drop", text: text.discard }, { value: "save", text: text.save, strong: true }];
       const way = await choose(text.leaveTitle, text.leave, ways);
       if (way !== "drop" && !(way === "save" && (await this.save()))) return false;
+      const { history } = this.editor;
+      if (way === "drop") this.discarded = { doc: history.state, etag: this.etag, past: { states: [...history.states], at: history.at } };
     }
     this.left = this.editor.history.state;
     return true;
@@ -140,6 +147,12 @@ export class Projects {
     if (saved) this.autosave.clean = doc;
     this.editor.open(doc, past);
     keepOnly([doc, ...(past?.states ?? [])].flatMap(picturesOf)); // the history of the document before has gone
+    const { discarded } = this;
+    this.discarded = null;
+    if (discarded) {
+      const undo = () => { this.load(discarded.doc, discarded.etag, false, discarded.past).catch((error) => this.status.fail(error)); };
+      toast(say("discarded", { name: discarded.doc.settings.name || text.untitled }), [{ text: text.undoIt, act: undo }]);
+    }
     if (saved) this.autosave.settle(doc).catch((error) => this.status.fail(error));
   }
 
@@ -149,11 +162,13 @@ export class Projects {
     const dialog = $("open-dialog");
     /** @type {{name: string, changed: string}[]} */
     let rows;
+    $("open-none").textContent = text.openNone;
     try {
       rows = await projects.list();
     } catch (error) {
       this.status.fail(error);
       rows = [];
+      $("open-none").textContent = error instanceof Away ? text.offline : text.listFailed;
     }
     $("open-none").hidden = rows.length > 0;
     $("project-list").replaceChildren(...rows.map((row) => this.#row(dialog, row)));
@@ -188,7 +203,7 @@ export class Projects {
 
   /** Opens the project that this tab showed before the page was loaded again, if any; it may be gone by now. */
   async reopen() {
-    const name = sessionStorage.getItem(SHOWN);
+    const name = tabRecalls(SHOWN);
     if (name === null) return;
     this.#remember(null);
     await this.open(name);
@@ -196,8 +211,7 @@ export class Projects {
 
   /** @param {string | null} name of the project that this tab shows; null: it shows none */
   #remember(name) {
-    if (name === null) sessionStorage.removeItem(SHOWN);
-    else sessionStorage.setItem(SHOWN, name);
+    tabRemembers(SHOWN, name);
   }
 
   /** @param {string} name */

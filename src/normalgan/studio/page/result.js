@@ -3,7 +3,7 @@
 import { Lacking, Refused } from "./api.js";
 import { $ } from "./dom.js";
 import { recalled, remember } from "./settings.js";
-import { say, text } from "./text.js";
+import { say, sentence, text } from "./text.js";
 import { createViewer } from "./viewer.js";
 
 /** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
@@ -91,6 +91,7 @@ export class Result {
   /** What the drawing lacks is said where its map would be, until there is one; all else by the status. @param {unknown} error */
   #failed(error) {
     $("result").setAttribute("aria-busy", "false");
+    this.status.note(""); // heights that were asked for do not come
     if (error instanceof Lacking) this.#warn(error.message);
     else if (error instanceof Refused && error.status === 429) this.status.say(text.busy, "warning");
     else this.status.fail(error);
@@ -114,7 +115,7 @@ export class Result {
 
   /** @param {string} words */
   #warn(words) {
-    $("warning").textContent = words && `${words[0].toUpperCase()}${words.slice(1)}.`.replace("..", ".");
+    $("warning").textContent = sentence(words);
     $("warning").hidden = !words;
   }
 

@@ -1,13 +1,15 @@
 /** Selecting: strokes and pictures are chosen, moved, made larger or smaller, and removed. */
 
 import { activeLayer, withActive } from "./document.js";
-import { extentOf, isHit, movedPicture, movedStroke, unitedBox } from "./moving.js";
+import { aboutPoint, alongWith, extentOf, isHit, movedParts, movedPicture, unitedBox } from "./moving.js";
 
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
 const ACCENT = "#5b62e0";
 const HANDLE = 9;
 const LEAST = 4;
+/** Pixels from the box to the knob that turns it, and radians of its steps. */
+const [KNOB, STEP] = [26, Math.PI / 12];
 /** @type {Selection} */
 export const NOTHING = { strokes: [], pictures: [] };
 
@@ -24,11 +26,16 @@ export const boxOfSelection = (doc, selection) => unitedBox(itemsOf(doc, selecti
 /** @param {import("./moving.js").Box} box */
 const cornersOf = ({ left, top, right, bottom }) => [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => ({ x, y }));
 
+/** Where a selection is held to be turned: above its middle. @param {import("./moving.js").Box} box @param {number} scale pixels of the pane for one of the drawing */
+const knobOf = ({ left, top, right }, scale) => ({ x: (left + right) / 2, y: top - KNOB / scale });
+/** @param {{x: number, y: number}} at @returns {[number, number]} */
+const pairOf = ({ x, y }) => [x, y];
+
 export class SelectTool {
   /** @param {import("./editor.js").Editor} editor */
   constructor(editor) {
     this.editor = editor;
-    /** @type {{kind: "move" | "scale" | "around", from: Touch, fixed?: {x: number, y: number}, before: Selection} | null} */
+    /** @type {{kind: "move" | "scale" | "turn" | "around", from: Touch, fixed?: {x: number, y: number}, before: Selection} | null} */
     this.held = null;
   }
 
@@ -38,6 +45,11 @@ export class SelectTool {
     const { doc, selection } = editor;
     const box = boxOfSelection(doc, selection);
     if (box) {
+      const knob = knobOf(box, touch.scale);
+      if (Math.hypot(knob.x - touch.x, knob.y - touch.y) <= touch.reach) {
+        this.held = { kind: "turn", from: touch, fixed: { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 }, before: selection };
+        return;
+      }
       const corners = cornersOf(box);
       const corner = corners.findIndex(({ x, y }) => Math.hypot(x - touch.x, y - touch.y) <= touch.reach);
       if (corner >= 0) {
@@ -66,14 +78,23 @@ export class SelectTool {
       editor.mark();
       return;
     }
+    /** @type {import("./moving.js").Move} */
     let move = { scale: 1, x: touch.x - held.from.x, y: touch.y - held.from.y };
-    if (held.fixed) {
+    if (held.fixed && held.kind === "turn") {
+      const { x, y } = held.fixed;
+      const direction = (/** @type {{x: number, y: number}} */ at) => Math.atan2(at.y - y, at.x - x);
+      const angle = direction(touch) - direction(held.from);
+      // With Shift in steps.
+      move = aboutPoint(held.fixed, { scale: 1, angle: touch.straight ? Math.round(angle / STEP) * STEP : angle });
+    } else if (held.fixed) {
       const { x, y } = held.fixed;
       const length = (/** @type {{x: number, y: number}} */ at) => Math.hypot(at.x - x, at.y - y);
       const scale = Math.max(0.02, Math.min(50, length(touch) / Math.max(length(held.from), LEAST)));
       move = { scale, x: x * (1 - scale), y: y * (1 - scale) };
     } else if (!editor.draft && Math.hypot(move.x, move.y) < touch.reach / 4) return;
-    editor.preview(withMoved(editor.history.state, editor.selection, move));
+    const { doc, selection } = withMoved(editor.history.state, held.before, move);
+    editor.selection = selection;
+    editor.preview(doc);
   }
 
   up() {
@@ -94,6 +115,7 @@ export class SelectTool {
   }
 
   cancel() {
+    if (this.held && this.held.kind !== "around") this.editor.selection = this.held.before;
     this.held = null;
     this.editor.marquee = null;
     this.editor.drop();
@@ -106,7 +128,10 @@ export class SelectTool {
     if (isNothing(editor.selection)) return false;
     const { doc, layer } = editor;
     editor.set({ selection: NOTHING });
-    const left = strokes.length ? withActive(doc, { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) }) : doc;
+    // Without any line, points and regions would be of nothing.
+    const all = layer.strokes.every(({ kind }, i) => kind === "eraser" || strokes.includes(i));
+    const kept = { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) };
+    const left = strokes.length ? withActive(doc, all ? { strokes: [], hints: [], areas: [], mask: [] } : kept) : doc;
     editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);
     return true;
   }
@@ -143,12 +168,14 @@ function without(a, b) {
 
 /**
  * @param {import("./document.js").Doc} doc @param {Selection} selection @param {import("./moving.js").Move} move
- * @returns {import("./document.js").Doc}
+ * @returns {{doc: import("./document.js").Doc, selection: Selection}} selection: of the same in the new document
  */
-function withMoved(doc, { strokes, pictures }, move) {
-  const moved = activeLayer(doc).strokes.map((each, i) => (strokes.includes(i) ? movedStroke(each, move) : each));
-  const drawn = strokes.length ? withActive(doc, { strokes: moved }) : doc;
-  return pictures.length ? { ...drawn, pictures: doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each)) } : drawn;
+export function withMoved(doc, { strokes, pictures }, move) {
+  const layer = activeLayer(doc);
+  const { layer: moved, chosen } = strokes.length ? movedParts(layer, alongWith(layer, strokes), move, doc) : { layer, chosen: [] };
+  const drawn = strokes.length ? withActive(doc, moved) : doc;
+  const placed = doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each));
+  return { doc: pictures.length ? { ...drawn, pictures: placed } : drawn, selection: { strokes: chosen, pictures } };
 }
 
 /**
@@ -173,6 +200,11 @@ export function drawSelection(context, camera, editor) {
     }
     context.setLineDash([]);
     if (each !== box) continue;
+    const knob = camera.toPane(...pairOf(knobOf(each, camera.scale)));
+    context.beginPath();
+    context.arc(knob.x, knob.y, HANDLE / 2 + 1, 0, 2 * Math.PI);
+    context.fillStyle = ACCENT;
+    context.fill();
     for (const { x, y } of corners) {
       context.fillStyle = "#fff";
       context.fillRect(x - HANDLE / 2, y - HANDLE / 2, HANDLE, HANDLE);

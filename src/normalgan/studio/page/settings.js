@@ -21,3 +21,22 @@ export function remember(key, value) {
     // The next page begins with what is usual.
   }
 }
+
+/** Returns what this tab remembers, also when its page is loaded again; null if nothing. @param {string} key @returns {string | null} */
+export function tabRecalls(key) {
+  try {
+    return sessionStorage.getItem(key);
+  } catch {
+    return null; // the browser was told to keep nothing
+  }
+}
+
+/** Has this tab remember a value, or forget it. @param {string} key @param {string | null} value */
+export function tabRemembers(key, value) {
+  try {
+    if (value === null) sessionStorage.removeItem(key);
+    else sessionStorage.setItem(key, value);
+  } catch {
+    // The page begins with an empty drawing when it is loaded again.
+  }
+}

@@ -2,6 +2,7 @@
 
 import { clear, context2d } from "./canvas.js";
 import { decoded } from "./pictures.js";
+import { drawPicture } from "./strokes.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
 /**
@@ -112,9 +113,9 @@ export class Sheet {
       context.fillRect(0, 0, doc.width, doc.height);
     }
     // A picture may lie beside the paper, to be looked at.
-    if (paper) for (const { picture, opacity, x, y, width, height } of doc.pictures.filter((each) => each.visible)) {
-      context.globalAlpha = opacity;
-      context.drawImage(decoded(picture), x, y, width, height);
+    if (paper) for (const picture of doc.pictures.filter((each) => each.visible)) {
+      context.globalAlpha = picture.opacity;
+      drawPicture(context, decoded(picture.picture), picture);
     }
     context.globalAlpha = 1;
     context.beginPath();

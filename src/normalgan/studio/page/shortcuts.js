@@ -11,6 +11,7 @@ export const SHOWN = [
   ["1 … 5", "keyViews"],
   ["F  C  O", "keyPanes"],
   ["Ctrl+A", "keySelect"],
+  ["Ctrl+D  Ctrl+C  Ctrl+X  Ctrl+V", "keyArrange"],
   ["Y", "keySymmetry"],
   ["X", "keyMask"],
   [",  .", "keyTurn"],

@@ -74,6 +74,25 @@ export function prepare(context, kind, colour = "#000") {
 }
 
 /**
+ * Draws a picture where it is placed.
+ * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
+ * @param {CanvasImageSource} image
+ * @param {import("./document.js").Box} box
+ */
+export function drawPicture(context, image, { x, y, width, height, turn = 0, flipped = false }) {
+  if (!turn && !flipped) {
+    context.drawImage(image, x, y, width, height);
+    return;
+  }
+  context.save();
+  context.translate(x + width / 2, y + height / 2);
+  context.rotate(turn);
+  context.scale(flipped ? -1 : 1, 1);
+  context.drawImage(image, -width / 2, -height / 2, width, height);
+  context.restore();
+}
+
+/**
  * Draws a whole stroke.
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @param {Stroke} stroke
@@ -82,7 +101,7 @@ export function prepare(context, kind, colour = "#000") {
 export function drawStroke(context, stroke, image) {
   prepare(context, stroke.kind, "colour" in stroke ? stroke.colour : undefined);
   if (stroke.kind === "picture") {
-    context.drawImage(image(stroke.picture), stroke.x, stroke.y, stroke.width, stroke.height);
+    drawPicture(context, image(stroke.picture), stroke);
     return;
   }
   const count = stroke.points.length / 3;

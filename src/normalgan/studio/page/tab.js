@@ -2,7 +2,7 @@
 
 const LOCK = "normalgan-tab-";
 
-/** Returns a new id, held as long as the page lives. @returns {Promise<string>} */
+/** Returns a new id, held as long as the page lives; a browser that was told to keep nothing may hold none. @returns {Promise<string>} */
 export async function claimTab() {
   const bytes = crypto.getRandomValues(new Uint8Array(9));
   const id = Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
@@ -10,13 +10,13 @@ export async function claimTab() {
     navigator.locks.request(LOCK + id, () => {
       resolve();
       return new Promise(() => {});
-    });
+    }).catch(() => resolve());
   }));
   return id;
 }
 
-/** Returns the ids of the pages that are open. @returns {Promise<Set<string>>} */
+/** Returns the ids of the pages that are open; null if the browser does not say. @returns {Promise<Set<string> | null>} */
 export async function openTabs() {
-  const { held = [] } = await navigator.locks.query();
-  return new Set(held.map(({ name = "" }) => name.replace(LOCK, "")));
+  const { held } = await navigator.locks.query().catch(() => ({ held: undefined }));
+  return held ? new Set(held.map(({ name = "" }) => name.replace(LOCK, ""))) : null;
 }

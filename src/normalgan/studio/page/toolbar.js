@@ -2,7 +2,6 @@
 
 import { withActive } from "./document.js";
 import { $, enable, field, label } from "./dom.js";
-import { isNothing } from "./selecting.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
@@ -74,7 +73,6 @@ export function followTools(editor, inks) {
     $("region-options").hidden = tool !== "region";
     $("hand-options").hidden = tool !== "hand";
     $("select-options").hidden = tool !== "select";
-    enable("select-remove", !isNothing(editor.selection));
     colour.value = editor.colour;
     colour.hidden = tool !== "pen";
     for (const id of SWITCHES) {

@@ -1,0 +1,81 @@
+"""drawings.json: drawings by people, each with a normal map of the object or with its mesh and camera."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from normalgan.arrays import Doubles
+from normalgan.errors import InputError, brief
+from normalgan.files.limits import read_bounded
+
+__all__ = ["INDEX", "HumanDrawing", "read_drawings"]
+
+INDEX = "drawings.json"
+_LAYOUT = (
+    '{"OBJECT/PERSON": {"drawing": "a.png", "mesh": "a.obj", "projection": [[…4], […4], […4]]}}, or '
+    '"normal": "a_normal.png" in place of mesh and projection'
+)
+_KEYS = {"drawing", "mesh", "projection", "normal", "group"}
+
+
+@dataclass(frozen=True)
+class HumanDrawing:
+    """A drawing of an object whose normals are known.
+
+    Args:
+        name: ``object/person``, unique in its folder; intervals are taken over objects.
+        group: drawings that are reported together, such as concept or presentation.
+        drawing: picture file.
+        truth: file of the normal map, pixel on pixel with the drawing; or of the mesh.
+        projection: (3, 4) from the mesh file's coordinates to pixels of the drawing, y downwards; None for a
+            normal map.
+    """
+
+    name: str
+    group: str
+    drawing: Path
+    truth: Path
+    projection: Doubles | None
+
+
+def read_drawings(folder: Path) -> tuple[list[HumanDrawing], list[str]]:
+    """Return the drawings that ``drawings.json`` of a folder lists, and a sentence for each unusable entry.
+
+    Raises:
+        InputError: if there is no such file, or it lists no usable drawing.
+    """
+    path = folder / INDEX
+    if not path.is_file():
+        raise InputError(f"--human was given {folder}, which has no {INDEX}; it must be like {_LAYOUT}.")
+    try:
+        content = json.loads(read_bounded(path))
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or brief(error)}.") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path} is not JSON: {brief(error)}.") from error
+    if not isinstance(content, dict):
+        raise InputError(f"{path} is not a list of drawings by name; it must be like {_LAYOUT}.")
+    drawings, left_out = [], []
+    for name, entry in content.items():
+        try:
+            drawings.append(_drawing(folder, name, entry))
+        except (LookupError, TypeError, ValueError):
+            left_out.append(f"{name} in {path} is left out: its entry must be like {_LAYOUT}.")
+    if not drawings:
+        why = left_out[0] if left_out else "the file is empty."
+        raise InputError(f"{folder} has no drawing that can be measured; {why}")
+    return drawings, left_out
+
+
+def _drawing(folder: Path, name: str, entry: Any) -> HumanDrawing:
+    if not isinstance(entry, dict) or entry.keys() - _KEYS or ("normal" in entry) == ("mesh" in entry):
+        raise ValueError
+    kind = "normal" if "normal" in entry else "mesh"
+    if ("projection" in entry) != (kind == "mesh"):
+        raise ValueError
+    projection = np.array(entry["projection"], np.float64).reshape(3, 4) if kind == "mesh" else None
+    drawing, truth = (folder / str(entry[key]) for key in ("drawing", kind))
+    return HumanDrawing(name, str(entry.get("group", "all")), drawing, truth, projection)

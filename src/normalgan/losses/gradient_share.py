@@ -1,0 +1,28 @@
+"""How long the gradient of one loss is beside that of another."""
+
+from collections.abc import Sequence
+
+import torch
+from torch import Tensor
+
+__all__ = ["gradient_share"]
+
+
+def gradient_share(loss: Tensor, other: Tensor, inputs: Sequence[Tensor]) -> Tensor:
+    """Return the length of a loss's gradient divided by that of another loss; the graph is kept.
+
+    Args:
+        loss: a scalar.
+        other: a scalar.
+        inputs: what the gradients are taken at, such as the weights of a network, together one vector.
+
+    >>> x = torch.tensor([3.0, 4.0], requires_grad=True)
+    >>> float(gradient_share(x.sum(), (2 * x).sum(), [x]))
+    0.5
+    """
+    lengths = []
+    for value in (loss, other):
+        gradients = torch.autograd.grad(value, inputs, retain_graph=True, allow_unused=True)
+        squares = [gradient.float().square().sum() for gradient in gradients if gradient is not None]
+        lengths.append(torch.stack(squares).sum().sqrt())
+    return lengths[0] / lengths[1]

@@ -1,0 +1,183 @@
+/** Arranging: what is selected is flipped, turned, duplicated, copied, pasted, nudged and brought to another layer. */
+
+import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, changedLayer, newDocument, parseDocument, picturesOf, withActive, withNewLayer } from "./document.js";
+import { $, enable, make } from "./dom.js";
+import { aboutPoint, alongWith, movedParts } from "./moving.js";
+import { decodeAll } from "./pictures.js";
+import { boxOfSelection, isNothing, withMoved } from "./selecting.js";
+import { say, text } from "./text.js";
+
+/** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer */
+/** @typedef {Pick<Layer, "strokes" | "hints" | "areas" | "mask">} Parts */
+
+/** Pixels by which a copy lies beside what it is of. */
+const BESIDE = 12;
+const MOST = { strokes: MOST_STROKES, hints: MOST_HINTS, areas: MOST_AREAS, mask: MOST_MASK_STROKES };
+const LISTS = /** @type {("strokes" | "hints" | "areas" | "mask")[]} */ (Object.keys(MOST));
+/** The width and height of the paper on the clipboard: a document that holds only parts. */
+const NAME = "clipboard";
+
+/** Returns what goes with chosen strokes, or what stays. @param {Layer} layer @param {number[]} chosen @param {boolean} goes @returns {Parts} */
+function partsOf(layer, chosen, goes) {
+  const along = alongWith(layer, chosen);
+  const pick = (/** @type {any[]} */ list, /** @type {Set<number>} */ places) => list.filter((_, i) => places.has(i) === goes);
+  return {
+    strokes: pick(layer.strokes, along.strokes), hints: pick(layer.hints, along.hints),
+    areas: pick(layer.areas, along.areas), mask: pick(layer.mask, along.mask),
+  };
+}
+
+/** Puts parts in front of what a layer has. @param {Layer} layer @param {Parts} parts @returns {Layer | null} null: there is no room */
+function withParts(layer, parts) {
+  const both = Object.fromEntries(LISTS.map((list) => [list, [...layer[list], ...parts[list]]]));
+  return LISTS.some((list) => both[list].length > MOST[list]) ? null : { ...layer, ...both };
+}
+
+/** Moves parts by so much to the right and down. @param {Parts} parts @param {number} by @param {Doc} doc @returns {Parts} */
+function beside(parts, by, doc) {
+  const places = (/** @type {unknown[]} */ list) => new Set(list.keys());
+  const all = { strokes: places(parts.strokes), hints: places(parts.hints), areas: places(parts.areas), mask: places(parts.mask) };
+  return movedParts({ ...activeLayer(doc), ...parts }, all, { scale: 1, x: by, y: by }, doc).layer;
+}
+
+export class Arranging {
+  /** @param {import("./editor.js").Editor} editor @param {(words: string) => void} announce */
+  constructor(editor, announce) {
+    this.editor = editor;
+    this.announce = announce;
+    $("select-flip").addEventListener("click", () => this.turn(0, true));
+    $("select-flip-down").addEventListener("click", () => this.turn(Math.PI, true));
+    $("select-turn").addEventListener("click", () => this.turn(Math.PI / 2, false));
+    $("select-copy").addEventListener("click", () => this.duplicate());
+    /** @type {HTMLSelectElement} */
+    this.target = $("select-layer");
+    this.target.addEventListener("change", () => this.toLayer(this.target.value));
+    for (const name of ["copy", "cut"]) addEventListener(name, (event) => this.#copy(/** @type {ClipboardEvent} */ (event), name === "cut"));
+    addEventListener("paste", (event) => this.#pasted(/** @type {ClipboardEvent} */ (event)));
+    for (const name of ["change", "state"]) editor.addEventListener(name, () => this.#show());
+    this.#show();
+  }
+
+  #show() {
+    const { editor } = this;
+    const some = !isNothing(editor.selection);
+    for (const id of ["select-remove", "select-flip", "select-flip-down", "select-turn"]) enable(id, some);
+    $("select-help").hidden = some; // there is no room for it
+    enable("select-copy", editor.selection.strokes.length > 0);
+    this.target.disabled = !editor.selection.strokes.length;
+    if (editor.tool !== "select" || editor.draft) return;
+    const others = editor.doc.layers.filter((layer) => layer !== editor.layer).reverse();
+    const options = [{ value: "", words: text.toLayer }, ...others.map(({ id, name }) => ({ value: String(id), words: name })), { value: "new", words: text.toNewLayer }];
+    const wanted = options.map(({ value, words }) => `${value} ${words}`).join("\n");
+    if (this.target.dataset.shown === wanted) return;
+    this.target.dataset.shown = wanted;
+    this.target.replaceChildren(...options.map(({ value, words }) => make("option", { value, text: words })));
+  }
+
+  /** Turns or flips about the middle of the selection. @param {number} angle radians, clockwise @param {boolean} flipped from left to right, before it is turned */
+  turn(angle, flipped) {
+    const { editor } = this;
+    const box = boxOfSelection(editor.doc, editor.selection);
+    if (!box) return;
+    const [x, y] = [(box.left + box.right) / 2, (box.top + box.bottom) / 2];
+    this.#move(aboutPoint({ x, y }, { scale: 1, angle, flipped }));
+  }
+
+  /** Moves the selection. @param {number} x @param {number} y @returns {boolean} whether there was one */
+  nudge(x, y) {
+    if (isNothing(this.editor.selection)) return false;
+    this.#move({ scale: 1, x, y }, "nudged");
+    return true;
+  }
+
+  /** @param {import("./moving.js").Move} move @param {string} [kind] */
+  #move(move, kind = "") {
+    const { editor } = this;
+    const { doc, selection } = withMoved(editor.history.state, editor.selection, move);
+    editor.selection = selection;
+    editor.commit(doc, kind);
+  }
+
+  /** Puts a copy of the selected lines beside them. */
+  duplicate() {
+    const { editor } = this;
+    const { strokes } = editor.selection;
+    if (strokes.length) this.#put(beside(partsOf(editor.layer, strokes, true), BESIDE, editor.doc));
+  }
+
+  /** Brings the selected lines to another layer, to be worked on from now. @param {string} target its id, or "new" */
+  toLayer(target) {
+    const { editor } = this;
+    this.target.value = "";
+    const { strokes } = editor.selection;
+    if (!strokes.length || !target) return;
+    const { layer } = editor;
+    const parts = partsOf(layer, strokes, true);
+    const left = changedLayer(editor.doc, layer.id, partsOf(layer, strokes, false));
+    const doc = target === "new" ? withNewLayer(left) : { ...left, active: Number(target) };
+    const onto = withParts(activeLayer(doc), parts);
+    if (!onto) return this.announce(text.noRoom);
+    editor.commit(withActive(doc, onto));
+    this.#choose(onto, parts);
+    return this.announce(say("broughtTo", { name: onto.name }));
+  }
+
+  /** @param {ClipboardEvent} event @param {boolean} cut */
+  #copy(event, cut) {
+    const { editor } = this;
+    const { strokes } = editor.selection;
+    if (!this.#isOurs(event) || !strokes.length || editor.tool !== "select") return;
+    const { width, height } = editor.doc;
+    const parts = partsOf(editor.layer, strokes, true);
+    const doc = { ...withActive(newDocument(width, height), parts), settings: { name: NAME } };
+    event.clipboardData?.setData("text/plain", JSON.stringify(doc));
+    event.preventDefault();
+    if (cut) {
+      editor.set({ selection: { strokes: [], pictures: [] } });
+      editor.commit(withActive(editor.doc, partsOf(editor.layer, strokes, false)));
+    }
+    this.announce(text.copiedLines);
+  }
+
+  /** @param {ClipboardEvent} event */
+  async #pasted(event) {
+    const words = event.clipboardData?.getData("text/plain") ?? "";
+    if (!this.#isOurs(event) || event.clipboardData?.files.length || !words.startsWith("{")) return;
+    /** @type {Doc} */
+    let doc;
+    try {
+      doc = parseDocument(JSON.parse(words));
+      await decodeAll(picturesOf(doc));
+    } catch {
+      return; // it is something else
+    }
+    const { editor } = this;
+    const parts = activeLayer(doc);
+    const there = editor.layer.strokes.some((stroke) => JSON.stringify(stroke) === JSON.stringify(parts.strokes[0]));
+    this.#put(there ? beside(parts, BESIDE, editor.doc) : parts);
+  }
+
+  /** Whether copying and pasting is about the drawing, and not about a field. @param {Event} event */
+  #isOurs({ target }) {
+    return !document.querySelector("dialog[open]") && !(target instanceof Element && target.closest("input, textarea"));
+  }
+
+  /** Puts parts onto the layer that is worked on, and selects them. @param {Parts} parts */
+  #put(parts) {
+    const { editor } = this;
+    const layer = withParts(editor.layer, parts);
+    if (!layer) {
+      this.announce(text.noRoom);
+      return;
+    }
+    editor.set({ tool: "select" });
+    editor.commit(withActive(editor.doc, layer));
+    this.#choose(layer, parts);
+  }
+
+  /** @param {Layer} layer @param {Parts} parts the last of it */
+  #choose(layer, { strokes }) {
+    const first = layer.strokes.length - strokes.length;
+    this.editor.set({ selection: { strokes: strokes.flatMap(({ kind }, i) => (kind === "eraser" ? [] : [first + i])), pictures: [] } });
+  }
+}

@@ -1,0 +1,42 @@
+/** Toast: says for some seconds what was done, with buttons that change it. One at a time. */
+
+import { $, make } from "./dom.js";
+
+/** Milliseconds that it stays; longer while the pointer or the focus is on it. */
+const STAYS = 12_000;
+
+/** Ends the one that is on show. */
+let end = () => {};
+
+/**
+ * Shows words and buttons.
+ * @param {string} words
+ * @param {{text: string, act: () => void}[]} ways
+ * @param {() => void} [ended] called once it has gone and no button was pressed
+ */
+export function toast(words, ways, ended = () => {}) {
+  end();
+  const box = $("toast");
+  let timer = 0;
+  /** @param {() => void} then */
+  const close = (then) => {
+    clearTimeout(timer);
+    end = () => {};
+    box.hidden = true;
+    then();
+  };
+  const wait = () => {
+    clearTimeout(timer);
+    timer = setTimeout(() => (box.matches(":hover, :focus-within") ? wait() : close(ended)), STAYS);
+  };
+  end = () => close(ended);
+  const buttons = ways.map(({ text, act }) => {
+    const button = make("button", { type: "button", text });
+    button.addEventListener("click", () => close(act));
+    return button;
+  });
+  $("toast-words").textContent = words;
+  $("toast-ways").replaceChildren(...buttons);
+  box.hidden = false;
+  wait();
+}

@@ -1,0 +1,536 @@
+"""Writes docs/benchmark_tables.md, the full tables of the benchmark, from docs/results.
+
+tools/benchmark_tables.py: writes the page, and the shipped weights' table in README.md and model_card.md
+tools/benchmark_tables.py --show: prints the page instead
+"""
+
+import argparse
+import json
+import re
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from statistics import fmean
+from typing import Any
+
+from normalgan.benchmark.intervals import total_interval
+from normalgan.benchmark.measure import OWN
+from normalgan.benchmark.table import figure_cell, interval_cell, spread_of
+from normalgan.files.writing import write_bytes
+
+ROOT = Path(__file__).parents[1]
+RESULTS, PAGE = ROOT / "docs" / "results", ROOT / "docs" / "benchmark_tables.md"
+Runs = Sequence[Any]
+"""The runs of one method, a seed each."""
+Cell = Callable[[Runs], str]
+RUN = "normalgan benchmark --config configs/benchmark/{plan}.yaml --config configs/cpu.yaml"
+MESHES = "--set data.meshes='meshes/*.off' data.size=64 data.workers=0"
+KEEP = "python tools/keep_results.py runs/{name}/results.json {options}-o docs/results/{name}.json"
+INTRODUCTION = """# Benchmark: all tables
+
+This page is the appendix of [the benchmark](benchmark.md). `python tools/benchmark_tables.py` writes it from
+the files in `docs/results`, which also name the machine, the versions and the commit of each run.
+
+- Errors are mean angular errors on the object, hinted pixels left out. 15 and 50 hints are uniform on the
+  object; *own* hints come from the sampler that a method was trained with.
+- ± is the standard deviation over the seeds, on the same meshes.
+- A difference has a 95 % interval over meshes and seeds in brackets (Student's t, paired by both).
+- `meshes/` holds the [FourLeg meshes](data.md#the-fourleg-meshes).
+"""
+
+
+def read(name: str) -> Any:
+    """Return the results of one name."""
+    return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def methods(results: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Return the runs of each method by the name of its row, in the order of the plan."""
+    found: dict[str, list[Any]] = defaultdict(list)
+    for run in results["runs"]:
+        found[run["row"]].append(run)
+    return found
+
+
+def error(given: str, name: str = "angular_mean") -> Cell:
+    """Return what shows a figure of a method."""
+    return figure_cell(given, name)
+
+
+def beside(reference: Runs, given: str, other: str | None = None) -> Cell:
+    """Return what shows how much larger a method's error is than the reference's, with its interval.
+
+    Args:
+        reference: runs of the other method; those of the method itself if empty.
+        given: the hints of the method.
+        other: the hints of the reference; None if they are the same.
+    """
+
+    def cell(runs: Runs) -> str:
+        if runs is reference:
+            return ""
+        return interval_cell(total_interval(runs, reference or runs, given, "angular_mean", other), "+")
+
+    return cell
+
+
+def relief(reference: Runs, name: str) -> Cell:
+    """Return what shows how a method's relief or mask without hints differs from the reference's."""
+
+    def cell(runs: Runs) -> str:
+        found = total_interval(runs, reference, "0", name)
+        return "" if found is None or runs is reference else "{:+.3f} [{:+.3f}, {:+.3f}]".format(*found)
+
+    return cell
+
+
+def pins(where: str, number: int) -> Cell:
+    """Return what shows the error after a number of pins, set one by one."""
+    return lambda runs: f"{fmean(run['pins'][where][number] for run in runs):.2f}°"
+
+
+def share(runs: Runs) -> str:
+    """Return the least and the largest final share of the adversarial gradient."""
+    found = [run["curve"][-1].get("train/adversarial_share") for run in runs]
+    return "–" if None in found else f"{min(found):.2f} to {max(found):.2f}"
+
+
+def table(rows: Mapping[str, Runs], columns: Mapping[str, Cell], first: str = "") -> list[str]:
+    """Return the lines of a table: a line for each row, a cell for each column.
+
+    Args:
+        rows: runs by the label of the row.
+        columns: what shows a cell, by its heading.
+        first: heading of the labels.
+    """
+    lines = ["", f"| {first} | {' | '.join(columns)} |", f"| --- |{' ---: |' * len(columns)}"]
+    return lines + [
+        f"| {label} | {' | '.join(cell(runs) for cell in columns.values())} |" for label, runs in rows.items()
+    ]
+
+
+def labelled(rows: Mapping[str, Runs]) -> dict[str, Runs]:
+    """Return runs by their label in place of the name of the row."""
+    return {runs[0]["label"]: runs for runs in rows.values()}
+
+
+def section(title: str, results: Mapping[str, Any], text: str, command: str) -> list[str]:
+    """Return the beginning of a section: heading, how it was measured, command.
+
+    Args:
+        title: heading.
+        results: from which machine, budget, seeds and commits are taken.
+        text: what was compared, in a sentence or two.
+        command: that repeats it.
+    """
+    images = results.get("images")
+    budget = f"{images:,} images a method".replace(",", " ") if images else "22 minutes a run"
+    seeds = len({run["seed"] for run in results["runs"]} - {None})
+    where = f"{results['size']} pixels, {budget}, {seeds} seed{'s' * (seeds > 1)}, one core each"
+    lines = ["", f"## {title}", "", text, "", f"{where} ({results['machine']['processor']}):"]
+    return [*lines, "", "```sh", *command.splitlines(), "```"]
+
+
+def comparison() -> list[str]:
+    """Return the section on all methods at 64 pixels."""
+    results = read("benchmark_64")
+    rows = methods(results)
+    command = f"{RUN.format(plan='fourlegs')} --images 21000 \\\n    {MESHES} -o runs/benchmark_64 \\\n"
+    command += "    --rows constant,mean,inflation,pix2pix,sketch2normal,paper,ours\n"
+    command += KEEP.format(name="benchmark_64", options="--by-mesh angular_mean below_11_25 ")
+    lines = section(
+        "All methods", results, "FourLeg meshes, published split: 5 test meshes, 40 views each.", command
+    )
+    lines += table(labelled(rows), FIGURES, "method")
+    trained = {name: rows[name] for name in ("pix2pix", "sketch2normal", "ours")}
+    less = table(labelled(trained), differences(rows["paper"]), "method")
+    return [*lines, "", "Less the paper:", *less]
+
+
+def differences(reference: Runs) -> dict[str, Cell]:
+    """Return the columns of differences from a method: no hints, 15, own."""
+    return {
+        "no hints": beside(reference, "0"),
+        "15 hints": beside(reference, "15"),
+        "own hints": beside(reference, OWN),
+    }
+
+
+def how_many(runs: Runs) -> str:
+    """Return how many hints a method's own sampler gives a view."""
+    return spread_of([runs[0]["figures"][OWN]["hints"]], 1)
+
+
+FIGURES: dict[str, Cell] = {
+    "no hints": error("0"),
+    "15 hints": error("15"),
+    "50 hints": error("50"),
+    "median, 15": error("15", "angular_median"),
+    "below 11.25°, 15": error("15", "below_11_25"),
+    "own hints": error(OWN),
+    "how many": how_many,
+}
+THREE = {"no hints": error("0"), "15 hints": error("15"), "50 hints": error("50")}
+
+
+def larger() -> list[str]:
+    """Return the section on 128 pixels."""
+    results = read("benchmark_128")
+    command = f"{RUN.format(plan='fourlegs')} --budget 22m --seeds 0 \\\n"
+    command += "    --set data.meshes='meshes/*.off' data.workers=0 -o runs/benchmark_128 \\\n"
+    command += "    --rows constant,mean,inflation,sketch2normal,paper,ours,ours-tuned"
+    text = (
+        "FourLeg meshes, published split, trained by the clock. One seed, so no intervals: **nothing is "
+        "claimed between these rows.** The last row starts from older shipped weights and was trained longer."
+    )
+    lines = section("128 pixels", results, text, command)
+    return lines + table(labelled(methods(results)), FIGURES, "method")
+
+
+def folds() -> list[str]:
+    """Return the section on all 20 meshes."""
+    results = read("folds_64")
+    rows = methods(results)
+    command = f"for k in 0 1 2 3 4; do {RUN.format(plan='fourlegs')} --images 10500 \\\n"
+    command += f"    {MESHES} data.split_file=configs/fourleg/folds/$k.json \\\n"
+    command += "    --rows paper,ours -o runs/fold$k; done\n"
+    command += (
+        "python tools/join_folds.py configs/benchmark/fourlegs.yaml runs/fold?/results.json \\\n"
+        "    -o docs/results/folds_64.json\n"
+        "python tools/folds_picture.py docs/results/folds_64.json folds.png"
+    )
+    lines = section(
+        "All 20 meshes, five folds", results, "Each of the 20 FourLeg meshes is tested on once.", command
+    )
+    figures = {heading: cell for heading, cell in FIGURES.items() if not heading.startswith("median")}
+    lines += table(labelled(rows), figures, "method")
+    lines += [
+        "",
+        "Less the paper:",
+        *table(labelled({"ours": rows["ours"]}), differences(rows["paper"]), "method"),
+    ]
+    lines += ["", "The gain of hints, less no hints:"]
+    lines += table(
+        labelled(rows), {f"{n} hints": beside((), str(n), "0") for n in (5, 10, 15, 20, 50)}, "method"
+    )
+    return [
+        *lines,
+        "",
+        "Ours less the paper by mesh, mean over the seeds; a run is a mesh and a seed:",
+        "",
+        *by_mesh(rows),
+    ]
+
+
+def by_mesh(rows: Mapping[str, Runs]) -> list[str]:
+    """Return the table of how the difference of ours from the paper varies over the meshes."""
+    lines = ["| hints | least lead | largest lead | ahead in |", "| --- | ---: | ---: | ---: |"]
+    for given in ("0", "15"):
+        pairs = [
+            (ours["meshes"][given], paper["meshes"][given])
+            for ours, paper in zip(rows["ours"], rows["paper"], strict=True)
+        ]
+        found = [
+            [p[mesh]["angular_mean"] - o[mesh]["angular_mean"] for o, p in pairs] for mesh in pairs[0][0]
+        ]
+        means, every = [fmean(one) for one in found], [lead for one in found for lead in one]
+        ahead = f"{sum(lead > 0 for lead in every)} of {len(every)} runs"
+        lines.append(
+            f"| {given if given != '0' else 'none'} | {min(means):.1f}° | {max(means):.1f}° | {ahead} |"
+        )
+    return lines
+
+
+def placement() -> list[str]:
+    """Return the section on where hints lie and how many there are."""
+    results = read("placement_64")
+    rows = methods(results)
+    names = {
+        "uniform": "uniform",
+        "curvature": "by curvature",
+        "farthest": "far apart",
+        "worst": "where the error is largest (oracle)",
+    }
+    ran = [f"paper-{where}-17" for where in names] + [
+        f"paper-{w}-{n}" for n in (3, 60) for w in ("uniform", "curvature")
+    ]
+    command = f"{RUN.format(plan='placement')} --images 21000 \\\n    {MESHES} -o runs/placement_64 \\\n"
+    command += f"    --rows {','.join(ran)}\n"
+    command += KEEP.format(name="placement_64", options="--by-mesh angular_mean --without distance ")
+    text = "The paper's networks, trained with exactly 3, 17 or 60 hints a view and tested with others."
+    lines = section("Where hints lie, and how many", results, text, command)
+    counts = {
+        f"{n} {names[where]}": rows[f"paper-{where}-{n}"]
+        for n in (3, 17, 60)
+        for where in ("uniform", "curvature")
+    }
+    tested = {
+        f"{n} {names[w]}": error(f"{w}-{n}") for w in ("uniform", "curvature") for n in (3, 10, 17, 30, 60)
+    }
+    lines += table(counts, {"no hints": error("0"), **tested}, "trained with")
+    lines += ["", "By curvature less uniform, trained with the same number:"]
+    pairs = {str(n): rows[f"paper-curvature-{n}"] for n in (3, 17, 60)}
+    uniform = {id(rows[f"paper-curvature-{n}"]): rows[f"paper-uniform-{n}"] for n in (3, 17, 60)}
+    lines += table(
+        pairs,
+        {
+            heading: lambda runs, given=given: beside(uniform[id(runs)], given)(runs)
+            for heading, given in {"own hints": OWN, "15 uniform hints": "15", "no hints": "0"}.items()
+        },
+        "hints in training",
+    )
+    lines += ["", "Four placements, 17 hints in training (rows) and in the test (columns):"]
+    matrix = {label: rows[f"paper-{where}-17"] for where, label in names.items()}
+    lines += table(matrix, {label: error(f"{where}-17") for where, label in names.items()}, "trained with")
+    lines += ["", "The same networks, less the one trained with uniform hints:"]
+    others = {label: runs for label, runs in matrix.items() if label != "uniform"}
+    lines += table(others, differences(rows["paper-uniform-17"]), "trained with")
+    lines += ["", "The gain of uniform hints for the network trained with 17 of them, less no hints:"]
+    gains = {f"{n} hints": beside((), f"uniform-{n}", "0") for n in (3, 10, 17, 30, 60)}
+    return lines + table({"17 uniform": rows["paper-uniform-17"]}, gains, "trained with")
+
+
+def critic() -> list[str]:
+    """Return the section on the critic."""
+    results = read("critic_64")
+    rows = methods(results)
+    none = rows["none"]
+    command = f"{RUN.format(plan='critic')} --images 10500 \\\n    {MESHES} -o runs/critic_64 \\\n"
+    command += f"    --rows {','.join(rows)}\n" + KEEP.format(name="critic_64", options="")
+    text = "The paper's networks with a critic of several weights. The last checkpoint is measured."
+    lines = section("The critic", results, text, command)
+    columns = {
+        "adversarial / reconstruction gradient": share,
+        **THREE,
+        "n_z, predicted − true": error("0", "nz_bias"),
+        "change between pixels, predicted / true": error("0", "gradient_ratio"),
+    }
+    lines += table(labelled(rows), columns, "critic")
+    lines += ["", "Less no discriminator; the last three columns are without hints:"]
+    others = {name: runs for name, runs in rows.items() if runs is not none}
+    columns = {**differences(none), "n_z": relief(none, "nz_bias"), "change": relief(none, "gradient_ratio")}
+    return lines + table(labelled(others), {**columns, "IoU": relief(none, "mask_iou")}, "critic")
+
+
+def ablation() -> list[str]:
+    """Return the section on the parts of ours."""
+    results = read("ablation_64")
+    rows = methods(results)
+    command = f"{RUN.format(plan='ablation')} --images 10500 \\\n    {MESHES} -o runs/ablation_64 \\\n"
+    command += f"    --rows {','.join(rows)}\n" + KEEP.format(name="ablation_64", options="")
+    lines = section("Ours, one part changed", results, "Each row changes one part of our method.", command)
+    less = {f"{heading}, less ours": cell for heading, cell in differences(rows["ours"]).items()}
+    lines += table(labelled(rows), {**THREE, **less}, "method")
+    lines += ["", "Ours with a patch critic, without hints:"]
+    columns = {
+        "adversarial / reconstruction gradient": share,
+        "error": error("0"),
+        "n_z, predicted − true": error("0", "nz_bias"),
+        "change between pixels, predicted / true": error("0", "gradient_ratio"),
+        "mask IoU": error("0", "mask_iou"),
+        "confidence off by": error("0", "calibration_error"),
+    }
+    critics = {name: rows[name] for name in ("ours", "critic-tenth", "critic-1", "critic-10")}
+    return lines + table(labelled(critics), columns, "method")
+
+
+def drawings() -> list[str]:
+    """Return the section on drawings that differ from those of the training."""
+    names = {
+        "ablation_64": "suggestive contours, as in training",
+        "lines_64": "ridges and valleys",
+        "hand_25_64": "a hand of strength 0.25",
+        "hand_50_64": "a hand of strength 0.5",
+        "hand_100_64": "a hand of strength 1",
+    }
+    found = {label: methods(read(name)) for name, label in names.items()}
+    trained = found["suggestive contours, as in training"]
+    command = f"for plan in lines hand_25 hand_50 hand_100; do {RUN.format(plan='$plan')} --images 10500 \\\n"
+    command += f"    {MESHES} -o runs/${{plan}}_64 --rows paper,ours; done"
+    text = "The same trained networks, tested on other line styles and on an unsteady [hand](hand.md)."
+    lines = section("Other drawings than in training", read("lines_64"), text, command)
+    for row, label in (("paper", "The paper"), ("ours", "Ours")):
+        columns = dict(THREE)
+        for heading, given in (("no hints", "0"), ("15 hints", "15")):
+            columns[f"{heading}, less as in training"] = beside(trained[row], given)
+        lines += ["", f"{label}:"]
+        lines += table({drawn: rows[row] for drawn, rows in found.items()}, columns, "tested on")
+    lines += ["", "Ours less the paper:"]
+    papers = {id(rows["ours"]): rows["paper"] for rows in found.values()}
+    less = {
+        heading: lambda runs, given=given: beside(papers[id(runs)], given)(runs)
+        for heading, given in {"no hints": "0", "15 hints": "15", "own hints": OWN}.items()
+    }
+    return lines + table({drawn: rows["ours"] for drawn, rows in found.items()}, less, "tested on")
+
+
+def people() -> list[str]:
+    """Return the section on hints as people give them."""
+    results = read("users_64")
+    rows = methods(results)
+    command = (
+        "cp -r runs/benchmark_64 runs/users_64 # trained networks are measured again, not trained again\n"
+    )
+    command += f"{RUN.format(plan='users_fourlegs')} --images 21000 \\\n    {MESHES} \\\n"
+    command += "    --rows sketch2normal,paper,ours -o runs/users_64\n"
+    command += KEEP.format(name="users_64", options="--by-mesh angular_mean --without distance ")
+    text = "The networks of the first table with 15 hints, each turned by an angle or moved by pixels of 64."
+    lines = section("Hints as people give them", results, text, command)
+    turned = {f"{n}°": error(f"degrees-{n}") for n in (5, 10, 15, 30)}
+    moved = {f"{n} px": error(f"pixels-{n}") for n in (1, 2, 3, 6)}
+    lines += table(
+        labelled(rows), {"exact": error("15"), **turned, **moved, "no hints": error("0")}, "method"
+    )
+    lines += ["", "Less exact hints:"]
+    less = {f"turned by {n}°": beside((), f"degrees-{n}", "15") for n in (15, 30)}
+    less |= {f"moved by {n} px": beside((), f"pixels-{n}", "15") for n in (3, 6)}
+    lines += table(labelled(rows), less, "method")
+    lines += [
+        "",
+        "Pins set one by one, where the error is largest (an oracle) and where the studio suggests:",
+    ]
+    columns = {f"oracle: {n}": pins("worst", n) for n in (0, 1, 3, 10, 20)}
+    columns |= {f"suggested: {n}": pins("suggested", n) for n in (0, 1, 3, 10, 20)}
+    return lines + table(labelled(rows), columns, "method")
+
+
+CARD = re.compile(r"^\| test set \|.*\n(?:\|.*\n)+", re.MULTILINE)
+"""The table of the shipped weights on a page."""
+SHIPPED = {
+    "foreign": "foreign: people and animals in all postures, statues, tools",
+    "foreign_dressed": "foreign: clothed people",
+    "fourlegs": "foreign: FourLeg test meshes",
+    "animals": "same source: animals",
+    "rigs": "same source: creatures and clothed people",
+    "people": "same source: bodies",
+    "props": "same source: props",
+}
+"""The test sets of the shipped weights by plan: first those from sources that no training mesh comes from."""
+
+
+def evaluations() -> dict[str, list[Any]]:
+    """Return the results of the shipped weights by test set, of the sets that were measured."""
+    known = {label: f"shipped_{plan}" for plan, label in SHIPPED.items()}
+    return {label: [read(name)] for label, name in known.items() if (RESULTS / f"{name}.json").exists()}
+
+
+def shipped() -> list[str]:
+    """Return the section on the weights that ship."""
+    found = evaluations()
+    lines = [
+        "",
+        "## Shipped weights",
+        "",
+        "The [weights that come with the package](model_card.md) on meshes that they were not trained on.",
+        "*Foreign* sets come from sources that no training mesh comes from. *Same source* sets share their",
+        "artists with the training meshes.",
+        *("", "```sh"),
+        "normalgan benchmark --config configs/benchmark/foreign.yaml --evaluate shipped -o foreign",
+        "python tools/keep_results.py foreign/evaluation.json -o docs/results/shipped_foreign.json",
+        "```",
+    ]
+    counts = ("0", "5", "10", "15", "20", "50", "200")
+    lines += table(found, {f"{n} hints" if n != "0" else "no hints": error(n) for n in counts}, "test set")
+    columns = {
+        "rim": error("0", "angular_rim"),
+        "deep inside": error("0", "angular_deep"),
+        "n_z, predicted − true": error("0", "nz_bias"),
+        "mask IoU": error("0", "mask_iou"),
+        "confidence off by": error("0", "calibration_error"),
+        "median, 15 hints": error("15", "angular_median"),
+        "below 11.25°, 15 hints": error("15", "below_11_25"),
+    }
+    return [*lines, "", "Without hints, but for the last two columns:", *table(found, columns, "test set")]
+
+
+def card() -> list[str]:
+    """Return the table of the model card and the README: a row for each test set."""
+    columns = {"no hints": error("0"), "15 hints": error("15"), "mask IoU": error("0", "mask_iou")}
+    return table(evaluations(), columns, "test set")[1:]
+
+
+def speedrun() -> list[str]:
+    """Return the section on ideas for faster training."""
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    import speedrun as track
+
+    log = track.load_log(RESULTS / "speedrun.jsonl")
+    lines = [
+        "",
+        "## Speedrun",
+        "",
+        "Seconds of one core (AMD EPYC, AVX-512) until a validation error of 20° at 64 pixels, by seed.",
+        "*Ahead* compares an idea with the record of its time at equal cost; below 0.3°, one seed is noise.",
+        *("", "```sh", "python benchmarks/speedrun.py --idea baseline", "```", ""),
+        "| idea | seed 0 | 1 | 2 | mean | ahead | note |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | --- |",
+    ]
+    return lines + list(track.rows(log, log[-1]["track"], "one core, AVX512"))
+
+
+def rendering() -> list[str]:
+    """Return the section on how fast samples are made."""
+    found = read("rendering")
+    made: dict[tuple[str, str], dict[tuple[int, int], str]] = defaultdict(dict)
+    for row in found["rows"]:
+        cell = f"{row['samples_per_second']:.1f} ({row['peak_memory_mb']})"
+        renderer = row["renderer"].removesuffix("Renderer")
+        made[renderer, row["lines"] or "maps alone"][row["size"], row["faces"]] = cell
+    columns = sorted({column for cells in made.values() for column in cells})
+    lines = [
+        "",
+        "## Rendering speed",
+        "",
+        "Samples a second on one core, and the peak of memory in MB, by picture size and faces of the mesh.",
+        f"Medians of {found['rounds']} rounds on an {found['machine']['cpu']}:",
+        *("", "```sh", "python benchmarks/rendering.py -o docs/results/rendering.json", "```", ""),
+        f"| renderer | lines | {' | '.join(f'{size} px, {faces // 1000}k' for size, faces in columns)} |",
+        f"| --- | --- |{' ---: |' * len(columns)}",
+    ]
+    return lines + [
+        f"| {renderer} | {style} | {' | '.join(cells[column] for column in columns)} |"
+        for (renderer, style), cells in made.items()
+    ]
+
+
+def waiting() -> list[str]:
+    """Return the section on how long training waits for its samples."""
+    found = read("waiting")
+    lines = [
+        "",
+        "## Waiting for samples",
+        "",
+        f"Training at the quickstart's scale on two cores of an {found['cpu']}:",
+        *("", "```sh", "python benchmarks/waiting.py -o docs/results/waiting.json", "```", ""),
+        "| samples from | mean step | share spent waiting | samples a second |",
+        "| --- | ---: | ---: | ---: |",
+    ]
+    return lines + [
+        f"| {row['data']} | {row['step_ms']:.0f} ms | {row['waiting']:.1%} | {row['samples_per_s']:.1f} |"
+        for row in found["rows"]
+    ]
+
+
+def page() -> str:
+    """Return the whole page."""
+    parts: tuple[Callable[[], list[str]], ...] = (comparison, larger, folds, placement, critic, ablation)
+    parts += (drawings, people, shipped, speedrun, rendering, waiting)
+    return INTRODUCTION + "\n".join(line for part in parts for line in part()) + "\n"
+
+
+def main() -> None:
+    """Write or print the page."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
+    parser.add_argument("--show", action="store_true", help="print the page and write nothing")
+    if parser.parse_args().show:
+        print(page(), end="")
+    else:
+        write_bytes(PAGE, page().encode())
+        for path in (ROOT / "README.md", ROOT / "docs" / "model_card.md"):
+            text = path.read_text(encoding="utf-8")
+            write_bytes(path, CARD.sub("\n".join(card()) + "\n", text, count=1).encode())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,566 @@
+"""Objects for the pages that the reader learns from: views of meshes, and doodles of plain shapes.
+
+An object is contours, whose even-odd filling is its mask, and strokes, in a square from 0 to 1.
+"""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float32]
+Rng = np.random.Generator
+POINT = 32
+
+
+@dataclass(frozen=True)
+class Shape:
+    """An object to be drawn, in a square from 0 to 1, y down.
+
+    Args:
+        name: of the view or the doodle.
+        contours: (P, 2) each; the even-odd filling is the object with its holes. The fillings of several
+            groups are united.
+        strokes: (P, 2) each, the lines.
+        outlines: how many of the first strokes are occluding contours; the others lie inside.
+        normal: (n, n, 3), or None.
+        bare: strokes that are parts of the object by themselves: whiskers, legs of one line.
+    """
+
+    name: str
+    contours: list[list[Points]]
+    strokes: list[Points]
+    outlines: int
+    normal: NDArray[np.float32] | None = None
+    bare: list[Points] = field(default_factory=list)
+
+    @property
+    def pierced(self) -> bool:
+        """Whether a hole goes through it that is large enough to be seen."""
+        areas = [cv2.contourArea(c, oriented=True) for group in self.contours for c in group]
+        return bool(areas) and min(areas) * max(areas) < 0 and min(map(abs, (min(areas), max(areas)))) > 0.002
+
+
+class Views:
+    """The views that `views.py` stored; every sixteenth mesh is held out."""
+
+    def __init__(self, folder: Path, held_out: bool, most: int | None = None) -> None:
+        self.folder, self.held_out = folder, held_out
+        self.shapes: list[Shape] = []
+        self.pierced: list[Shape] = []
+        self._seen: set[str] = set()
+        self.reload(most)
+
+    def reload(self, most: int | None = None) -> None:
+        """Read the files that have come since."""
+        for path in sorted(self.folder.glob("views_*.npz")):
+            if path.name in self._seen or (most is not None and len(self._seen) >= most):
+                continue
+            self._seen.add(path.name)
+            with np.load(path) as stored:
+                for number, name in enumerate(json.loads(str(stored["names"]))):
+                    mesh = name.rsplit("/", 1)[0]
+                    if (sum(mesh.encode()) % 16 == 0) == self.held_out:
+                        self.shapes.append(
+                            _view(
+                                name,
+                                {
+                                    key: stored[f"{number}.{key}"]
+                                    for key in ("mask", "normal", "points", "lengths", "outlines")
+                                },
+                            )
+                        )
+        self.pierced = [shape for shape in self.shapes if shape.pierced]
+
+
+def _view(name: str, stored: dict[str, NDArray]) -> Shape:
+    bits = np.unpackbits(stored["mask"])
+    size = round(len(bits) ** 0.5)
+    mask = cv2.resize(bits.reshape(size, size), None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
+    found, _ = cv2.findContours(np.pad(mask, 1), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    # Contours run through the middles of pixels of the doubled mask, half a pixel inside its edge.
+    contours = [_smooth((c[:, 0].astype(np.float32) - 0.5) / (2 * size)) for c in found if len(c) > 8]
+    points = stored["points"].astype(np.float32) / (POINT * size)
+    strokes = np.split(points, np.cumsum(stored["lengths"])[:-1])
+    return Shape(
+        name, [contours], strokes, int(stored["outlines"]), stored["normal"].astype(np.float32) / 127
+    )
+
+
+def _smooth(closed: Points) -> Points:
+    """Return a closed contour without the staircase of its pixels, with a third of its points."""
+    around = np.concatenate([closed[-3:], closed, closed[:3]])
+    kernel = np.array([1, 2, 3, 4, 3, 2, 1], np.float32) / 16
+    smooth = np.stack([np.convolve(around[:, k], kernel, "valid") for k in (0, 1)], 1)
+    return smooth[::3].astype(np.float32)
+
+
+def doodle(rng: Rng) -> Shape:
+    """Return a figure of round and pointed parts, as children and sign painters draw."""
+    kind = rng.choice(
+        ["figure", "animal", "blob", "thing", "stick", "ring", "snow"],
+        p=[0.24, 0.2, 0.11, 0.13, 0.1, 0.17, 0.05],
+    )
+    return _Doodle(rng).draw(kind)
+
+
+class _Doodle:
+    def __init__(self, rng: Rng) -> None:
+        self.rng = rng
+        self.parts: list[tuple[Points, bool]] = []  # closed outlines, and whether a hole goes through them
+        self.details: list[Points] = []
+        self.bare: list[Points] = []
+        self.holes: list[Points] = []
+
+    def ellipse(self, cx, cy, rx, ry, turn=0.0, squareness=None, wobble=None) -> Points:
+        rng = self.rng
+        power = squareness if squareness is not None else rng.choice([1.0, 1.0, 1.0, 0.7, 0.45])
+        t = np.linspace(0, 2 * np.pi, 72, endpoint=False) + rng.uniform(0, 6.28)
+        c, s = np.cos(t), np.sin(t)
+        x, y = np.sign(c) * np.abs(c) ** power, np.sign(s) * np.abs(s) ** power
+        wobble = rng.choice([0, 0.02, 0.06, 0.12]) if wobble is None else wobble
+        if wobble:
+            k = rng.integers(2, 6)
+            r = 1 + wobble * np.sin(k * t + rng.uniform(0, 6.28)) + wobble / 2 * np.sin((k + 3) * t)
+            x, y = x * r, y * r
+        a, b = np.cos(turn), np.sin(turn)
+        return np.stack([cx + rx * x * a - ry * y * b, cy + rx * x * b + ry * y * a], 1).astype(np.float32)
+
+    def tube(self, path: Points, widths) -> Points:
+        path = _resampled(np.asarray(path, np.float32), 24)
+        way = np.gradient(path, axis=0)
+        way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-6)
+        across = np.stack([-way[:, 1], way[:, 0]], 1)
+        w = np.interp(np.linspace(0, 1, 24), np.linspace(0, 1, len(widths)), widths)[:, None] / 2
+        cap = []
+        if self.rng.random() < 0.6:
+            angle = np.linspace(np.pi / 2, -np.pi / 2, 9)[1:-1, None]
+            cap = [path[-1] + w[-1] * (np.sin(angle) * across[-1] + np.cos(angle) * way[-1])]
+        return np.concatenate([path + w * across, *cap, (path - w * across)[::-1]]).astype(np.float32)
+
+    def limb(self, start, way, length, width):
+        rng = self.rng
+        way = np.array([np.cos(way), np.sin(way)])
+        bend = rng.normal(0, 0.25, 2) * length
+        start = np.asarray(start)
+        path = np.stack([start, start + way * length * 0.5 + bend * 0.5, start + way * length])
+        return path, self.tube(
+            _curve(path), (width, width * rng.uniform(0.6, 1.3), width * rng.uniform(0.4, 1.2))
+        )
+
+    def face(self, cx, cy, r):
+        rng = self.rng
+        if rng.random() < 0.85:
+            size = r * rng.uniform(0.05, 0.25)
+            for side in (-1, 1):
+                eye = self.ellipse(
+                    cx + side * r * 0.38, cy - r * 0.15, size, size * rng.uniform(0.8, 1.6), wobble=0
+                )
+                self.details.append(_closed(eye))
+                if size > 0.1 * r and rng.random() < 0.6:
+                    self.details.append(
+                        _closed(
+                            self.ellipse(
+                                cx + side * r * 0.38, cy - r * 0.12, size * 0.4, size * 0.4, wobble=0
+                            )
+                        )
+                    )
+        if rng.random() < 0.8:
+            t = np.linspace(0.2, np.pi - 0.2, 14)
+            self.details.append(
+                np.stack(
+                    [cx + 0.5 * r * np.cos(t), cy + 0.25 * r + rng.uniform(-0.2, 0.4) * r * np.sin(t)], 1
+                ).astype(np.float32)
+            )
+        if rng.random() < 0.4:
+            self.details.append(
+                np.array(
+                    [[cx, cy - 0.05 * r], [cx - 0.1 * r, cy + 0.15 * r], [cx + 0.05 * r, cy + 0.17 * r]],
+                    np.float32,
+                )
+            )
+
+    def hair(self, cx, cy, r):
+        rng = self.rng
+        for angle in rng.uniform(np.pi * 1.05, np.pi * 1.95, rng.integers(3, 14)):
+            start = np.array([cx + r * np.cos(angle), cy + r * np.sin(angle)])
+            end = start + r * rng.uniform(0.15, 0.9) * np.array(
+                [np.cos(angle + rng.normal(0, 0.4)), np.sin(angle + rng.normal(0, 0.2))]
+            )
+            self.bare.append(_curve(np.stack([start, (start + end) / 2 + rng.normal(0, 0.08 * r, 2), end])))
+
+    def draw(self, kind: str) -> Shape:
+        rng = self.rng
+        getattr(self, "_" + kind)()
+        overlap = rng.random() < 0.35  # as children do: every circle is drawn whole
+        return _shape(f"doodle/{kind}", self.parts, self.details, self.bare, self.holes, overlap, rng)
+
+    def _figure(self):  # noqa: PLR0912 - one choice after the other
+        rng = self.rng
+        head, body = rng.uniform(0.08, 0.2), rng.uniform(0.1, 0.24)
+        high = rng.uniform(0.12, 0.24)
+        cy = 0.5
+        hy = cy - high - head * rng.uniform(0.85, 1.1)
+        sticks = rng.random() < 0.25
+        legs = []
+        for side in (-1, 1):
+            spread = rng.uniform(0.05, 0.5)
+            for start, angle, length in (
+                (
+                    (0.5 + side * body * 0.8, cy - high * 0.5),
+                    (0 if side > 0 else np.pi) + side * rng.uniform(-0.8, 0.9),
+                    rng.uniform(0.15, 0.32),
+                ),
+                (
+                    (0.5 + side * body * 0.45, cy + high * 0.85),
+                    np.pi / 2 - side * spread,
+                    rng.uniform(0.15, 0.32),
+                ),
+            ):
+                path, tube = self.limb(start, angle, length, rng.uniform(0.04, 0.13))
+                if sticks:
+                    self.bare.append(_curve(path))
+                    if rng.random() < 0.5:
+                        end = path[-1]
+                        for finger in rng.uniform(-1, 1, 3):
+                            self.bare.append(
+                                np.stack(
+                                    [
+                                        end,
+                                        end
+                                        + 0.04 * np.array([np.cos(angle + finger), np.sin(angle + finger)]),
+                                    ]
+                                ).astype(np.float32)
+                            )
+                else:
+                    legs.append(tube)
+                    if rng.random() < 0.5:
+                        legs.append(self.ellipse(*path[-1], *rng.uniform(0.025, 0.08, 2)))
+        self.parts += [(leg, True) for leg in legs]
+        if rng.random() < 0.3:
+            skirt = np.array(
+                [
+                    [0.5 - body * 0.6, cy],
+                    [0.5 + body * 0.6, cy],
+                    [0.5 + body * 1.4, cy + high * 1.4],
+                    [0.5 - body * 1.4, cy + high * 1.4],
+                ],
+                np.float32,
+            )
+            self.parts.append((skirt, True))
+        self.parts.append((self.ellipse(0.5, cy, body, high), True))
+        if rng.random() < 0.4:
+            self.parts.insert(
+                0,
+                (
+                    self.tube(np.array([[0.5, cy - high * 0.8], [0.5, hy]], np.float32), (head * 0.6,) * 2),
+                    True,
+                ),
+            )
+        self.parts.append((self.ellipse(0.5, hy, head, head * rng.uniform(0.8, 1.2)), True))
+        if rng.random() < 0.3:
+            for side in (-1, 1):
+                self.parts.append(
+                    (
+                        self.ellipse(
+                            0.5 + side * head * 0.9,
+                            hy - head * 0.6,
+                            head * 0.35,
+                            head * rng.uniform(0.3, 0.9),
+                        ),
+                        True,
+                    )
+                )
+        if rng.random() < 0.4:
+            self.hair(0.5, hy, head)
+        self.face(0.5, hy, head)
+        if rng.random() < 0.4:
+            for k in range(rng.integers(1, 4)):
+                self.details.append(
+                    _closed(self.ellipse(0.5, cy - high * 0.4 + k * high * 0.4, 0.012, 0.012, wobble=0))
+                )
+
+    def _animal(self):
+        rng = self.rng
+        length, high = rng.uniform(0.2, 0.32), rng.uniform(0.1, 0.2)
+        sticks = rng.random() < 0.15
+        for k in range(rng.choice([2, 4, 4, 4, 6])):
+            x = 0.5 + length * np.linspace(-0.8, 0.8, 6)[k % 6 if k < 6 else 0] + rng.normal(0, 0.02)
+            x = 0.5 + length * (-0.75 + 1.5 * k / 3) if k < 4 else x
+            path, tube = self.limb(
+                (x, 0.5 + high * 0.6),
+                np.pi / 2 + rng.normal(0, 0.25),
+                rng.uniform(0.12, 0.3),
+                rng.uniform(0.03, 0.1),
+            )
+            if sticks:
+                self.bare.append(_curve(path))
+            else:
+                self.parts.append((tube, True))
+        if rng.random() < 0.7:
+            path, tube = self.limb(
+                (0.5 - length * 0.9, 0.48),
+                np.pi + rng.normal(0, 0.7),
+                rng.uniform(0.1, 0.28),
+                rng.uniform(0.015, 0.06),
+            )
+            if rng.random() < 0.5:
+                self.bare.append(_curve(path))
+            else:
+                self.parts.append((tube, True))
+        self.parts.append((self.ellipse(0.5, 0.5, length, high), True))
+        head = rng.uniform(0.08, 0.16)
+        hx, hy = 0.5 + length * rng.uniform(0.8, 1.2), 0.5 - high * rng.uniform(0.2, 1.4)
+        if rng.random() < 0.4:
+            self.parts.append(
+                (
+                    self.tube(
+                        np.array([[0.5 + length * 0.7, 0.5], [hx, hy]], np.float32), (head, head * 0.8)
+                    ),
+                    True,
+                )
+            )
+        for side in (-1, 1):
+            if rng.random() < 0.8:
+                ear = np.array(
+                    [
+                        [hx + side * head * 0.3, hy - head * 0.7],
+                        [hx + side * head * rng.uniform(0.5, 1.2), hy - head * rng.uniform(1.2, 2.2)],
+                        [hx + side * head * 0.85, hy - head * 0.4],
+                    ],
+                    np.float32,
+                )
+                self.parts.append(
+                    (ear if rng.random() < 0.5 else self.ellipse(*ear.mean(0), head * 0.25, head * 0.5), True)
+                )
+        self.parts.append((self.ellipse(hx, hy, head, head * rng.uniform(0.7, 1)), True))
+        self.face(hx, hy, head)
+        if rng.random() < 0.25:
+            for side in (-1, 1):
+                for k in range(3):
+                    self.bare.append(
+                        np.array(
+                            [
+                                [hx + side * head * 0.4, hy + head * 0.2],
+                                [hx + side * head * 1.5, hy + head * (0.05 + 0.2 * k)],
+                            ],
+                            np.float32,
+                        )
+                    )
+
+    def _blob(self):
+        rng = self.rng
+        for _ in range(rng.integers(1, 5)):
+            cx, cy = rng.uniform(0.35, 0.65, 2)
+            self.parts.append(
+                (
+                    self.ellipse(
+                        cx,
+                        cy,
+                        *rng.uniform(0.08, 0.32, 2),
+                        turn=rng.uniform(0, 3.14),
+                        wobble=rng.uniform(0, 0.2),
+                    ),
+                    True,
+                )
+            )
+        for _ in range(rng.integers(0, 5)):
+            cx, cy = rng.uniform(0.35, 0.65, 2)
+            self.details.append(
+                _closed(self.ellipse(cx, cy, *rng.uniform(0.02, 0.1, 2)))
+                if rng.random() < 0.6
+                else _curve(rng.uniform(0.35, 0.65, (3, 2)).astype(np.float32))
+            )
+
+    def _thing(self):
+        """Polygons: stars, houses, boxes with stripes and windows; leaves and drops."""
+        rng = self.rng
+        n = rng.integers(3, 9)
+        t = np.linspace(0, 2 * np.pi, n, endpoint=False) + rng.uniform(0, 6.28)
+        r = rng.uniform(0.2, 0.4) * (1 + rng.uniform(0, 0.4) * rng.normal(0, 1, n)).clip(0.5, 1.6)
+        outer = np.stack([0.5 + r * np.cos(t), 0.5 + r * np.sin(t)], 1)
+        if rng.random() < 0.4:
+            inner = np.stack(
+                [0.5 + 0.45 * r * np.cos(t + np.pi / n), 0.5 + 0.45 * r * np.sin(t + np.pi / n)], 1
+            )
+            outer = np.stack([outer, inner], 1).reshape(-1, 2)
+        if rng.random() < 0.4:
+            outer = np.array(
+                [
+                    [0.5 - r[0], 0.5 - r[1]],
+                    [0.5 + r[0], 0.5 - r[1]],
+                    [0.5 + r[0], 0.5 + r[1]],
+                    [0.5 - r[0], 0.5 + r[1]],
+                ]
+            )
+        outer = outer.astype(np.float32)
+        self.parts.append((_dense(outer), True))
+        kind = rng.integers(4)
+        low, high = outer.min(0), outer.max(0)
+        if kind == 0:
+            for y in np.linspace(low[1], high[1], rng.integers(4, 12))[1:-1]:
+                self.details.append(np.array([[low[0], y], [high[0], y]], np.float32))
+        elif kind == 1:
+            for _ in range(rng.integers(1, 5)):
+                c = rng.uniform(low * 0.7 + high * 0.3, low * 0.3 + high * 0.7)
+                self.details.append(
+                    _closed(self.ellipse(*c, *rng.uniform(0.02, 0.07, 2), squareness=rng.choice([0.3, 1.0])))
+                )
+        if rng.random() < 0.3:
+            self.parts.insert(
+                0,
+                (
+                    self.tube(
+                        np.array([[0.5, 0.5], [0.5 + rng.uniform(-0.3, 0.3), 0.95]], np.float32), (0.05, 0.05)
+                    ),
+                    True,
+                ),
+            )
+
+    def _stick(self):
+        rng = self.rng
+        head = rng.uniform(0.07, 0.16)
+        self.parts.append((self.ellipse(0.5, 0.22, head, head), True))
+        hip = np.array([0.5 + rng.normal(0, 0.05), 0.6])
+        neck = np.array([0.5, 0.22 + head])
+        self.bare.append(np.stack([neck, hip]).astype(np.float32))
+        for side in (-1, 1):
+            arm = [*neck, 0, 0.07]
+            self.bare.append(
+                _curve(
+                    np.stack(
+                        [
+                            arm,
+                            [*arm, side * 0.12, rng.uniform(-0.1, 0.15)],
+                            [*arm, side * 0.24, rng.uniform(-0.2, 0.25)],
+                        ]
+                    )
+                )
+            )
+            self.bare.append(
+                _curve(
+                    np.stack([hip, [*hip, side * 0.08, 0.15], [*hip, side * rng.uniform(0.05, 0.2), 0.32]])
+                )
+            )
+        self.face(0.5, 0.22, head)
+
+    def _ring(self):
+        """Things with a hole through them: handles, rings, frames, loops."""
+        rng = self.rng
+        if rng.random() < 0.5:
+            wide, high = rng.uniform(0.12, 0.25), rng.uniform(0.15, 0.25)
+            body = self.ellipse(0.45, 0.5, wide, high, squareness=0.35, wobble=0)
+            reach, room = rng.uniform(0.1, 0.2), high * rng.uniform(0.4, 0.8)
+            thick = rng.uniform(0.02, 0.06)
+            outer = self.ellipse(0.45 + wide * 0.92, 0.5, reach, room, squareness=1.0, wobble=0)
+            hole = self.ellipse(
+                0.45 + wide * 0.92, 0.5, reach - thick, max(room - thick, 0.02), squareness=1.0, wobble=0
+            )
+            self.parts += [(outer, True)]
+            self.holes.append(hole)
+            self.parts += [(body, False)]
+            self.details.append(
+                _closed(
+                    self.ellipse(0.45, 0.5 - high * 0.85, wide * 0.9, high * 0.15, squareness=1.0, wobble=0)
+                )
+            )
+        else:
+            r = rng.uniform(0.1, 0.2)
+            cx, cy = rng.uniform(0.3, 0.7, 2)
+            way = rng.uniform(0, 6.28)
+            shaft = self.tube(
+                np.array([[cx, cy], [cx + 0.5 * np.cos(way), cy + 0.5 * np.sin(way)]], np.float32),
+                (0.05, 0.05),
+            )
+            self.parts += [(shaft, True), (self.ellipse(cx, cy, r, r, wobble=0, squareness=1.0), True)]
+            self.holes.append(
+                self.ellipse(
+                    cx, cy, r * rng.uniform(0.4, 0.75), r * rng.uniform(0.4, 0.75), wobble=0, squareness=1.0
+                )
+            )
+
+    def _snow(self):
+        rng = self.rng
+        y, r = 0.75, rng.uniform(0.14, 0.22)
+        for _ in range(rng.integers(2, 4)):
+            self.parts.append((self.ellipse(0.5, y, r, r, squareness=1.0), True))
+            y -= r * 1.6
+            r *= rng.uniform(0.6, 0.9)
+        self.face(0.5, y + r * 1.6, r)
+        for side in (-1, 1):
+            if rng.random() < 0.5:
+                self.bare.append(np.array([[0.5 + side * 0.15, 0.5], [0.5 + side * 0.35, 0.4]], np.float32))
+
+
+def _shape(name, parts, details, bare, holes, overlap, rng) -> Shape:
+    """Return a shape of closed parts, later ones before earlier ones; lines that are hidden are left out."""
+    side = 256
+    strokes: list[Points] = []
+    masks = []
+    for part, _ in parts:
+        mask = np.zeros((side, side), np.uint8)
+        cv2.fillPoly(mask, [np.rint(part * side * 16).astype(np.int32)], 1, shift=4)
+        masks.append(mask)
+    hole = np.zeros((side, side), np.uint8)
+    for each in holes:
+        cv2.fillPoly(hole, [np.rint(each * side * 16).astype(np.int32)], 1, shift=4)
+    union = np.zeros((side, side), np.uint8)
+    above = np.zeros((side, side), np.uint8)
+    for index in range(len(parts) - 1, -1, -1):
+        line = _resampled(_closed(parts[index][0]), 160)
+        if overlap:
+            strokes.append(line)
+        else:
+            strokes += _visible(line, above, side)
+        above |= masks[index]
+    union = above.copy()
+    for part, mask in zip(parts, masks, strict=True):
+        if not part[1]:  # it lies before the hole
+            hole &= 1 - mask
+    union &= 1 - hole
+    if holes:
+        found, _ = cv2.findContours(hole, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        strokes += [_closed(_smooth(np.float32(c[:, 0] + 0.5) / side)) for c in found if len(c) > 12]
+    doubled = cv2.resize(union, None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
+    found, _ = cv2.findContours(doubled, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    contours = [_smooth((c[:, 0].astype(np.float32) + 0.5) / (2 * side)) for c in found if len(c) > 8]
+    outlines = len(strokes)
+    return Shape(name, [contours], [*strokes, *details], outlines, None, bare)
+
+
+def _visible(line: Points, hidden: NDArray[np.uint8], side: int) -> list[Points]:
+    at = np.clip((line * side).astype(int), 0, side - 1)
+    seen = hidden[at[:, 1], at[:, 0]] == 0
+    if seen.all():
+        return [line]
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(int))).reshape(-1, 2)
+    pieces = [line[a:b] for a, b in edges if b - a > 2]
+    if len(pieces) > 1 and seen[0] and seen[-1]:
+        pieces[0] = np.concatenate([pieces.pop(), pieces[0][1:]]) if len(pieces) > 1 else pieces[0]
+    return pieces
+
+
+def _closed(points: Points) -> Points:
+    return np.concatenate([points, points[:1]]).astype(np.float32)
+
+
+def _dense(polygon: Points) -> Points:
+    """Return a polygon with points along its edges; every third point of the contour is kept later on."""
+    return _resampled(_closed(polygon), 160)[:-1]
+
+
+def _curve(path: Points) -> Points:
+    """Return a quadratic curve through three points."""
+    t = np.linspace(0, 1, 16)[:, None]
+    a, b, c = path
+    middle = 2 * b - (a + c) / 2
+    return ((1 - t) ** 2 * a + 2 * t * (1 - t) * middle + t**2 * c).astype(np.float32)
+
+
+def _resampled(path: Points, count: int) -> Points:
+    away = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    at = np.linspace(0, away[-1], count)
+    return np.stack([np.interp(at, away, path[:, k]) for k in (0, 1)], 1).astype(np.float32)

@@ -1,0 +1,189 @@
+"""Trains the reader on pages made on the fly, and exports it.
+
+train.py VIEWS OUT [--minutes 45] [--measure] [--export READER.onnx]
+
+OUT/last.pt is written every two minutes and gone on from; the rate falls to nothing at the end of the time.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+from network import Reader
+from pages import KINDS, page
+from shapes import Views
+from torch.nn import functional
+from torch.utils.data import DataLoader, IterableDataset
+
+SIZES = (((256, 256), 8), ((256, 256), 8), ((256, 192), 10), ((192, 288), 9), ((352, 352), 4))
+RATE = 2e-3
+
+
+class Pages(IterableDataset):
+    """Batches without end."""
+
+    def __init__(self, views: Path, seed: int) -> None:
+        self.views, self.seed = views, seed
+
+    def __iter__(self):
+        cv2.setNumThreads(1)
+        views = Views(self.views, held_out=False)
+        # Every sixth object has a hole, where otherwise every thirtieth would.
+        shapes = views.shapes + views.pierced * max(len(views.shapes) // (6 * max(len(views.pierced), 1)), 1)
+        print(len(views.shapes), "views,", len(views.pierced), "with holes", flush=True)
+        worker = torch.utils.data.get_worker_info()
+        rng = np.random.default_rng([self.seed, worker.id if worker else 0])
+        while True:
+            size, count = SIZES[rng.integers(len(SIZES))]
+            yield batch([page(rng, shapes, size) for _ in range(count)])
+
+
+def batch(pages):
+    """Return pages as tensors: pictures, ink, presence, ways, weights."""
+    stack = lambda parts: torch.from_numpy(np.ascontiguousarray(np.stack(parts)))  # noqa: E731
+    return (
+        stack([p.picture for p in pages]).permute(0, 3, 1, 2),
+        stack([p.ink for p in pages]).float(), stack([p.presence for p in pages]).float(),
+        stack([p.middle for p in pages]).float(), stack([p.weight for p in pages]).float(),
+        stack([p.ink_weight for p in pages]).float(),
+    )  # fmt: skip
+
+
+def loss_of(out, ink, presence, middle, weight, ink_weight):
+    """Return the loss of a batch."""
+    out = out.float()
+    seen, drawn = out[:, 1], out[:, 0]
+    there = functional.binary_cross_entropy_with_logits(seen, presence, reduction="none")
+    lines = (
+        functional.binary_cross_entropy_with_logits(drawn, ink, reduction="none") * (1 + 2 * ink) * ink_weight
+    )
+    p = seen.sigmoid()
+    overlap = 1 - (2 * (p * presence).sum((1, 2)) + 20) / (p.sum((1, 2)) + presence.sum((1, 2)) + 20)
+    ways = ((out[:, 2:] - middle).abs().sum(1) * presence).sum() / presence.sum().clamp(min=1)
+    return (there * weight).mean() + 0.3 * overlap.mean() + 0.7 * lines.mean() + 0.5 * ways
+
+
+def measure(model, views: Path, count: int = 24) -> dict[str, float]:
+    """Return the mean IoU of the presence on held-out meshes, by kind of difficulty."""
+    shapes = Views(views, held_out=True).shapes
+    model.eval()
+    found = {}
+    with torch.no_grad():
+        for kind in KINDS:
+            rng = np.random.default_rng(5)
+            scores, inks = [], []
+            for _ in range(count // 6):
+                pages = [page(rng, shapes, (256, 256), kind) for _ in range(6)]
+                pictures, ink, presence, *_ = batch(pages)
+                out = model((pictures.float() / 255).contiguous(memory_format=torch.channels_last))
+                for prediction, truth, found_scores in (
+                    (out[:, 1] > 0, presence > 0.5, scores),
+                    (out[:, 0] > 0, ink > 0.5, inks),
+                ):
+                    both = (prediction & truth).sum((1, 2)).float()
+                    found_scores.extend((both / (prediction | truth).sum((1, 2)).clamp(min=1)).tolist())
+            found[kind] = float(np.mean(scores))
+            found[kind + " ink"] = float(np.mean(inks))
+    model.train()
+    return found
+
+
+def export(model, target: Path) -> None:
+    """Write the network as ONNX, with inputs of any size."""
+    import onnx
+
+    model.eval()
+    temporary = target.with_suffix(".tmp.onnx")
+    torch.onnx.export(
+        model, (torch.zeros(1, 3, 256, 256),), str(temporary), input_names=["picture"], output_names=["read"],
+        dynamic_axes={name: {0: "n", 2: "h", 3: "w"} for name in ("picture", "read")},
+        opset_version=17, dynamo=False,
+    )  # fmt: skip
+    loaded = onnx.load(temporary)
+    onnx.save(loaded, target)
+    temporary.unlink()
+
+
+def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
+    """Train, measure or export."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("views", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--minutes", type=float, default=45)
+    parser.add_argument("--measure", action="store_true")
+    parser.add_argument("--export", type=Path)
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    torch.set_num_threads(1)
+    torch.manual_seed(0)
+    model = Reader()
+    mean = torch.optim.swa_utils.AveragedModel(
+        model, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.995), use_buffers=True
+    )
+    last = given.out / "last.pt"
+    done, seconds = 0, 0.0
+    optimizer = torch.optim.AdamW(model.parameters(), RATE, betas=(0.9, 0.98), weight_decay=0.01)
+    if last.exists():
+        kept = torch.load(last)
+        model.load_state_dict(kept["model"])
+        mean.load_state_dict(kept["mean"])
+        optimizer.load_state_dict(kept["optimizer"])
+        done, seconds = kept["steps"], kept["seconds"]
+    if given.measure or given.export:
+        if given.measure:
+            for kind, score in measure(mean.module, given.views).items():
+                print(f"{kind:16} {score:.3f}")
+        if given.export:
+            export(mean.module, given.export)
+        return
+    print(sum(p.numel() for p in model.parameters()), "parameters", flush=True)
+    model = model.to(memory_format=torch.channels_last)
+    loader = DataLoader(Pages(given.views, done), batch_size=None, num_workers=1, prefetch_factor=6)
+    start, saved, total = time.monotonic() - seconds, time.monotonic(), 60 * given.minutes
+    losses = []
+    for pictures, *truth in loader:
+        spent = time.monotonic() - start
+        if spent > total:
+            break
+        share = spent / total
+        for group in optimizer.param_groups:
+            group["lr"] = RATE * min(1.0, done / 100) * min(1.0, (1 - share) / 0.6)
+        x = (pictures.float() / 255).contiguous(memory_format=torch.channels_last)
+        with torch.autocast("cpu", torch.bfloat16):
+            out = model(x)
+        loss = loss_of(out, *truth)
+        optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
+        optimizer.step()
+        mean.update_parameters(model)
+        done += 1
+        losses.append(loss.item())
+        if done % 50 == 0:
+            print(f"{done} steps, {spent:.0f} s, loss {np.mean(losses[-100:]):.4f}", flush=True)
+        if time.monotonic() - saved > 120:
+            saved = time.monotonic()
+            _save(last, model, mean, optimizer, done, spent)
+    _save(last, model, mean, optimizer, done, time.monotonic() - start)
+
+
+def _save(last: Path, model, mean, optimizer, done: int, seconds: float) -> None:
+    temporary = last.with_suffix(".new")
+    torch.save(
+        {
+            "model": model.state_dict(),
+            "mean": mean.state_dict(),
+            "optimizer": optimizer.state_dict(),
+            "steps": done,
+            "seconds": seconds,
+        },
+        temporary,
+    )
+    temporary.replace(last)
+
+
+if __name__ == "__main__":
+    main()

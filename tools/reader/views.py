@@ -1,0 +1,140 @@
+"""Renders meshes into a cache of views for the training of the reader: strokes, mask and colours of each.
+
+views.py OUT MESHES… [--size 384] [--part 0/1]
+
+MESHES are folders, each with an optional number of views a mesh: data/objects:2. What is there is kept.
+"""
+
+import argparse
+import hashlib
+import json
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from normalgan.animals import herd
+from normalgan.errors import InputError
+from normalgan.rendering import find_meshes
+from normalgan.rendering.lines.occluding import OccludingContours
+from normalgan.rendering.lines.suggestive import SuggestiveContours
+from normalgan.rendering.renderers.embree import EmbreeRenderer
+from normalgan.rendering.rigs import find_poses
+from normalgan.rendering.view import View
+from normalgan.rendering.views import Views
+
+POINT = 32
+"""Points are stored as whole numbers of so many parts of a pixel."""
+CHUNK = 100
+CREASED = ("objects", "things", "procedural_props")
+_GROUND = ("Tile", "Hexagon", "hex_", "terrain")
+
+
+def sources(folder: str, views: int) -> Iterator[tuple[str, object, int]]:
+    """Yield the name of each view, its mesh's source and the number of the view."""
+    kind = Path(folder).name
+    if kind == "herd":
+        groups = [
+            "quadrupeds",
+            "bipeds",
+            "plush",
+            "blobs",
+            "birds",
+            "fish",
+            "insects",
+            "reptiles",
+            "mug",
+            "vase",
+            "teapot",
+        ]
+        meshes = [*herd(240, 7, groups)]
+    else:
+        meshes = [*find_meshes(folder, None, 35.0 if kind in CREASED else None)]
+        if kind in ("animals", "rigs"):
+            meshes = [*find_poses(meshes, 12 if kind == "animals" else 3)]
+    for mesh in meshes:
+        for number in range(views):
+            yield f"{kind}/{mesh.name}/{number}", mesh, number
+
+
+def rendered(name: str, source: object, number: int, size: int) -> dict[str, np.ndarray] | None:
+    """Return what is stored of a view; None if nothing of it is seen, or it is a sliver."""
+    rng = np.random.default_rng(int.from_bytes(hashlib.sha256(name.encode()).digest()[:8], "big"))
+    mesh = source.load()
+    camera = Views(elevation=(-10, 45), roll=(-6, 6)).camera(mesh, rng)
+    view = View(mesh, camera, EmbreeRenderer(), size)
+    maps = view.maps()
+    if maps.mask.mean() < 0.02:
+        return None
+    outline = OccludingContours(crease=None).trace(view, rng)
+    style = rng.integers(3)
+    inner = []
+    if style == 0 or name.split("/", maxsplit=1)[0] in CREASED:
+        creased = OccludingContours(crease=float(rng.uniform(30, 60))).trace(view, rng)
+        inner = creased[len(outline) :]
+    if style == 1 and name.split("/", maxsplit=1)[0] not in CREASED:
+        inner = SuggestiveContours().trace(view, rng)[len(outline) :]
+    strokes = [*outline, *inner]
+    if not strokes or len(strokes) > 400:
+        return None
+    lengths, points = [], []
+    for stroke in strokes:
+        path = np.asarray(stroke.points)[::2]
+        if not np.array_equal(path[-1], stroke.points[-1]):
+            path = np.concatenate([path, stroke.points[-1:]])
+        points.append(np.rint(np.clip(path, -100, size + 100) * POINT).astype(np.int16))
+        lengths.append(len(path))
+    normal = cv2.resize(maps.normal, (96, 96), interpolation=cv2.INTER_AREA)
+    return {
+        "mask": np.packbits(maps.mask),
+        "normal": np.rint(127 * normal).astype(np.int8),
+        "points": np.concatenate(points),
+        "lengths": np.array(lengths, np.int32),
+        "outlines": np.array(len(outline), np.int32),
+    }
+
+
+def main() -> None:
+    """Render what is not there yet."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("meshes", nargs="+")
+    parser.add_argument("--size", type=int, default=384)
+    parser.add_argument("--part", default="0/1")
+    given = parser.parse_args()
+    warnings.simplefilter("ignore")
+    cv2.setNumThreads(1)
+    part, parts = map(int, given.part.split("/"))
+    given.out.mkdir(parents=True, exist_ok=True)
+    wanted = []
+    for folder in given.meshes:
+        path, _, views = folder.partition(":")
+        wanted += sources(path, int(views or 1))
+    order = np.random.default_rng(0).permutation(len(wanted))
+    wanted = [wanted[k] for k in order if not any(word in wanted[k][0] for word in _GROUND)]
+    print(len(wanted), "views", flush=True)
+    for start in range(part * CHUNK, len(wanted), parts * CHUNK):
+        target = given.out / f"views_{start:05d}.npz"
+        if target.exists():
+            continue
+        arrays, names = {}, []
+        for name, source, number in wanted[start : start + CHUNK]:
+            try:
+                view = rendered(name, source, number, given.size)
+            except (InputError, ValueError) as error:
+                print(name, error, file=sys.stderr)
+                continue
+            if view is not None:
+                arrays |= {f"{len(names)}.{key}": value for key, value in view.items()}
+                names.append(name)
+        temporary = target.with_name("." + target.name)
+        np.savez_compressed(temporary, names=json.dumps(names), **arrays)
+        temporary.replace(target)
+        print(target.name, len(names), flush=True)
+
+
+if __name__ == "__main__":
+    main()
