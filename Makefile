@@ -21,7 +21,7 @@ install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
 
 $(VENV)/.installed: pyproject.toml tools/install.sh
-	tools/install.sh $(VENV)
+	tools/install.sh $(VENV) '[train]'
 	@touch $@
 
 $(VENV)/.installed-dev: pyproject.toml tools/install.sh

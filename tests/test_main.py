@@ -1,12 +1,15 @@
 import errno
+import re
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 from torch import Generator, Tensor, zeros
 
 import normalgan
-from normalgan.__main__ import COMMANDS, main
+from normalgan.__main__ import COMMANDS, TRAINING_LIBRARIES, main
 from normalgan.errors import InputError, unwritable
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
@@ -114,3 +117,31 @@ def test_it_runs_as_a_module_and_its_code_is_the_exit_code() -> None:
     )
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("normalgan: no command named")
+
+
+@pytest.mark.parametrize("command", ["fit", "export x.ckpt -o x.onnx", "benchmark --config embedded.yaml"])
+def test_without_the_extra_a_command_that_trains_names_it(command: str) -> None:
+    hidden = "; ".join(f"sys.modules[{name!r}] = None" for name in TRAINING_LIBRARIES)
+    plans = Path(__file__).parents[1] / "configs" / "benchmark"
+    arguments = [word if word != "embedded.yaml" else str(plans / word) for word in command.split()]
+    program = f"import sys; {hidden}; from normalgan.__main__ import main; sys.exit(main({arguments}))"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert ran.returncode == 2
+    assert ran.stderr.startswith(f"normalgan: {arguments[0]} needs ")
+    assert ran.stderr.endswith("pip install 'normalgan[train]'.\n")
+
+
+def test_without_the_extra_a_drawing_is_predicted(tmp_path: Path) -> None:
+    hidden = "; ".join(f"sys.modules[{name!r}] = None" for name in TRAINING_LIBRARIES if name != "networkx")
+    fox = Path(__file__).parents[1] / "examples" / "sketches" / "fox.png"
+    arguments = ["generate", str(fox), "-o", str(tmp_path / "maps")]
+    program = f"import sys; {hidden}; from normalgan.__main__ import main; sys.exit(main({arguments}))"
+    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+    assert (tmp_path / "maps" / "fox_normal.png").exists()
+
+
+def test_the_libraries_of_the_extra_are_those_of_the_project() -> None:
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    wanted = project["project"]["optional-dependencies"]["train"]
+    names = {re.split(r"[^\w-]", requirement)[0].replace("-", "_") for requirement in wanted}
+    assert names == set(TRAINING_LIBRARIES)

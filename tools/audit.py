@@ -11,7 +11,7 @@ from importlib.metadata import Distribution, PackageNotFoundError, distribution
 
 from packaging.requirements import Requirement
 
-EXTRAS = ("", "cluster", "export", "s3")
+EXTRAS = ("", "train", "cluster", "export", "s3")
 """What a user may install; what developers use besides is not shipped."""
 PERMISSIVE = re.compile(
     r"\b(MIT|0?BSD|Apache|ISC|PSF|Python Software Foundation|MPL|HPND|CC0|Zlib|Unlicense|BSL-1|[23]-Clause)\b"

@@ -31,7 +31,7 @@ for package in "$folder"/*.whl "$folder"/*.tar.gz; do
     environment=$work/$(basename "$package")
     "$python" -m venv "$environment"
     # Named on its own, so that neither the repository nor an index can slip in another.
-    "$work/tools/bin/uv" pip install --quiet --python "$environment/bin/python" "$package"
+    "$work/tools/bin/uv" pip install --quiet --python "$environment/bin/python" "$package[train]"
     "$work/tools/bin/uv" pip check --python "$environment/bin/python"
     mkdir "$work/empty"
     (

@@ -15,6 +15,21 @@ from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.training_help import asked_for, overview
 from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
 
+TRAINING_LIBRARIES = (
+    *(
+        "torch",
+        "lightning",
+        "torchmetrics",
+        "safetensors",
+        "kornia",
+        "docstring_parser",
+        "networkx",
+        "embreex",
+    ),
+    *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib", "rich"),
+)
+"""What the extra ``train`` of pyproject.toml installs, by the names they are imported by."""
+
 __all__ = ["COMMANDS", "OTHERS", "USAGE", "main"]
 
 
@@ -55,8 +70,8 @@ def main(arguments: list[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("NORMALGAN_TRACEBACK"):
             raise
-        if _wants_memory(error):
-            return _fail("out of memory; make data.batch_size, data.size or the networks' width smaller.", 1)
+        if told := _known(error, arguments[0]):
+            return _fail(*told)
         return _fail(
             f"failed while running: {type(error).__name__}: {brief(error)}{_culprit(error)} "
             "(set NORMALGAN_TRACEBACK=1 to see where).",
@@ -79,6 +94,16 @@ def _culprit(error: Exception) -> str:
             found = f" in {owner.__name__}.{trace.tb_frame.f_code.co_name}"
         trace = trace.tb_next
     return found
+
+
+def _known(error: Exception, command: str) -> tuple[str, int] | None:
+    """Return what is to be said of an error that users can do something about, and its exit code."""
+    if isinstance(error, ModuleNotFoundError) and str(error.name).partition(".")[0] in TRAINING_LIBRARIES:
+        left_out = f"{command} needs {error.name}, which a plain installation leaves out"
+        return f"{left_out}; install it with pip install 'normalgan[train]'.", 2
+    if _wants_memory(error):
+        return "out of memory; make data.batch_size, data.size or the networks' width smaller.", 1
+    return None
 
 
 def _wants_memory(error: Exception) -> bool:
