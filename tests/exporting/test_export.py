@@ -164,7 +164,7 @@ def test_a_file_that_paints_otherwise_is_not_written(
     def shifted(*given: object) -> list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]]:
         return [output + np.float32(2e-3) for output in honest(*given)]  # type: ignore[arg-type]
 
-    monkeypatch.setattr(comparison, "paint", shifted)
+    monkeypatch.setattr(comparison, "predict", shifted)
     assert export(tmp_path / "last.ckpt", tmp_path / "new" / "m.onnx", *more) == 1
     assert "differs from torch by 0.00" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["last.ckpt"]
