@@ -213,10 +213,8 @@ def test_strays_leave_the_form_as_it_is() -> None:
 @pytest.mark.parametrize("kind", ["fills", "decals", "hatching"])
 def test_marks_change_the_sketch_alone(kind: str) -> None:
     batch = sphere()
-    given: Any = {**STILL, **CLEAN}
-    plain, marked, again = (
-        Augmentation(**given, **{kind: share})(batch, seed=4) for share in (0.0, 1.0, 1.0)
-    )
+    settings: list[Any] = [{**STILL, **CLEAN, kind: share} for share in (0.0, 1.0, 1.0)]
+    plain, marked, again = (Augmentation(**given)(batch, seed=4) for given in settings)
     assert torch.equal(plain["normal"], marked["normal"])
     assert torch.equal(plain["mask"], marked["mask"])
     assert torch.equal(marked["sketch"], again["sketch"])

@@ -120,7 +120,7 @@ def test_neighbours_steady_only_what_they_share() -> None:
     seen = [lines.copy() for _ in range(3)]
     seen[1][40:60, 44:60] = 1
     base = rng.normal(size=(64, 64, 3))
-    preds = [np.float32(base + 0.005 * rng.normal(size=base.shape)) for _ in seen]
+    preds = [(base + 0.005 * rng.normal(size=base.shape)).astype(np.float32) for _ in seen]
     preds[1][44:56, 46:58] += 1
     after = steadied(seen, preds)
     assert np.abs(after[0] - after[2])[:30, :20].max() < 1e-3  # nothing moves there

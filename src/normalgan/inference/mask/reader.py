@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.network.line_width import line_width
@@ -187,7 +188,7 @@ def _without_guesses(solid: BoolMask, filled: BoolMask, presence: Floats) -> Boo
     return found
 
 
-def _unsure(where: np.ndarray, size: np.ndarray, mean: np.ndarray, total: int) -> str:  # type: ignore[type-arg]
+def _unsure(where: NDArray[np.intp], size: NDArray[np.intp], mean: NDArray[np.floating], total: int) -> str:
     low, high, share = _UNSURE
     doubtful = (mean > low) & (mean < high) & (size > share * max(total, 1))
     doubtful[0] = False
