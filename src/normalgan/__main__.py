@@ -30,7 +30,7 @@ TRAINING_LIBRARIES = (
 )
 """What the extra ``train`` of pyproject.toml installs, by the names they are imported by."""
 
-__all__ = ["COMMANDS", "OTHERS", "USAGE", "main"]
+__all__ = ["COMMANDS", "OTHERS", "TRAINING_LIBRARIES", "USAGE", "main"]
 
 
 def main(arguments: list[str] | None = None) -> int:
