@@ -75,7 +75,7 @@ def status(page: "Page") -> str:
 
 
 FETCHED = """async () => {
-    const { loadModel, readSketch, paint } = await import("./paint.js");
+    const { loadModel, readSketch, predict } = await import("./predict.js");
     const session = await loadModel("model.onnx");
     const sketch = await readSketch("../sketches/fox.png", session.size);
     const canvas = document.querySelectorAll("canvas")[1];
@@ -100,7 +100,7 @@ def test_the_browser_paints_what_python_paints(site: Path, opened: "Browser") ->
         shown = np.asarray(Image.open(io.BytesIO(fetched(page, "canvas.toDataURL()"))))
         sketch, normals = (
             np.frombuffer(fetched(page, f"await asAddress({name})"), np.float32)
-            for name in ("sketch", "await paint(session, sketch)")
+            for name in ("sketch", "await predict(session, sketch)")
         )
     paper = np.asarray(Image.open(site / "sketches" / "fox.png").convert("L"), np.float32)
     wanted_sketch = 1 - paper / 255

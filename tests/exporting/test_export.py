@@ -24,7 +24,7 @@ from normalgan.models import Generator, UNetGenerator
 from normalgan.models.condition import make_condition
 
 KINDS = ("UNetGenerator", "ResidualUNetGenerator")
-EXAMPLE = Path(__file__).parents[2] / "examples" / "onnx_python" / "paint.py"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "onnx_python" / "predict.py"
 Export = tuple[Path, Generator]
 
 torch.set_num_threads(1)
