@@ -469,7 +469,7 @@ class _Writer:
         if shape.normal is not None and self.chance(0.5):
             box = _box(mask)
             # The shading need not be that of the bent shape; it must vary as a shaded surface does.
-            light = [*rng.normal(0, 1, 3), 0, 0, 1.2]
+            light = rng.normal(0, 1, 3) + np.array([0, 0, 1.2])
             shade = np.clip(shape.normal @ (light / np.linalg.norm(light)), 0, 1)
             rows, columns = np.nonzero(np.abs(shape.normal).sum(-1) > 0.1)
             if len(rows):

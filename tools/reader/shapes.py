@@ -428,21 +428,27 @@ class _Doodle:
         neck = np.array([0.5, 0.22 + head])
         self.bare.append(np.stack([neck, hip]).astype(np.float32))
         for side in (-1, 1):
-            arm = [*neck, 0, 0.07]
+            arm = neck + np.array([0, 0.07])
             self.bare.append(
                 _curve(
                     np.stack(
                         [
                             arm,
-                            [*arm, side * 0.12, rng.uniform(-0.1, 0.15)],
-                            [*arm, side * 0.24, rng.uniform(-0.2, 0.25)],
+                            arm + np.array([side * 0.12, rng.uniform(-0.1, 0.15)]),
+                            arm + np.array([side * 0.24, rng.uniform(-0.2, 0.25)]),
                         ]
                     )
                 )
             )
             self.bare.append(
                 _curve(
-                    np.stack([hip, [*hip, side * 0.08, 0.15], [*hip, side * rng.uniform(0.05, 0.2), 0.32]])
+                    np.stack(
+                        [
+                            hip,
+                            hip + np.array([side * 0.08, 0.15]),
+                            hip + np.array([side * rng.uniform(0.05, 0.2), 0.32]),
+                        ]
+                    )
                 )
             )
         self.face(0.5, 0.22, head)

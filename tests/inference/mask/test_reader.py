@@ -135,6 +135,20 @@ def test_a_region_is_decided_as_a_whole_and_its_doubt_is_told() -> None:
     assert vote(ink, filled, presence).unsure == ""
 
 
+def test_an_eye_is_no_hole_however_it_is_voted_on() -> None:
+    ink = np.zeros((200, 200), np.float32)
+    cv2.rectangle(ink, (20, 20), (180, 180), 1, 2)
+    cv2.circle(ink, (100, 100), 6, 1, 2)
+    cv2.circle(ink, (100, 150), 20, 1, 2)
+    filled = np.pad(np.ones((160, 160), bool), 20)
+    presence = filled.astype(np.float32)
+    for centre, radius in (((100, 100), 6), ((100, 150), 20)):
+        cv2.circle(presence, centre, radius, 0, -1)
+    mask = vote(ink, filled, presence).mask
+    assert mask[100, 100]
+    assert not mask[150, 100]
+
+
 def test_a_caption_is_left_out() -> None:
     page, _ = figure()
     page = np.vstack([page, np.ones((40, SIDE), np.float32)])

@@ -35,6 +35,8 @@ _ROOM = 0.12
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
 _HOLE, _PART = 0.3, 0.75
 """Mean presence below which what lines enclose is a hole, and above which a region is object throughout."""
+_EYE = 0.004
+"""Share of what lines enclose below which a region is an eye or a button, and no hole in any case."""
 _ADDED = 0.6
 """Mean presence from which a region is object that filling left out."""
 _SURE, _SPECK = 0.72, 0.002
@@ -157,6 +159,7 @@ def vote(ink: Floats, filled: BoolMask, presence: Floats) -> Vote:
     inside = np.pad(inside, (0, len(size) - len(inside)))
     on = np.where(by_lines, mean >= _HOLE, inside & (mean > _ADDED))
     pixels = ~inside & (~by_lines | (mean < _PART))
+    on |= by_lines & inside & (size < _EYE * np.count_nonzero(filled))
     on[0] = pixels[0] = False
     where = cells.reshape(ink.shape)
     solid: BoolMask = on[where]
