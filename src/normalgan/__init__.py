@@ -1,7 +1,7 @@
 """normalgan: from a line sketch to a surface normal map.
 
-``normalgan.load()`` returns a predictor: called with a drawing, it returns its normal map. What is named here
-is imported when it is asked for: ``import normalgan`` itself takes no time.
+``normalgan.load()`` returns a predictor: call it with a drawing to get the normal map. Every name here is
+imported on first use, so ``import normalgan`` itself is fast.
 """
 
 from importlib import import_module

@@ -5,6 +5,7 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
+from normalgan.callbacks.rates import base_rates, scale_rates
 from normalgan.errors import InputError
 
 __all__ = ["StableSchedule", "stable_factor"]
@@ -66,7 +67,7 @@ class StableSchedule(Callback):
         if trainer.lr_scheduler_configs:
             raise InputError("StableSchedule sets the learning rates itself; set model.lr_scheduler to null.")
         if not self._rates:  # the optimisers of a checkpoint hold rates that are already scaled
-            self._rates = [[group["lr"] for group in o.param_groups] for o in trainer.optimizers]
+            self._rates = base_rates(trainer)
 
     def on_train_batch_start(
         self, trainer: Trainer, pl_module: LightningModule, batch: Batch, batch_idx: int
@@ -75,9 +76,7 @@ class StableSchedule(Callback):
         if self.cooldown is not None and self._cooldown_start is None:
             self._cooldown_start = trainer.fit_loop.total_batch_idx
         factor = stable_factor(trainer.fit_loop.total_batch_idx, self.warmup, self._span())
-        for optimizer, rates in zip(trainer.optimizers, self._rates, strict=True):
-            for group, rate in zip(optimizer.param_groups, rates, strict=True):
-                group["lr"] = factor * rate
+        scale_rates(trainer, self._rates, factor)
 
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: object, batch: Batch, batch_idx: int

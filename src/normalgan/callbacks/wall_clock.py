@@ -7,6 +7,7 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
+from normalgan.callbacks.rates import base_rates, scale_rates
 from normalgan.errors import InputError
 
 __all__ = ["WallClockSchedule", "cosine_factor"]
@@ -70,7 +71,7 @@ class WallClockSchedule(Callback):
                 "WallClockSchedule sets the learning rates itself; give model.lr_scheduler null."
             )
         if not self._rates:  # in a checkpoint's optimisers they are scaled already
-            self._rates = [[group["lr"] for group in o.param_groups] for o in trainer.optimizers]
+            self._rates = base_rates(trainer)
         self._start = monotonic()
         self._stop_when_spent(trainer)
 
@@ -79,9 +80,7 @@ class WallClockSchedule(Callback):
     ) -> None:
         """Set the learning rates."""
         factor = cosine_factor(self.elapsed / self.seconds, self.warmup)
-        for optimizer, rates in zip(trainer.optimizers, self._rates, strict=True):
-            for group, rate in zip(optimizer.param_groups, rates, strict=True):
-                group["lr"] = factor * rate
+        scale_rates(trainer, self._rates, factor)
 
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: object, batch: Batch, batch_idx: int

@@ -276,7 +276,7 @@ def _stripes(
 
 
 def _smooth(shape: tuple[int, ...], points: int, rng: _Rng) -> Floats:
-    """Return smooth noise (H, W) of deviation about 1, with so many knots along each side."""
+    """Return smooth noise (H, W) with a standard deviation of about 1, from ``points`` knots a side."""
     knots = rng.standard_normal((points, points)).astype(np.float32)
     return np.asarray(cv2.resize(knots, shape[1::-1], interpolation=cv2.INTER_CUBIC), dtype=np.float32)
 

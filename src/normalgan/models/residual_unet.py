@@ -276,7 +276,7 @@ def mean_of_mirrored(preds: Predictions) -> Predictions:
         preds: of 2 N drawings, unit directions (2 N, 3, H, W).
 
     Returns:
-        Of the first N.
+        The predictions of the first N drawings, each averaged with its mirror image.
     """
     direction, presence, confidence = preds
     count = len(direction) // 2  # and slices: ONNX's exporter cannot take halves by chunk

@@ -42,8 +42,8 @@ def lay_out(
 ) -> Manifest:
     """Say what lies where, after a look at one mesh of each split.
 
-    Of each split, meshes are loaded until one can be used, so that a split without any is refused before
-    hours of rendering. The others are loaded once, when they are rendered, and fail there.
+    Loads meshes of each split until one can be used, so that a split without any is refused before hours of
+    rendering. The others are loaded when they are rendered, and fail there.
 
     Raises:
         InputError: if the renderer does not run, or no mesh of a split can be used.

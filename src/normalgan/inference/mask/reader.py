@@ -25,13 +25,13 @@ __all__ = ["SHIPPED", "Reading", "Vote", "drop_ground", "read", "vote"]
 SHIPPED = Path(__file__).parents[2] / "weights" / "reader.onnx"
 """The reader that comes with the package."""
 _SIDES = 256, 384
-"""Least and greatest longer side in pixels that it is shown."""
+"""Smallest and largest longer side, in pixels, of the pictures that the network sees."""
 _STRIDE = 32
-"""Its pictures have a multiple of so many pixels a side."""
+"""The sides of these pictures are multiples of this many pixels."""
 _CLOSE_UP = 0.5
 """An object that spans less than this share of the picture is looked at again, enlarged."""
 _ROOM = 0.12
-"""Room around it then, as a share of what it spans."""
+"""Margin around the object in that second look, as a share of its span."""
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
 _HOLE, _PART = 0.3, 0.75
 """Mean presence below which what lines enclose is a hole, and above which a region is object throughout."""
