@@ -193,7 +193,7 @@ BAD: dict[str, tuple[bytes | str, str]] = {
     "negative.off": (f"OFF\n{TRIANGLE}-3 0 1 2\n", "a face announces -3 corners"),
     "kind.off": (f"4OFF\n{TRIANGLE}3 0 1 2\n", "an OFF of the kind 4OFF; OFF, COFF and NOFF as text"),
     "binary.off": (f"OFF BINARY\n{TRIANGLE}3 0 1 2\n", "OFF BINARY; OFF, COFF"),
-    "cut.off": (f"OFF\n{TRIANGLE}", "announces 3 vertices and 1 faces in 3 lines; is it truncated"),
+    "cut.off": (f"OFF\n{TRIANGLE}", "announces 3 vertices and 1 faces in 3 lines (is it truncated"),
     "corners.ply": (PLY.replace("\n7 8 ", "\n7 2000000000 ", 1), "announces 2000000000 corners and lists 8"),
     "axes.ply": (PLY.replace("property float y", "property float w"), "its vertices have no x, y and z"),
     "header.ply": (
@@ -226,7 +226,7 @@ def test_what_cannot_be_read_is_told_of_the_file_and_not_of_its_parser(tmp_path:
     said = str(refused.value)
     assert sentence in said
     assert "Error" not in said
-    assert said[-1] in ".?"
+    assert said.endswith(".")
     assert said.startswith(str(tmp_path / name))
 
 

@@ -60,14 +60,9 @@ def _parts(path: Path) -> list[Triangles]:
         raise
     except Exception as error:  # whatever a parser raises on a broken file
         # Only what is written for people: an IndexError says something of the parser, not of the file.
-        said = (
-            brief(error)
-            if isinstance(error, BrokenMeshError)
-            else f"it is damaged, or not of the kind {suffix}"
-        )
-        raise InputError(
-            f"{path} cannot be read as a mesh: {said}{'' if said.endswith('?') else '.'}"
-        ) from error
+        said = f"it is damaged, or not of the kind {suffix}"
+        said = brief(error) if isinstance(error, BrokenMeshError) else said
+        raise InputError(f"{path} cannot be read as a mesh: {said}.") from error
 
 
 def _gltf(path: Path) -> list[Triangles]:

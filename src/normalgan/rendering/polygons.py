@@ -71,7 +71,8 @@ class Polygons:
         Convex faces become fans. Concave ones are cut by ear clipping.
 
         Raises:
-            BrokenMeshError: if a face refers to a vertex that is not there, or a concave one has too many corners.
+            BrokenMeshError: if a face refers to a vertex that is not there, or a concave one has too many
+                corners.
 
         References:
             Held 2001, "FIST: Fast industrial-strength triangulation of polygons", Algorithmica 30; the
@@ -86,7 +87,7 @@ class Polygons:
             [True, True]
         """
         if len(self.corners) and not (0 <= self.corners.min() <= self.corners.max() < len(self.vertices)):
-            raise BrokenMeshError("a face refers to a vertex that is not there; is it truncated?")
+            raise BrokenMeshError("a face refers to a vertex that is not there (is it truncated?)")
         starts = np.cumsum(self.sizes) - self.sizes
         counts = np.maximum(self.sizes - 2, 0)
         firsts = np.cumsum(counts) - counts
@@ -238,7 +239,7 @@ def read_off(data: bytes) -> Polygons:
         raise BrokenMeshError("it does not say how many vertices and faces it has") from None
     if not (count >= 0 and faces >= 0 and count + faces < len(lines)):
         raise BrokenMeshError(
-            f"it announces {count} vertices and {faces} faces in {len(lines) - 1} lines; is it truncated?"
+            f"it announces {count} vertices and {faces} faces in {len(lines) - 1} lines (is it truncated?)"
         )
     given = [_face(words) for words in lines[count + 1 : count + faces + 1]]
     return _gathered(_numbers([words[:3] for words in lines[1 : count + 1]]), given)
@@ -372,7 +373,7 @@ class _Text:
         lines = self._lines[self._at : self._at + count]
         self._at += count
         if len(lines) < count:
-            raise BrokenMeshError(f"it ends after {len(lines)} of {count} elements; is it truncated?")
+            raise BrokenMeshError(f"it ends after {len(lines)} of {count} elements (is it truncated?)")
         for line in lines:
             words = line.split()
             if len(words) < least:
@@ -451,7 +452,7 @@ class _Binary:
             if each.length is not None:
                 kind = np.dtype(self._order + each.length)
                 if at + kind.itemsize > len(self._body):
-                    raise BrokenMeshError("it ends within an element; is it truncated?")
+                    raise BrokenMeshError("it ends within an element (is it truncated?)")
                 length, at = int(np.frombuffer(self._body, kind, 1, at)[0]), at + kind.itemsize
             at += length * np.dtype(each.kind).itemsize
             if length < 0 or at > len(self._body):
