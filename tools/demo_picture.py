@@ -1,6 +1,6 @@
 """Sets the maps of the demo's small model beside those of the shipped model: demo_picture.py RUN DRAWINGS.
 
-RUN is the folder of a run whose `predict` has written ``predictions``; the picture is written to RUN/demo.png.
+RUN is the folder of a run whose `predict` has written ``predictions``; the picture goes to RUN/demo.png.
 """
 
 import sys
@@ -10,8 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from numpy.typing import NDArray
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.__main__ import main as normalgan

@@ -1,6 +1,7 @@
 """Makes a sheet of drawings and, by `normalgan generate`, their maps, also lit.
 
-generated_picture.py OUTPUT DRAWING… [--predicted 200] [--shown 200] [--columns 6] [--models OLD.onnx shipped]:
+generated_picture.py OUTPUT DRAWING… [--predicted 200] [--shown 200] [--columns 6]
+    [--models OLD.onnx shipped]:
 files, folders or patterns, as `generate` takes them; the longer side of the maps and of their pictures on the
 sheet; whose maps are set one below the other, by default those of the package's model alone.
 """
