@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from pictures import DPI, png
 from PIL import Image
 
 from normalgan.__main__ import main as normalgan
@@ -19,9 +20,6 @@ from normalgan.files.writing import write_bytes
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 from normalgan.inference.reading.drawings import find_drawings
 from normalgan.normals import encode, paint_flat, read_png
-
-sys.path.insert(0, str(Path(__file__).parent))
-from pictures import DPI, png
 
 SIDE = 180  # pixels of a cell
 MARGIN = 110  # pixels to the left, for the names of the rows
