@@ -23,7 +23,7 @@ PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_
 
 @dataclass(frozen=True)
 class Container:
-    """What a glTF 2.0 file holds, not yet interpreted (Khronos Group, glTF 2.0 Specification, 2021).
+    """The raw content of a glTF 2.0 file (Khronos Group, glTF 2.0 Specification, 2021).
 
     Args:
         path: the file.
@@ -52,12 +52,12 @@ class Container:
 
 
 def bad_rig(path: Path, reason: str) -> InputError:
-    """Return what to raise for a rig that cannot be used."""
+    """Return the error for a rig that cannot be used."""
     return InputError(f"the rig in {path} cannot be used: {reason}.")
 
 
 def has_skin(path: Path) -> bool:
-    """Return whether a file is glTF and holds a skin; a broken one is said to hold none."""
+    """Return whether a file is glTF with a skin; False for a broken one."""
     if path.suffix.lower() not in RIG_SUFFIXES:
         return False
     try:
