@@ -1,4 +1,4 @@
-"""What a normal map is: axes, encoding and files. Every reader and writer goes through here; numpy only.
+"""Normal maps: axes, encoding and files. Every reader and writer uses this module; numpy only.
 
 Axes are those of the camera, as in OpenGL: x right, y up, z to the viewer. A unit vector n is stored as
 the colour (n + 1) / 2. Outside the object a map in memory is zero; a file holds flat, (0, 0, 1), there.

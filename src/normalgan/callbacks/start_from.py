@@ -1,4 +1,4 @@
-"""A run that begins with what another one has learnt."""
+"""StartFrom: a run that starts with the weights of another one."""
 
 from pathlib import Path
 from typing import Any
@@ -16,15 +16,15 @@ __all__ = ["StartFrom"]
 
 
 class StartFrom(Callback):
-    """Gives a new run the generator's weights of another run; all else, the optimiser too, begins anew.
+    """Gives a new run the generator's weights of another run; everything else, such as the optimiser, is new.
 
-    A run that is resumed has its own weights and is left as it is.
+    A resumed run keeps its own weights.
 
     Args:
         weights: a file of safetensors, a checkpoint, or ``shipped`` for what comes with the package; its
             generator is of the same class and settings as the run's.
-        grow: whether it is a smaller one, of half the resolution or fewer channels or blocks, which the run's
-            begins by painting like; see `normalgan.models.growth`.
+        grow: whether the weights are of a smaller network, with half the resolution, fewer channels or fewer
+            blocks; see `normalgan.models.growth`.
     """
 
     def __init__(self, weights: str = SHIPPED_NAME, grow: bool = False) -> None:
@@ -33,11 +33,11 @@ class StartFrom(Callback):
         self._resumed = False
 
     def state_dict(self) -> dict[str, Any]:
-        """Return that the run has begun, for its checkpoints."""
+        """Return a mark that the run has started, for its checkpoints."""
         return {"begun": True}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Take note that the run is resumed."""
+        """Note that the run is resumed."""
         self._resumed = bool(state_dict["begun"])
 
     def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:

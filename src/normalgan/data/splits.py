@@ -23,7 +23,7 @@ Split = dict[str, list[str]]
 def split_by_fractions(
     names: Sequence[str], fractions: tuple[float, float, float], seed: int = 0, noun: str = "mesh"
 ) -> Split:
-    """Deal the meshes out at random in the given proportions; names keep their order within a split.
+    """Split meshes at random in given proportions; names keep their order within a split.
 
     The counts are the fractions of the whole by largest remainder, but every fraction above 0 gets at
     least one mesh. Which mesh goes where depends on the set of names and the seed, not on their order.
@@ -31,7 +31,7 @@ def split_by_fractions(
     Args:
         names: the meshes.
         fractions: shares of training, validation and testing, summing to 1.
-        seed: another seed deals them out otherwise.
+        seed: another seed gives another split.
         noun: what messages call one of them.
 
     Returns:
@@ -67,7 +67,7 @@ def split_by_fractions(
 
 
 def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split:
-    """Return the split that a JSON file fixes: ``{"train": ["381", …], "val": […], "test": […]}``.
+    """Return the split in a JSON file: ``{"train": ["381", …], "val": […], "test": […]}``.
 
     Meshes the file does not name are left out, with a warning.
 

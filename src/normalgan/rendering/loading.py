@@ -1,4 +1,4 @@
-"""Triangles out of a mesh file: polygons cut up, scenes flattened, nothing repaired."""
+"""Read the triangles of a mesh file: polygons are cut up, scenes flattened, nothing is repaired."""
 
 import warnings
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ def read_triangles(path: Path) -> Triangles:
     """Return the vertices (V, 3) and faces (F, 3) of all meshes in a file, in the file's world axes.
 
     Raises:
-        InputError: if the file cannot be read, or holds no triangle, or a coordinate that is no number.
+        InputError: if the file cannot be read, has no triangle, or has a coordinate that is not finite.
     """
     parts = _parts(path)
     if not any(len(faces) for _, faces in parts):

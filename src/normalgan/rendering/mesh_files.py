@@ -1,4 +1,4 @@
-"""MeshFile: a mesh in a file, and how a folder, a pattern or a list becomes mesh files."""
+"""MeshFile: a mesh in a file, and how to find mesh files by folder, pattern or list."""
 
 import hashlib
 import json
@@ -84,7 +84,7 @@ def finish(
     faces: NDArray[np.int64],
     about: NDArray[np.float64] | None = None,
 ) -> Mesh:
-    """Return a mesh of the triangles found in a file, made ready as the file's settings say.
+    """Return the mesh of a file's triangles, prepared by the file's settings.
 
     It is moved and scaled so that its box is centred on the origin and its farthest vertex 1 away.
 
@@ -135,7 +135,7 @@ def place(
 def find_meshes(
     source: str | list[str], orientation: str | None = None, crease_angle: float | None = None
 ) -> list[MeshFile]:
-    """Return the mesh files that a user's words stand for, sorted by name.
+    """Return the mesh files that a setting names, sorted by name.
 
     Args:
         source: a folder (its own files, not those of its subfolders), a file, a pattern such as

@@ -1,4 +1,4 @@
-"""Orientation files: for each mesh of a folder, how it stands and whether it is inside out."""
+"""Orientation files: the rotation of each mesh in a folder, and whether it is inside out."""
 
 import json
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[f
 
 
 class Orientation(NamedTuple):
-    """How one mesh is to be turned: see `MeshFile`."""
+    """The orientation of one mesh; see `MeshFile`."""
 
     rotation: Rotation | None
     inside_out: bool | None
@@ -23,8 +23,7 @@ class Orientation(NamedTuple):
 def read_orientations(path: str) -> dict[str, Orientation]:
     """Return the orientations of a JSON file ``{"name": {"rotation": 3×3, "inside_out": bool}}``.
 
-    Either entry may be missing: then the mesh stands as it does in its file, and which side is outside
-    is found out.
+    Either entry may be missing: the mesh then keeps the rotation of its file, or its outside is detected.
 
     Raises:
         InputError: if the file cannot be read, is not of that form, or a matrix is no rotation.

@@ -1,4 +1,4 @@
-"""Samples: a sketch and the normal map it was drawn from, made by a recipe that can be repeated."""
+"""Samples: a sketch and its true normal map, made by a repeatable recipe."""
 
 import dataclasses
 import hashlib
@@ -33,15 +33,14 @@ RENDERING_VERSION = 2
 
 @dataclass(frozen=True)
 class Sample:
-    """What is stored of one view of one mesh; row 0 is the top of the picture.
+    """One stored view of one mesh; row 0 is the top of the picture.
 
     Args:
         sketch: (H, W) ink, from 0 (paper) to 255.
         normal: (H, W, 3) unit normals in camera space (x right, y up, z to the viewer), 0 off the object;
             half precision turns them by less than 0.05°.
         mask: (H, W) True on the object.
-        hints: (H, W, 4) normals at the hints that came with it, then 1 where they are; None where samples
-            bring none.
+        hints: (H, W, 4) normals at the sample's own hints, then 1 where they are; None without hints.
     """
 
     sketch: NDArray[np.uint8]
@@ -52,7 +51,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Recipe:
-    """How samples are made of a mesh: the same recipe makes the same samples, in any order, anywhere.
+    """How to make samples of a mesh; a recipe makes equal samples in any order, on any machine.
 
     Args:
         views: where the object is looked at from.

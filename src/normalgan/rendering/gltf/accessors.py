@@ -1,4 +1,4 @@
-"""Accessors of glTF: arrays of numbers out of the buffers, of every component type, strided and sparse."""
+"""Accessors of glTF: arrays of every component type, strided and sparse."""
 
 from typing import Any
 

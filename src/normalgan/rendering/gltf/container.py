@@ -24,7 +24,7 @@ _LOOKS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_textu
 
 @dataclass(frozen=True)
 class Container:
-    """What a glTF 2.0 file holds, not yet interpreted (Khronos Group, glTF 2.0 Specification, 2021).
+    """The raw content of a glTF 2.0 file (Khronos Group, glTF 2.0 Specification, 2021).
 
     Args:
         path: the file.
@@ -53,12 +53,12 @@ class Container:
 
 
 def bad_gltf(path: Path, reason: str) -> InputError:
-    """Return what to raise for a file that cannot be used."""
+    """Return the error for a file that cannot be used."""
     return InputError(f"{path} cannot be read as a mesh: {reason}.")
 
 
 def has_skin(path: Path) -> bool:
-    """Return whether a file is glTF and holds a skin; a broken one is said to hold none."""
+    """Return whether a file is glTF with a skin; False for a broken one."""
     if path.suffix.lower() not in RIG_SUFFIXES:
         return False
     try:

@@ -1,4 +1,4 @@
-"""Animations of glTF: read, checked, and where a node is at a time."""
+"""Animations of glTF: reading, checks, and evaluation at a time."""
 
 from typing import Any
 
@@ -107,7 +107,7 @@ def track_at(track: Track, moments: Doubles) -> Doubles:
 
 
 def pose_at(nodes: Nodes, clip: Clip, moment: float) -> Nodes:
-    """Return the nodes where they are at a time of a clip; those that it does not move stay at rest."""
+    """Return the nodes at a time of a clip; those that it does not move stay at rest."""
     moved = {"translation": nodes.translations, "rotation": nodes.rotations, "scale": nodes.scales}
     moved = {path: values.copy() for path, values in moved.items()}
     for track in clip.tracks:

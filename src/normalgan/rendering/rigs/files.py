@@ -1,4 +1,4 @@
-"""RiggedFile: a pose of a rigged glTF file as a mesh; and how rigs among mesh files become their poses."""
+"""RiggedFile: a pose of a rigged glTF file as a mesh; and the poses of all rigs among mesh files."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""How the joints of a rig may turn: what hangs on what, and how far animations turn each."""
+"""The joints of a rig: their hierarchy, and the ranges in which animations turn them."""
 
 from dataclasses import dataclass
 
@@ -41,7 +41,7 @@ MOST_SEARCHED = 2**23
 
 
 class LooseRigError(ValueError):
-    """A rig falls into too many loose parts to find what hangs on what."""
+    """A rig has too many loose parts to find its hierarchy."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ __all__ = ["draw_pose", "turned"]
 
 
 def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doubles:
-    """Return where (N, 4, 4) the nodes are in a pose drawn at random.
+    """Return the nodes' matrices (N, 4, 4) in a random pose.
 
     Of the poses that are no posture, half are a moment of an animation. The others, and all of a rig without
     animations, start from rest and turn each joint by a rotation vector drawn from its range, its middle

@@ -1,4 +1,4 @@
-"""From a glTF file to a rig: its nodes, its skins and the surfaces bound to them, all checked."""
+"""Read a rig from a glTF file: nodes, skins and the surfaces bound to them, all checked."""
 
 from pathlib import Path
 from typing import Any

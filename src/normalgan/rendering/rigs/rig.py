@@ -1,4 +1,4 @@
-"""What a rig is: nodes in a tree, pieces of surface bound to them, clips that move them."""
+"""Rig: nodes in a tree, pieces of surface bound to them, clips that move them."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ __all__ = ["Clip", "Piece", "Rig", "Skin", "Track"]
 
 @dataclass(frozen=True)
 class Skin:
-    """Which nodes move a surface.
+    """The nodes that move a surface.
 
     Args:
         joints: (J,) indices of nodes.

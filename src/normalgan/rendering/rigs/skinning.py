@@ -1,4 +1,4 @@
-"""Linear blend skinning: from the places of the nodes to the places of the vertices."""
+"""Linear blend skinning: vertex positions from node matrices."""
 
 import numpy as np
 
