@@ -112,8 +112,8 @@ def draw(settings: Namespace) -> None:
     rngs = dict(zip(steps, np.random.default_rng(settings.seed).spawn(len(steps)), strict=True))
     strokes, maps = draw_strokes(view, settings.lines, settings.hand, rngs.__getitem__)
     if not strokes:
-        seen = f"{settings.mesh} at azimuth {settings.azimuth:g} and elevation {settings.elevation:g}"
-        raise no_lines(settings.lines, seen, settings.size)
+        where = f"{settings.mesh} at azimuth {settings.azimuth:g} and elevation {settings.elevation:g}"
+        raise no_lines(settings.lines, where, settings.size)
     try:
         if kind == ".svg":
             write_bytes(settings.output, to_svg(strokes, settings.size).encode())

@@ -102,7 +102,7 @@ class Polygons:
                 place = slice(firsts[number], firsts[number] + counts[number])
                 faces[place][: len(cut)] = cut
                 kept[place][len(cut) :] = False
-        return faces[kept]
+        return np.asarray(faces[kept])
 
     def _concave(self, starts: Indices) -> Indices:
         """Return the numbers of the faces of more than three corners that are concave."""
