@@ -175,6 +175,11 @@ class NormalGAN(LightningModule):
 
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage: together they take longer than all the networks."""
+        if stage == "fit":
+            # With max_steps, Lightning takes each checkpoint for one within an epoch, and ends it again:
+            # https://github.com/Lightning-AI/pytorch-lightning/blob/2.6.0/src/lightning/pytorch/loops/fit_loop.py
+            loop = self.trainer.fit_loop.epoch_loop
+            self._max_steps, loop.max_steps = loop.max_steps, -1
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
@@ -334,6 +339,7 @@ class NormalGAN(LightningModule):
 
     def on_train_start(self) -> None:
         """Let a cosine schedule end with the run, also if it is resumed to train longer."""
+        self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps  # now that a checkpoint is read
         epochs = self.trainer.max_epochs
         for config in self.trainer.lr_scheduler_configs:
             if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
@@ -342,6 +348,8 @@ class NormalGAN(LightningModule):
     def on_train_epoch_end(self) -> None:
         """Step the learning rates, which Lightning leaves to manual optimisation."""
         self._average_statistics()  # for the checkpoint, should there be no validation
+        if not self.trainer.fit_loop.epoch_loop.batch_progress.is_last_batch:
+            return  # stopped within the epoch, by max_steps or max_time: the rates change where it ends
         schedulers = self.lr_schedulers()
         for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
             if scheduler is not None:

@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass, fields
 from io import StringIO
 from pathlib import Path
@@ -151,10 +151,13 @@ class _Batch:
         for job in jobs:
             extras = [f" with {each}" for each in job.files.beside]
             try:
-                print(f"{job.files.drawing}{''.join(extras)} -> {self._target(job)}")
-            except InputError as error:
+                target = self._target(job)
+                with suppress(FileNotFoundError, NotADirectoryError):
+                    target.lstat()  # refuses a name that is too long
+                print(f"{job.files.drawing}{''.join(extras)} -> {target}")
+            except (InputError, OSError) as error:
                 self._failed += 1
-                print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
+                print(f"normalgan: {one_line(str(_sentence(job, error)))}", file=sys.stderr)
         return 1 if self._failed else 0
 
     def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
