@@ -25,6 +25,7 @@ TRAINING_LIBRARIES = (
         "docstring_parser",
         "networkx",
         "embreex",
+        "mapbox_earcut",
     ),
     *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib", "rich"),
 )

@@ -152,8 +152,9 @@ class _Batch:
             extras = [f" with {each}" for each in job.files.beside]
             try:
                 target = self._target(job)
-                with suppress(FileNotFoundError, NotADirectoryError):
-                    target.lstat()  # refuses a name that is too long
+                there = next(each for each in target.absolute().parents if each.is_dir())
+                with suppress(FileNotFoundError):
+                    (there / target.name).lstat()  # refuses a name that is too long
                 print(f"{job.files.drawing}{''.join(extras)} -> {target}")
             except (InputError, OSError) as error:
                 self._failed += 1
