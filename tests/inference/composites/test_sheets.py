@@ -312,7 +312,7 @@ def test_a_sheet_of_sprites_that_nobody_says_is_one_is_split(
     here: Path, capsys: pytest.CaptureFixture[str], columns: int
 ) -> None:
     cells = [sprite(SPRITES[i % 6], i % 6) for i in range(2 * columns)]
-    small = [cv2.resize(each, (40, 40), interpolation=cv2.INTER_AREA) for each in cells]
+    small = [np.asarray(cv2.resize(e, (40, 40), interpolation=cv2.INTER_AREA), np.uint8) for e in cells]
     Image.fromarray(sheet_of(small, columns)).save("sheet.png")
     assert generate("sheet.png", "--alpha") == 0
     assert f"sheet.png: it shows {2 * columns} separate figures" in capsys.readouterr().err
@@ -326,5 +326,5 @@ def test_dashes_on_nothing_are_no_sprites() -> None:
     alpha = np.zeros((200, 200), np.float32)
     for angle in np.arange(0, 6.28, 0.2):
         start, end = ((100 + 80 * np.cos(angle + k), 100 + 80 * np.sin(angle + k)) for k in (0, 0.1))
-        cv2.line(alpha, tuple(map(int, start)), tuple(map(int, end)), 1, 2)  # type: ignore[arg-type]
+        cv2.line(alpha, tuple(map(int, start)), tuple(map(int, end)), 1, 2)
     assert not is_silhouette(alpha)

@@ -60,7 +60,7 @@ def test_a_point_flips_the_region_around_it_both_ways() -> None:
 
 def test_a_point_is_in_pixels_of_a_large_drawing() -> None:
     ink, _, _ = ring()
-    large = cv2.resize(ink, (1024, 1024), interpolation=cv2.INTER_LINEAR)
+    large = np.asarray(cv2.resize(ink, (1024, 1024), interpolation=cv2.INTER_LINEAR), np.float32)
     assert not decide(large, None, [(512, 400)]).mask[400, 512]
 
 

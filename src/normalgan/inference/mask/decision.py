@@ -120,8 +120,8 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     outline: BoolMask = filled.mask if size == shape else resize(filled.mask.astype(np.float32), size) > 0.5
     inked = small_ink > _INKED
     presence = None if reading is None else reading.presence_at(size)
-    count, found, stats, _ = cv2.connectedComponentsWithStats((~inked).astype(np.uint8), connectivity=4)
-    regions = np.asarray(found, np.int32)
+    count, found, measured, _ = cv2.connectedComponentsWithStats((~inked).astype(np.uint8), connectivity=4)
+    regions, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
     sizes = np.maximum(stats[:, cv2.CC_STAT_AREA], 1)
     enclosed = _enclosed(stats, size)
     if presence is None:
