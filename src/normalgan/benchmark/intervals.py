@@ -37,7 +37,7 @@ class Interval(NamedTuple):
 
 
 def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | None:
-    """Return a method's figure with its interval over meshes; None with fewer than two meshes or a missing figure.
+    """Return a method's figure with its interval over meshes; None without two meshes or a figure.
 
     The figure is pooled over pixels in each run, as in the tables, and averaged over the runs. Meshes are
     drawn with replacement, with all their views; seeds are fixed.
