@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from normalgan.batch import Batch
 from normalgan.benchmark.inflation import inflated_normals
 from normalgan.gan import NormalGAN
-from normalgan.hints import HINT_SAMPLERS, HintSampler, NoHints
+from normalgan.hints import HintSampler, NoHints
 from normalgan.losses import Wasserstein
 from normalgan.seeds import derive_seed
 from normalgan.weights.file import Weights
@@ -79,7 +79,7 @@ def weights_method(weights: Weights, device: torch.device) -> Method:
     model = NormalGAN(
         generator=weights.generator(),
         discriminator=None,
-        hint_sampler=notes.hint_sampler.build(HINT_SAMPLERS),
+        hint_sampler=notes.build_hint_sampler(),
         objective=Wasserstein(),  # nothing is learnt
         noise_at_test=notes.noise_at_test,
         seed=notes.seed,

@@ -127,8 +127,8 @@ def check_shared(row: Row, settings: Settings, shared: Settings) -> None:
     ]
     if differing:
         raise InputError(
-            f"the row {row.name} has data of its own ({', '.join(differing[:4])}), but a comparison "
-            "needs the same for all; write them in the plan's data."
+            f"the row {row.name} sets {', '.join(differing[:4])}, which all rows of a comparison share; "
+            "set it in the plan's data."
         )
 
 
