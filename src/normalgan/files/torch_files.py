@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from normalgan.errors import InputError
+from normalgan.files.limits import refuse_pointer
 
 __all__ = ["MOST_OBJECTS", "MOST_PARTS", "load_torch_file"]
 
@@ -55,6 +56,8 @@ def load_torch_file(path: Path) -> Any:
         _check_tensors(content, path.stat().st_size)
     except PermissionError:
         raise InputError(f"the checkpoint {path} may not be read; change its permissions.") from None
+    except InputError:
+        raise
     except _RefusedError as error:
         raise InputError(
             f"{path} is damaged or no checkpoint: {error}; give one that `normalgan fit` saved."
@@ -73,6 +76,7 @@ class _RefusedError(Exception):
 def _read_pickle(path: Path) -> bytes:
     """Return the objects of an archive, once it is sure that it holds no more bytes than the file has."""
     with path.open("rb") as file:
+        refuse_pointer(path, file.read(64))
         directory = _directory(file)
         with zipfile.ZipFile(file) as archive:
             # zipfile makes up for bytes before the archive, torch does not: they would read two files.
