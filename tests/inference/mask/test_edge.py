@@ -26,7 +26,7 @@ def closed_curve(shape: str) -> Points:
 
 
 def drawn(points: Points, size: int, width: float, *, closed: bool = True) -> Floats:
-    """Return a line through points, in pixels, as ink (size, size): its edges are a pixel wide, at their true place."""
+    """Return a line through points, in pixels, as ink (size, size); its edges are a pixel wide."""
     band = np.zeros((size, size), np.uint8)
     cv2.polylines(band, [np.rint(points - 0.5).astype(np.int32)], closed, 1, round(width) + 6)
     rows, columns = np.nonzero(band)
@@ -37,7 +37,7 @@ def drawn(points: Points, size: int, width: float, *, closed: bool = True) -> Fl
 
 
 def edge_points(covered: Floats) -> Points:
-    """Return where an object is crossed by half, (N, 2), x and y in pixels, between neighbours in a row or column."""
+    """Return where coverage crosses a half along rows and columns, (N, 2), x and y in pixels."""
     found = []
     for axis in (0, 1):
         values = covered if axis else covered.T

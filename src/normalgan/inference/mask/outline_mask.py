@@ -68,7 +68,7 @@ def fill_outline(ink: Floats) -> Outline:
 
 
 def snap_outline(mask: BoolMask, ink: Floats) -> Floats:
-    """Return how much of each pixel (H, W) an object covers, from a mask that was found at the size of `fill_outline`.
+    """Return how much of each pixel (H, W) an object covers; its mask was found at `fill_outline`'s size.
 
     Args:
         mask: (H, W), the object.
