@@ -48,6 +48,7 @@ class Prepared:
         unsure: the warning about regions of which the reader is unsure, a part of a sentence; or empty.
         decision: how the mask was found in the lines, if it was.
         reading: what the reader sees in the drawing, if it was asked.
+        coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
     """
 
     shape: tuple[int, int]
@@ -67,6 +68,7 @@ class Prepared:
     unsure: str = ""
     decision: Decision | None = None
     reading: Reading | None = None
+    coverage: Floats | None = None
 
 
 def prepare(
@@ -135,6 +137,7 @@ def prepare(
         unsure="" if decision is None else decision.unsure,
         decision=decision,
         reading=reading,
+        coverage=None if decision is None else decision.coverage,
     )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 

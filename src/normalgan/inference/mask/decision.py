@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.mask.outline_mask import fill_outline, snap_outline
 from normalgan.inference.mask.reader import Reading
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import fitted, resize
@@ -49,6 +49,7 @@ class Decision:
         enclosed: (N,), whether lines enclose the region on all sides.
         small: (h, w), the object.
         mask: (H, W), the object at the drawing's size.
+        coverage: (H, W) in [0, 1], how much of each pixel that is.
         closed: share of the lines that lie in or at the object.
         guessed: whether a wide gap was closed although the reader was not asked.
         by_lines: whether lines alone enclose most of what is drawn, without a wide gap.
@@ -63,6 +64,7 @@ class Decision:
     enclosed: BoolMask
     small: BoolMask
     mask: BoolMask
+    coverage: Floats
     closed: float
     guessed: bool
     by_lines: bool
@@ -141,7 +143,8 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         small = small & ~own if small[own].mean() > 0.5 else small | own
         settled[number] = True
     unsure = "" if presence is None else _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
-    mask: BoolMask = small if size == shape else resize(_smooth(small), shape) > 0.5
+    rough: BoolMask = small if size == shape else resize(_smooth(small), shape) > 0.5
+    coverage = snap_outline(rough, ink)
     return Decision(
         ink=small_ink,
         outline=outline,
@@ -150,7 +153,8 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         votes=votes,
         enclosed=enclosed,
         small=small,
-        mask=mask,
+        mask=coverage > 0.5,
+        coverage=coverage,
         closed=filled.closed if presence is None else _closed(inked, small),
         guessed=presence is None and filled.guessed,
         by_lines=filled.closed >= CLOSED and not filled.guessed,
