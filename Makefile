@@ -35,6 +35,7 @@ demo: install
 	$(BIN)/normalgan fit --config configs/quickstart.yaml
 	$(BIN)/normalgan test --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
 	$(BIN)/normalgan predict --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
+	$(BIN)/python tools/demo_picture.py $(RUN) examples/sketches
 
 # make test SLOW=1 also runs the tests that take long; TESTS=tests/metrics runs a part.
 test: dev

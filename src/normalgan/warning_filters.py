@@ -1,4 +1,4 @@
-"""Warning filters: what the user can do nothing about is not said, and the rest in a line each."""
+"""Warning filters: hide warnings that the user cannot act on, and show the rest in one line each."""
 
 import logging
 import re
@@ -19,7 +19,7 @@ NOT_SAID = (
     r".*Checkpoint directory .* exists and is not empty.*",  # a run that is resumed
     # It counts the steps of both optimisers, and our order of samples depends on seed and epoch alone.
     r".*resuming from a checkpoint that ended before the epoch ended.*",
-    r".*LeafSpec.*is deprecated.*",  # between torch and lightning
+    r".*LeafSpec.*is deprecated.*",  # torch's and lightning's own
     r"[\s\S]*JSONARGPARSE_DEPRECATION_WARNINGS",  # between lightning and jsonargparse, said once a process
     r"[\s\S]* was deprecated in v4\.\d+\.\d+ and will be removed in v5",  # the same, of each call by itself
     r"LightningCLI.s args parameter is intended.*",  # we do run in-process, with the arguments we mean
@@ -71,7 +71,7 @@ def _show(message: Warning | str, *_: Any, **__: Any) -> None:
 
 @contextmanager
 def quiet_loggers(*names: str, level: int = logging.CRITICAL + 1) -> Iterator[None]:
-    """Let loggers say nothing below a level for a while: what is to be told, we tell in a sentence."""
+    """Silence loggers below a level inside the context."""
     loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

@@ -1,4 +1,4 @@
-"""Method: whatever paints a normal map, trained or not, as the benchmark measures it."""
+"""Method: anything that predicts normal maps, trained or not."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -52,18 +52,18 @@ class Method:
 
 
 def constant_method() -> Method:
-    """Return the method that takes every surface to face the viewer."""
+    """Return the method whose normals all face the viewer."""
     facing = torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1)
     return Method(lambda batch, hints: facing.to(batch["normal"]).expand_as(batch["normal"]))
 
 
 def mean_method(mean_map: Tensor) -> Method:
-    """Return the method that always paints the mean map (3, H, W) of the training split."""
+    """Return the method that always predicts the mean map (3, H, W) of the training split."""
     return Method(lambda batch, hints: mean_map.to(batch["normal"]).expand_as(batch["normal"]))
 
 
 def inflation_method() -> Method:
-    """Return the method that inflates the silhouette, which is told: the true mask, which no other sees."""
+    """Return the method that inflates the true mask, which no other method sees."""
 
     def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         masks = batch["mask"][:, 0].cpu().numpy() > 0.5
@@ -74,7 +74,7 @@ def inflation_method() -> Method:
 
 
 def weights_method(weights: Weights, device: torch.device) -> Method:
-    """Return the model that weights and their notes make, in float32, ready to paint."""
+    """Return the model of a weights file, in float32, ready to predict."""
     notes = weights.notes
     model = NormalGAN(
         generator=weights.generator(),
@@ -88,7 +88,7 @@ def weights_method(weights: Weights, device: torch.device) -> Method:
 
 
 def model_method(model: NormalGAN) -> Method:
-    """Return a model as a method; what noise it keeps when tested depends on the samples alone."""
+    """Return a model as a method; noise at test time depends on the samples alone."""
     model.eval()
     if model.noise_at_test:
         for module in model.generator.modules():

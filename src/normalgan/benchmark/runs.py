@@ -1,4 +1,4 @@
-"""Runs: a row of the plan under one seed, with all its settings worked out before anything is trained."""
+"""Runs: a row of the plan with one seed; all settings are resolved before training."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ class Run:
 
     @cached_property
     def identity(self) -> Settings:
-        """All that decides on what is learnt: runs of equal identity give equal models on one machine."""
+        """Everything that training depends on; runs of equal identity give equal models on one machine."""
         settings = without(self.settings, MACHINE)
         if self.row.classical:
             settings = {"data": settings["data"], "classical": self.row.classical}

@@ -1,4 +1,4 @@
-"""PictureLogger: what the generator paints, in TensorBoard or Weights & Biases, as training goes on."""
+"""PictureLogger: the generator's predictions in TensorBoard or Weights & Biases during training."""
 
 from io import BytesIO
 
@@ -48,7 +48,9 @@ class PictureLogger(Callback):
         if batch_idx or trainer.sanity_checking or not due or not loggers:
             return
         if not isinstance(pl_module, NormalGAN):
-            raise TypeError(f"PictureLogger draws what a NormalGAN paints, not a {type(pl_module).__name__}.")
+            raise TypeError(
+                f"PictureLogger draws the predictions of a NormalGAN, not a {type(pl_module).__name__}."
+            )
         hints = pl_module.measured_hints(batch)
         preds = pl_module(batch["sketch"], hints)
         data = getattr(trainer, "datamodule", None)

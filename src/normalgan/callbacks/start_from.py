@@ -1,4 +1,4 @@
-"""A run that begins with what another one has learnt."""
+"""StartFrom: a run that starts with the weights of another one."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,15 +21,15 @@ __all__ = ["StartFrom"]
 class StartFrom(Callback):
     """Gives a new run the generator's weights of another run; the optimisers begin again.
 
-    A run that is resumed has its own weights and is left as it is. Use this to train on with other learning
-    rates: a checkpoint that is resumed determines them.
+    A resumed run keeps its own weights. Use this to continue training with other learning rates; a resumed
+    checkpoint determines them.
 
     Args:
         weights: a file of safetensors, a checkpoint, or ``shipped`` for what comes with the package; its
             generator is of the same class and settings as the run's.
-        grow: whether it is a smaller one, of half the resolution or fewer channels or blocks, which the run's
-            begins by painting like; see `normalgan.models.growth`.
-        discriminator: whether the discriminator's weights are taken too, from a checkpoint.
+        grow: whether the weights are of a smaller network, with half the resolution, fewer channels or fewer
+            blocks; see `normalgan.models.growth`.
+        discriminator: whether to take the discriminator's weights too, from a checkpoint.
 
     Raises:
         InputError: if both ``grow`` and ``discriminator`` are given.
@@ -44,11 +44,11 @@ class StartFrom(Callback):
         self._resumed = False
 
     def state_dict(self) -> dict[str, Any]:
-        """Return that the run has begun, for its checkpoints."""
+        """Return a mark that the run has started, for its checkpoints."""
         return {"begun": True}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Take note that the run is resumed."""
+        """Note that the run is resumed."""
         self._resumed = bool(state_dict["begun"])
 
     def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:

@@ -44,7 +44,7 @@ __all__ = ["MeshDataModule"]
 
 
 class MeshDataModule(LightningDataModule):
-    """Makes sketches, normal maps and masks of meshes, or reads pairs; serves them, and drawings to predict.
+    """Makes or reads sketches, normal maps and masks, and serves them and drawings to predict in batches.
 
     Args:
         meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
+from PIL import Image
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
-from normalgan.decoding.worker import plain, reduced
+from normalgan.decoding.worker import plain, reduced, turned_upright
 from normalgan.errors import InputError, brief
 from normalgan.inference.jobs.plan import MODEL, OUTLINE, READER
 from normalgan.inference.mask.masks import load_mask, mask_of
@@ -134,7 +134,7 @@ def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the 
         case Image.Image():
             _check_sides(name, image.height, image.width)
             try:
-                return _decoded(ImageOps.exif_transpose(image))
+                return _decoded(turned_upright(image))
             except (OSError, SyntaxError) as error:  # Pillow reads the pixels when they are asked for
                 raise InputError(f"{name} cannot be read: {brief(error)}.") from None
         case np.ndarray():

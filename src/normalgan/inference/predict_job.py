@@ -13,7 +13,7 @@ from normalgan.arrays import BoolMask
 from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
-from normalgan.inference.composites.animation import encode_animation, kind_of, moving_kind
+from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of, moving_kind
 from normalgan.inference.composites.layered_job import LayeredJob, layered_target
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
@@ -94,12 +94,13 @@ class JobPredictor:
             predict = LayeredJob(self.predictor, self.outputs, self.size, shared, self.strength)
             return Done(self._target(job), *predict(job))
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
+        several = "has several pages" if kind == PAGES else "is an animation"
         if kind is not None and self.packing.given:
-            raise InputError(f"{files.drawing} is an animation; a sheet is a still picture.")
+            raise InputError(f"{files.drawing} {several}; a sheet is a still picture.")
         if kind is not None and self.tile is not None:
-            raise InputError(f"{files.drawing} is an animation; --tile repeats a still picture.")
+            raise InputError(f"{files.drawing} {several}; --tile repeats a still picture.")
         if kind is not None:
-            return self._animation(job)
+            return self._animation(job, kind == PAGES)
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
         preds = self._sheet(files) if self.packing.given else self._drawing(files)
@@ -154,39 +155,44 @@ class JobPredictor:
         mask = _mask(files, sheet.shape)
         return predict_sheet(self.predictor, sheet, cells, hints, mask, self.frame == "shared")
 
-    def _animation(self, job: Job) -> Done:
+    def _animation(self, job: Job, pages: bool) -> Done:
+        """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
         path, content = job.files.drawing, job.files.content
         found = decode_frames(str(path), read_content(path, content), (SMALLEST, LARGEST))
         members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
-        shared = self.frame != "own"
+        shared = self.frame == "shared" if pages else self.frame != "own"
+        moves, part = _moves(self.outputs) and not pages, "page" if pages else "frame"
         pixels: list[NDArray[np.uint8]] = []
         said: list[str] = []
         failed: list[InputError] = []
         heights: Heights = []
-        for number, each in enumerate(predict_series(self.predictor, members, shared, shared, self.size), 1):
+        steady = shared and not pages
+        predicted = predict_series(self.predictor, members, shared, steady, self.size)
+        for number, each in enumerate(predicted, 1):
             if isinstance(each, InputError):
                 preds = flat_map(members[number - 1].picture.shape, self.size)
                 failed.append(each)
-                said.append(f"frame {number}: {left_flat(each)}")
+                said.append(f"{part} {number}: {left_flat(each)}")
             else:
                 preds = each
-                said += [f"frame {number}: {each.warning}"] if each.warning else []
+                said += [f"{part} {number}: {each.warning}"] if each.warning else []
             own = job.numbered(number, self.outputs.ending)
             preds = preds.stronger(self.strength)
             heights += self.outputs.write_others(own, preds)
-            if _moves(self.outputs):
+            if moves:
                 pixels.append(preds.pixels(self.outputs.y, self.outputs.alpha))
             else:
                 self.outputs.write_map(own, preds)
         if len(failed) == len(members):
             raise failed[0]
         target = self._target(job)
-        if _moves(self.outputs):
+        if moves:
             self.outputs.write_sidecar(target)
             durations = [each.duration for each in found.parts]
             write_bytes(target, encode_animation(kind_of(target), pixels, durations, found.loop))
-        level_heights(heights)  # else a body would rise and sink with what it holds up
-        more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
+        if not pages:
+            level_heights(heights)  # else a body would rise and sink with what it holds up
+        more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
         return Done(target, said[0] + more if said else "", heights)
 
     def _target(self, job: Job) -> Path:
@@ -207,7 +213,7 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False
     kind = None if packing.given else moving_kind(job.files.drawing, job.files.content)
     if kind is None:
         return job.target
-    if not _moves(outputs):
+    if kind == PAGES or not _moves(outputs):
         return job.numbered(1, outputs.ending).target
     target = job.target if job.exact else job.target.with_suffix(f".{kind}")
     if target.resolve() == job.files.drawing.resolve():

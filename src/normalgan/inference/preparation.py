@@ -11,7 +11,7 @@ from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import Cleaned, clean
 from normalgan.inference.cleaning.silhouette import contour
 from normalgan.inference.jobs.plan import MODEL, READER
-from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.mask.outline_mask import fill_outline, snap_outline
 from normalgan.inference.mask.reader import Reading, drop_ground, read, vote
 from normalgan.inference.network.framing import Bounds, Frame
 from normalgan.inference.network.line_width import render_model_input
@@ -46,6 +46,7 @@ class Prepared:
         line_widths: of the lines that the model is shown as they were drawn.
         given: the hints in pixels of the drawing, if they are to be looked for on the object; or None.
         unsure: what is to be said of regions of which the reader is unsure.
+        coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
     """
 
     shape: tuple[int, int]
@@ -64,6 +65,7 @@ class Prepared:
     line_widths: LineWidths = USUAL_WIDTHS
     given: Hints | None = None
     unsure: str = ""
+    coverage: Floats | None = None
 
 
 def prepare(
@@ -99,6 +101,7 @@ def prepare(
     unknown = mask is None and source in {None, READER}
     cleaned, reading = _clean_and_read(shown_whole, unknown, votes=unknown and source == READER)
     alpha, closed, guessed, from_outline, unsure = None, 1.0, False, False, ""
+    coverage: Floats | None = None
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
@@ -110,12 +113,14 @@ def prepare(
         mask, alpha = cleaned.silhouette, picture.alpha
     elif source != MODEL:
         outline = fill_outline(walls)
-        mask, closed, guessed = outline.mask, outline.closed, outline.guessed
+        mask, coverage = outline.mask, outline.coverage
+        closed, guessed = outline.closed, outline.guessed
         from_outline = True
         if reading is not None:
             voted = vote(walls, mask, reading.presence)
             if voted.mask.any():
-                mask, closed, guessed, unsure = voted.mask, 1.0, False, voted.unsure
+                coverage = snap_outline(voted.mask, walls)
+                mask, closed, guessed, unsure = coverage > 0.5, 1.0, False, voted.unsure
     prepared = Prepared(
         shape=shape,
         ink=cleaned.ink,
@@ -130,6 +135,7 @@ def prepare(
         scenery=from_outline and cleaned.scenery,
         line_widths=line_widths,
         unsure=unsure,
+        coverage=coverage,
     )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 

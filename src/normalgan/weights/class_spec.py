@@ -1,4 +1,4 @@
-"""Part: a piece of a model as a file from anywhere may name it: a registered class with plain settings."""
+"""ClassSpec: a registered class with plain settings, as files from anywhere may name it."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Notes: what a file of weights says beside the numbers; ONNX files of ours say the same."""
+"""Metadata of weights files and of our ONNX files."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

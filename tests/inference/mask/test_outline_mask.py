@@ -36,7 +36,7 @@ def test_a_wide_gap_is_closed_straight_from_end_to_end(width: float) -> None:
     closed = fill_outline(gap)
     assert closed.closed > 0.9
     assert not closed.guessed
-    assert overlap(closed.mask, fill_outline(INK).mask) > 0.95
+    assert overlap(closed.mask, fill_outline(outline(FILLED, width)).mask) > 0.97
 
 
 def test_a_half_that_is_missing_is_closed_straight_and_told() -> None:
