@@ -111,7 +111,7 @@ class Predictor:
         found = self._recalled(self._prepared, key)
         if found is None:
             picture, mask = drawing.read_lines()
-            by_hand = drawing.read_mask(picture.shape)
+            by_hand = drawing.read_mask(picture)
             prepared = prepare(
                 *(picture, self.model.size, mask, None, longest, drawing.source, by_hand),
                 line_widths=self.model.line_widths,
