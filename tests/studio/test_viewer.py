@@ -1,9 +1,8 @@
 """What the studio's viewer draws, with WebGL and without, against NumPy."""
 
+import base64
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
-
-import base64
 
 import numpy as np
 import pytest
