@@ -70,7 +70,10 @@ def test_the_browsers_language_is_chosen(
         # Longer words fit, and so does a page that is read from right to left.
         for direction in ("ltr", "rtl"):
             page.evaluate("way => { document.documentElement.dir = way; }", direction)
-            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+            for width in (1200, 1280, 1440):
+                page.set_viewport_size({"width": width, "height": 700})
+                assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), (direction, width)
+            page.set_viewport_size({"width": 1200, "height": 700})
             tools, drawing = (page.locator(each).bounding_box() for each in ("#tools", "#drawing"))
             assert tools is not None
             assert drawing is not None
