@@ -1,4 +1,4 @@
-"""Lights and materials of the lit result: the drawing's colours, falloff, intensity, and the picture as it is seen."""
+"""Lights and materials of the lit result: colours, falloff, intensity, and the saved picture."""
 
 import io
 from pathlib import Path
@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-
 from studio_page import SIDE, Server, Studio, open_studio
 
 if TYPE_CHECKING:
