@@ -36,6 +36,7 @@ from normalgan.cli.config_files import check_config, load_bounded
 from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.cli.output_options import add_output_options
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
 from normalgan.cli.training_help import SECTIONS, asked_for
@@ -43,6 +44,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
+from normalgan.inference.outputs.outputs import outputs_of
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
@@ -193,7 +195,12 @@ class NormalGANCLI(LightningCLI):
         parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
         parser.add_lightning_class_args(PictureLogger, "pictures")
         parser.add_lightning_class_args(TestReport, "report")
-        parser.add_lightning_class_args(NormalMapWriter, "output")
+        group = parser.add_argument_group("What predict writes for each drawing")
+        group.add_argument("--output.folder", type=str, default="normals", help="where the maps go")
+        group.add_argument(
+            "--output.strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+        )
+        add_output_options(parser, group, "output.")
         parser.set_defaults(
             {
                 "model.generator": {"class_path": "normalgan.models.UNetGenerator"},
@@ -287,6 +294,14 @@ class NormalGANCLI(LightningCLI):
         if self.command == "fit":
             root = self.config["trainer"]["default_root_dir"]
             check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
+
+    def instantiate_trainer(self, **kwargs: Any) -> Trainer:
+        """Build the trainer, with the callback that writes what predict returns."""
+        trainer = super().instantiate_trainer(**kwargs)
+        output = self.config_init["output"].as_dict()
+        writer = NormalMapWriter(output["folder"], outputs_of(output), output["strength"])
+        trainer.callbacks.append(writer)  # type: ignore[attr-defined]
+        return trainer
 
     def _resume(self, path: Path) -> None:
         """Read a checkpoint's settings over the configuration's."""

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask
 from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
-from normalgan.files.writing import write_bytes
 from normalgan.inference.composites.animation import encode_animation, kind_of, moving_kind
 from normalgan.inference.composites.layered_job import LayeredJob, layered_target
 from normalgan.inference.composites.packing import Packing
@@ -20,10 +19,11 @@ from normalgan.inference.composites.series import Member, flat_map, left_flat, p
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job
+from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.mask.masks import load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content, read_pixels
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture
@@ -49,12 +49,12 @@ class Done:
     Args:
         target: where the map is.
         warning: what is to be said of it, a part of a sentence; empty if nothing is.
-        heights: the height maps as PNG.
+        held: the files that wait for the other drawings of a command.
     """
 
     target: Path
     warning: str = ""
-    heights: Heights = field(default_factory=list)
+    held: list[Held] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class JobPredictor:
 
     Args:
         predictor: the network.
-        outputs: what is written.
+        writer: writes what comes of it.
         size: longer side of the maps in pixels; None is the drawing's.
         packing: how the drawings of a sheet are found.
         frame: whether the network is shown the same square of all drawings that belong together; None is
@@ -74,7 +74,7 @@ class JobPredictor:
     """
 
     predictor: Predictor
-    outputs: Outputs = field(default_factory=Outputs)
+    writer: Writer = field(default_factory=Writer)
     size: int | None = None
     packing: Packing = field(default_factory=Packing)
     frame: Framing | None = None
@@ -91,7 +91,7 @@ class JobPredictor:
         """
         if self.layers:
             shared = self.frame != "own"
-            predict = LayeredJob(self.predictor, self.outputs, self.size, shared, self.strength)
+            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength)
             return Done(self._target(job), *predict(job))
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
         if kind is not None and self.packing.given:
@@ -140,8 +140,8 @@ class JobPredictor:
                 yield job, error
 
     def _written(self, job: Job, preds: NormalMap) -> Done:
-        heights = self.outputs.write(job, preds.stronger(self.strength))
-        return Done(job.target, preds.warning, heights)
+        held = self.writer.write(job, preds.stronger(self.strength))
+        return Done(job.target, preds.warning, held)
 
     def _drawing(self, files: DrawingFiles) -> NormalMap:
         picture = read_picture(files.drawing, files.content, self.size)
@@ -162,7 +162,8 @@ class JobPredictor:
         pixels: list[NDArray[np.uint8]] = []
         said: list[str] = []
         failed: list[InputError] = []
-        heights: Heights = []
+        held: list[Held] = []
+        outputs = self.writer.outputs
         for number, each in enumerate(predict_series(self.predictor, members, shared, shared, self.size), 1):
             if isinstance(each, InputError):
                 preds = flat_map(members[number - 1].picture.shape, self.size)
@@ -171,26 +172,29 @@ class JobPredictor:
             else:
                 preds = each
                 said += [f"frame {number}: {each.warning}"] if each.warning else []
-            own = job.numbered(number, self.outputs.ending)
+            own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
-            heights += self.outputs.write_others(own, preds)
-            if _moves(self.outputs):
-                pixels.append(preds.pixels(self.outputs.y, self.outputs.alpha))
+            # One scale for all frames: else a body would rise and sink with what it holds up.
+            held += self.writer.write_others(own, preds, hold=True)
+            if _moves(outputs):
+                pixels.append(preds.pixels(outputs.normal.y, outputs.normal.alpha))
             else:
-                self.outputs.write_map(own, preds)
+                self.writer.write_map(own, preds)
         if len(failed) == len(members):
             raise failed[0]
         target = self._target(job)
-        if _moves(self.outputs):
-            self.outputs.write_sidecar(target)
+        if not outputs.whole_batch:
+            self.writer.write_held(held)
+            held = []
+        if _moves(outputs):
+            self.writer.write_sidecar(target)
             durations = [each.duration for each in found.parts]
-            write_bytes(target, encode_animation(kind_of(target), pixels, durations, found.loop))
-        level_heights(heights)  # else a body would rise and sink with what it holds up
+            self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
-        return Done(target, said[0] + more if said else "", heights)
+        return Done(target, said[0] + more if said else "", held)
 
     def _target(self, job: Job) -> Path:
-        return target_of(job, self.outputs, self.packing, self.layers)
+        return target_of(job, self.writer.outputs, self.packing, self.layers)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
@@ -225,12 +229,12 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
     yield target
     if not layers:
         first = job.numbered(1, outputs.ending) if moves else job
-        yield from (first.beside(ending) for ending in outputs.others())
+        yield from (first.beside(ending) for ending in outputs.beside)
 
 
 def _moves(outputs: Outputs) -> bool:
     """Return whether the maps of an animation go into one: it has 8 bits."""
-    return outputs.format == "png" and outputs.bits == 8
+    return outputs.normal.format == "png" and outputs.normal.bits == 8
 
 
 def _several(mask: BoolMask) -> str:
