@@ -62,6 +62,7 @@ def generate(settings: Namespace) -> int:
     """
     decoding.start()  # while the model is loaded
     packing = _packing(settings)
+    _check_explained(settings, packing)
     outputs = _outputs(settings)
     flat_map((8, 8)).stronger(settings.strength)  # refuses what is none
     piped = _Piped() if settings.output == STDOUT else None
@@ -78,6 +79,8 @@ def generate(settings: Namespace) -> int:
         raise wrong[0]
     if piped is not None and len(jobs) > 1:  # told before they are painted
         raise _not_one(len(jobs))
+    if settings.hole and len(jobs) > 1:
+        raise InputError(f"a hole is a point of one drawing, but there are {len(jobs)}; name one.")
     path = find_model(settings.model)
     if piped is None:
         check_writable(jobs)
@@ -116,6 +119,48 @@ def _packing(settings: Namespace) -> Packing:
     if settings.layers and packing.given:
         raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
     return packing
+
+
+def _points(given: Sequence[str]) -> list[tuple[float, float]]:
+    """Return x and y of each point.
+
+    Raises:
+        InputError: if one is not a point.
+
+    >>> _points(["12,40.5"])
+    [(12.0, 40.5)]
+    """
+    points = []
+    for each in given:
+        try:
+            x, y = map(float, each.split(","))
+        except ValueError:
+            raise InputError(
+                f"--hole {each} is not a point; give x,y in pixels of the drawing, such as --hole 120,80."
+            ) from None
+        points.append((x, y))
+    return points
+
+
+def _check_explained(settings: Namespace, packing: Packing) -> None:
+    """Raise `InputError` if options on the mask of a drawing do not go with the others."""
+    given = [
+        option
+        for option, value in (
+            ("--hole", settings.hole),
+            ("--explain", settings.explain),
+            ("--single", settings.single),
+        )
+        if value
+    ]
+    if given and (packing.given or settings.layers or settings.tile or settings.frame == "shared"):
+        raise InputError(
+            f"{given[0]} is about the mask of a single drawing; leave --sheet, --split, --atlas, --layers, "
+            "--tile and --frame shared out."
+        )
+    _points(settings.hole or ())
+    if settings.explain is not None and Path(settings.explain).is_file():
+        raise InputError(f"--explain {settings.explain} is a file; name a folder.")
 
 
 def _outputs(settings: Namespace) -> Outputs:
@@ -193,6 +238,9 @@ class _Batch:
             settings.strength,
             settings.layers,
             settings.tile,
+            settings.single,
+            _points(settings.hole or ()),
+            None if settings.explain is None else Path(settings.explain),
         )
         written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()
@@ -210,6 +258,8 @@ class _Batch:
                 if outcome.warning:
                     told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
                     print(one_line(told), file=sys.stderr)
+                if outcome.note:
+                    print(one_line(f"normalgan: {job.files.drawing}: {outcome.note}."), file=sys.stderr)
                 if settings.output != STDOUT:
                     print(outcome.target, flush=self._settings.watch)
 

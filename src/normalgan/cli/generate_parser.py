@@ -60,8 +60,23 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     drawing.add_argument(
         "--mask",
         type=str | None,
-        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill the drawing's own, "
-        "or model to leave it to the model; null is its opacity if that tells, else outline",
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill what lines "
+        "enclose, reader to let a small network vote on that, or model to leave it to the model; null is its "
+        "opacity if that tells, else reader",
+    )
+    drawing.add_argument(
+        "--hole",
+        type=str,
+        action="append",
+        metavar="X,Y",
+        help="a point of the drawing; the region that lines enclose there becomes a hole, or object if it is "
+        "a hole; may be given several times",
+    )
+    drawing.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
+    drawing.add_argument(
+        "--explain",
+        type=str | None,
+        help="a folder for pictures of how each mask was found: ink, outline, votes on regions, presence",
     )
     drawing.add_argument(
         "--size",

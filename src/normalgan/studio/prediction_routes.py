@@ -179,8 +179,17 @@ class PredictionRoutes:
 
 
 _OCTETS = "application/octet-stream"
-_WORDS = "give --mask", "paint the object with the mask brush"
+_WORDS = {
+    "give --mask": "paint the object with the mask brush",
+    "flip one with --hole x,y": "cut or paint it with the mask brush",
+}
 """What the command line is told to do, and what is done on the page instead."""
+
+
+def _on_the_page(warning: str) -> str:
+    for option, brush in _WORDS.items():
+        warning = warning.replace(option, brush)
+    return warning
 
 
 def _is_raw(request: Request) -> bool:
@@ -193,7 +202,7 @@ def _pixels(content: bytes, predicted: NormalMap, start: float) -> Response:
     headers = {
         "X-Width": str(width),
         "X-Height": str(height),
-        "X-Warning": quote(predicted.warning.replace(*_WORDS)),
+        "X-Warning": quote(_on_the_page(predicted.warning)),
         "X-Seconds": f"{time.perf_counter() - start:.4f}",
     }
     return Response(content, headers=headers, media_type=_OCTETS)

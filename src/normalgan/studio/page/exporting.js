@@ -1,6 +1,7 @@
 /** Exporting: the dialog that asks for a file or for all of them, and what comes of it: a download or the clipboard. */
 
-import { exported } from "./api.js";
+import { exported, predict } from "./api.js";
+import { context2d } from "./canvas.js";
 import { drawnLayers } from "./document.js";
 import { $, download, enable, field, make, open } from "./dom.js";
 import { linesAt } from "./ink.js";
@@ -29,8 +30,10 @@ export class Exporting {
    * @param {import("./editor.js").Editor} editor
    * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
+   * @param {(map: import("./predictor.js").Painted) => Uint8ClampedArray<ArrayBuffer>} shaded RGBA of a map as the result shows it
    */
-  constructor(editor, predictor, status) {
+  constructor(editor, predictor, status, shaded) {
+    this.shaded = shaded;
     this.editor = editor;
     this.predictor = predictor;
     this.status = status;
@@ -45,11 +48,11 @@ export class Exporting {
 
   /** Has only what can be exported here be chosen. @param {Record<string, string[]>} offered formats of each kind of file */
   offer(offered) {
-    this.offered = offered;
+    this.offered = { ...offered, lit: this.formats.lit }; // the page makes it
     /** @type {HTMLSelectElement} */
     const what = $("export-what");
     for (const option of what.options) {
-      option.disabled = !(option.value in offered);
+      option.disabled = !(option.value in this.offered);
       option.title = option.disabled ? text.needsPython : "";
     }
     if (what.selectedOptions[0]?.disabled) what.value = Object.keys(offered)[0];
@@ -67,17 +70,29 @@ export class Exporting {
     const way = await open($("export-dialog"));
     if (!way) return;
     this.#remember();
+    await this.#made(way === "copy" ? () => this.#copy() : () => this.#save(this.#wish()));
+  }
+
+  /** Hands the lit result to the browser's downloads, at the drawing's own size. */
+  async saveLit() {
+    await this.#made(() => this.#save({ ...this.#wish(), name: this.editor.doc.settings.name || text.untitled.toLowerCase(), what: "lit", size: null }));
+  }
+
+  /** @param {() => Promise<void>} make */
+  async #made(make) {
     this.status.say(text.exporting);
     try {
-      if (way === "copy") await this.#copy();
-      else {
-        const { blob, name } = await this.#file(this.#wish());
-        download(blob, name);
-        this.status.say(say("exported", { name }));
-      }
+      await make();
     } catch (error) {
       this.status.fail(error);
     }
+  }
+
+  /** @param {Record<string, any>} wish */
+  async #save(wish) {
+    const { blob, name } = await this.#file(wish);
+    download(blob, name);
+    this.status.say(say("exported", { name }));
   }
 
   /** Puts the picture onto the clipboard. */
@@ -102,6 +117,7 @@ export class Exporting {
     const { doc } = this.editor;
     const own = Math.max(doc.width, doc.height);
     const longest = wish.size ?? own;
+    if (wish.what === "lit") return { blob: await this.#lit(longest === own ? null : longest), name: `${wish.name}_lit.png` };
     const more = { ...wish };
     if (["lines", "all"].includes(wish.what)) {
       const lines = await toPng(linesAt(doc, longest));
@@ -110,6 +126,18 @@ export class Exporting {
     }
     // At its own size the file is of the very pixels that the map on show is of.
     return longest === own ? this.predictor.ask(exported, more) : this.predictor.askAt(longest, exported, more);
+  }
+
+  /** Returns the result under the light as it is seen, a PNG. @param {number | null} longest longer side; null is the drawing's own @returns {Promise<Blob>} */
+  async #lit(longest) {
+    const { predictor } = this;
+    const shown = longest === null && predictor.whole ? predictor.painted : null;
+    const map = shown ?? (longest === null ? await predictor.ask((request) => predict(request)) : await predictor.askAt(longest, (request) => predict(request), {}));
+    if (!map) throw new Error(text.busy);
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [map.width, map.height];
+    context2d(canvas).putImageData(new ImageData(this.shaded(map), map.width), 0, 0);
+    return toPng(canvas);
   }
 
   #wish() {
