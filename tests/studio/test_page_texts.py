@@ -12,15 +12,19 @@ from chromium import page as open_page
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
+from normalgan.studio.exports import with_export_menu
+
 PAGE = Path(__file__).parents[2] / "src/normalgan/studio/page"
 
 
 def test_no_words_are_left_over_and_none_are_missing() -> None:
     words = (PAGE / "text.js").read_text(encoding="utf-8")
     known = set(re.findall(r"^  (\w+):", words, re.M)) - {"viewerTexts"}
-    others = "".join(path.read_text(encoding="utf-8") for path in PAGE.glob("*.js") if not path.name.startswith("text"))
-    markup = (PAGE / "index.html").read_text(encoding="utf-8")
+    scripts = [path for path in PAGE.glob("*.js") if not path.name.startswith("text")]
+    others = "".join(path.read_text(encoding="utf-8") for path in scripts)
+    markup = with_export_menu((PAGE / "index.html").read_text(encoding="utf-8"))
     named = set(re.findall(r'data-(?:text|label)="(\w+)"', markup))
+    named |= {each for formats in re.findall(r'data-formats="([^"]+)"', markup) for each in formats.split()}
     named |= set(re.findall(r'(?:\btext\.|\bsay\(")(?!js\b)(\w+)', others)) - {"viewerTexts"}
     # The viewer is handed its own words.
     assert named - {"contextLost", "reliefNeedsWebgl", "webglFailed"} <= known
