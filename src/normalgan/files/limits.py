@@ -1,4 +1,4 @@
-"""Limits: how much is read of what comes from outside, so that no file takes all memory or all time."""
+"""Limits of reading, so that no file takes all memory or time."""
 
 import os
 import stat
@@ -33,7 +33,7 @@ _POINTER = b"version https://git-lfs.github.com/spec/"
 
 
 def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
-    """Return the bytes of a file, if they are not too many.
+    """Return the bytes of a file within a limit.
 
     Raises:
         InputError: if there are more than ``most``, or it is a pipe, which may never end or never begin, or
@@ -69,14 +69,14 @@ def refuse_pointer(path: Path | str, data: bytes) -> None:
 
 
 def _without_waiting(path: str, flags: int) -> int:
-    """Open a file; a pipe too, which would else be waited for until somebody writes to it."""
+    """Open a file without waiting for the writer of a pipe."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def yaml_limit_error(text: str) -> str | None:
-    r"""Return what is too much in a YAML text, as the end of a sentence; None if it may be loaded.
+    r"""Return which limit a YAML text exceeds, as the end of a sentence; None if it may be loaded.
 
-    Its aliases are counted as if they were written out: ten lines can stand for billions of values.
+    Aliases count as if they were expanded, because ten lines can stand for billions of values.
 
     Raises:
         yaml.YAMLError: if it is not YAML.

@@ -1,4 +1,4 @@
-"""What `torch.save` wrote, looked at before it is loaded: data, and no more of it than the file is long."""
+"""Safe loading of files by `torch.save`: data only, and no more than the file's length."""
 
 import io
 import pickletools
@@ -41,9 +41,9 @@ _END64 = struct.Struct("<4sQ2H2L4Q")
 
 
 def load_torch_file(path: Path) -> Any:
-    """Return what is in a file that `torch.save` wrote; tensors are mapped, and read where they are used.
+    """Load a file of `torch.save`; tensors are memory-mapped.
 
-    Nothing in it is run, and nothing is imported or allocated before it is seen what it would be.
+    Nothing in it is run, and nothing is imported or allocated before it is checked.
 
     Raises:
         InputError: if it is missing, damaged, or holds anything but data.
@@ -70,7 +70,7 @@ def load_torch_file(path: Path) -> Any:
 
 
 class _RefusedError(Exception):
-    """Why a file is not loaded, as part of a sentence."""
+    """The reason why a file is not loaded, as part of a sentence."""
 
 
 def _read_pickle(path: Path) -> bytes:
@@ -115,7 +115,7 @@ def _directory(file: io.BufferedIOBase | Any) -> int:
 
 
 def _check_pickle(content: bytes) -> None:
-    """Make sure that a pickle names nothing but what data is made of.
+    """Check that a pickle names only the classes of plain data.
 
     Raises:
         _RefusedError: with the name, if it names anything else.
@@ -131,7 +131,7 @@ def _check_pickle(content: bytes) -> None:
 
 
 def _check_tensors(content: Any, most: int) -> None:
-    """Make sure that tensors do not stand for more bytes than there are: a view can repeat one number."""
+    """Check that tensors are not larger than the file, because a view can repeat one number."""
     taken = 0
     for tensor in _tensors(content):
         taken += tensor.numel() * tensor.element_size()
