@@ -1,4 +1,4 @@
-"""Lights and materials of the lit result: the drawing's colours, falloff, intensity, and the saved picture."""
+"""Lights and materials of the lit result: colours, falloff, intensity, and the saved picture."""
 
 import io
 from pathlib import Path

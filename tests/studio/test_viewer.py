@@ -119,7 +119,8 @@ def test_colours_and_falloff_are_the_same_with_and_without_a_graphics_card(viewe
     viewer.page.evaluate(
         """([side, light]) => {
           const pixels = new Uint8Array(4 * side * side);
-          for (let i = 0; i < side * side; i++) pixels.set([220, 30, 20, i % side < side / 2 ? 255 : 0], 4 * i);
+          for (let i = 0; i < side * side; i++)
+            pixels.set([220, 30, 20, i % side < side / 2 ? 255 : 0], 4 * i);
           viewer.setColours({ rgba: pixels, width: side, height: side });
           viewer.setLights({ direction: light, colour: [1, 1, 1] }, null, 0.5);
         }""",
@@ -129,7 +130,8 @@ def test_colours_and_falloff_are_the_same_with_and_without_a_graphics_card(viewe
     shaded = viewer.page.evaluate(
         """([text, side]) => {
           const pixels = new Uint8Array(4 * side * side);
-          for (let i = 0; i < side * side; i++) pixels.set([220, 30, 20, i % side < side / 2 ? 255 : 0], 4 * i);
+          for (let i = 0; i < side * side; i++)
+            pixels.set([220, 30, 20, i % side < side / 2 ? 255 : 0], 4 * i);
           const map = { rgba: bytes(text), width: side, height: side };
           return Array.from(viewer.shaded(map, { rgba: pixels, width: side, height: side }));
         }""",

@@ -1,4 +1,9 @@
-/** All words of the page, so that another language is one file. `{…}` are filled in by `say`. */
+/**
+ * All words of the page, in English; another language is a file `text_….js` beside it. `{…}` are filled in by `say`.
+ */
+
+/** Languages that have a file. */
+export const LANGUAGES = ["de", "es", "fr", "ja", "zh"];
 
 export const text = {
   title: "normalgan studio",
@@ -237,14 +242,7 @@ export const text = {
   what: "What",
   whatMap: "Normal map",
   whatLit: "Lit picture, as shown",
-  whatPreview: "Lit preview, eight lights",
-  whatHeight: "Height map",
-  whatRelief: "Relief mesh",
   whatAll: "All files, zipped",
-  whatOcclusion: "Ambient occlusion",
-  whatCurvature: "Curvature",
-  whatSpecular: "Specular",
-  whatMask: "Mask",
   whatLines: "Line art",
   allHelp: "Map, line art, mask, height, ambient occlusion, curvature, specular and preview, with the engine's file names, green direction and bit depth.",
   plain: "Plain",
@@ -363,6 +361,24 @@ export const text = {
   discard: "Discard",
   pixels: "{width} × {height}",
 };
+
+/** @typedef {Record<string, string>} Words of another language; the viewer's own stand among the others */
+
+/** Returns the first language that a user reads and the page has. @param {readonly string[]} wanted as the browser lists them @returns {string} */
+export function languageOf(wanted) {
+  const found = wanted.map((each) => each.toLowerCase().split("-")[0]).find((each) => each === "en" || LANGUAGES.includes(each));
+  return found ?? "en";
+}
+
+const language = languageOf(navigator.languages);
+if (language !== "en") {
+  /** @type {{words: Words}} */
+  const { words } = await import(`./text_${language}.js`);
+  for (const part of [text, text.viewerTexts]) {
+    for (const key of Object.keys(part)) if (key in words) Object.assign(part, { [key]: words[key] });
+  }
+}
+if (typeof document !== "undefined") document.documentElement.lang = language;
 
 /** Returns words as a sentence: what comes from elsewhere may begin small and end without a stop. @param {string} words */
 export const sentence = (words) => words && `${words[0].toUpperCase()}${words.slice(1).replace(/[.。]?$/, (end) => end || ".")}`;
