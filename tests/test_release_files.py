@@ -181,7 +181,8 @@ def test_the_image_runs_the_studio_as_the_dockerfile_says(tmp_path: Path) -> Non
     (command,) = re.findall(r"^CMD (.+)$", text, re.MULTILINE)
     from normalgan.studio.command import build_parser
 
-    program, verb, *options = [*json.loads(entry), *json.loads(command)]
+    words: list[str] = [*json.loads(entry), *json.loads(command)]
+    program, verb, *options = words
     assert (program, verb) == ("normalgan", "studio")
     settings = build_parser().parse_args(options)
     assert settings.address == "0.0.0.0"

@@ -233,7 +233,7 @@ class NormalGAN(LightningModule):
     # --- training -------------------------------------------------------------------------------------
 
     # torch.compile(model) would compile what Lightning does between the networks, which torch cannot follow.
-    @torch.compiler.disable
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Step the discriminator, and the generator with every ``n_critic``-th batch."""
         step = self.trainer.fit_loop.total_batch_idx  # counts across epochs; batch_idx does not
@@ -425,7 +425,7 @@ class NormalGAN(LightningModule):
             module.training = training
         return angular_error(predicted, batch["normal"])
 
-    @torch.compiler.disable
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:
         """Measure without hints and with the sampler's, which are the same in every epoch.
 
@@ -440,7 +440,7 @@ class NormalGAN(LightningModule):
         """Log the metrics of the validation split."""
         self._log_figures(self.val_metrics.pop())
 
-    @torch.compiler.disable
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def test_step(
         self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
     ) -> dict[str, tuple[Tensor, Tensor]]:
@@ -471,7 +471,7 @@ class NormalGAN(LightningModule):
         # They are reduced already; sync_dist averages equal numbers, which avoids a warning from Lightning.
         self.log_dict(figures, sync_dist=True)
 
-    @torch.compiler.disable
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def predict_step(self, batch: Sketches, batch_idx: int, dataloader_idx: int = 0) -> Tensor:
         """Return predicted normals (N, 3, H, W), with the user's hints if there are any.
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from command import Bench
-from lightning.pytorch.tuner import Tuner
+from lightning.pytorch.tuner.tuning import Tuner
 
 from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer

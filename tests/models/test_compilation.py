@@ -1,7 +1,9 @@
 """torch.compile: what it trains is saved by the names of the plain network, and loads."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
@@ -39,13 +41,13 @@ def test_compile_trains_to_the_same_weights(meshes: Path, cache: Path, tmp_path:
 def test_the_generator_is_compiled(meshes: Path, cache: Path, tmp_path: Path) -> None:
     traced: list[int] = []
 
-    def backend(graph: torch.fx.GraphModule, _: object) -> object:
+    def backend(graph: torch.fx.GraphModule, _: list[torch.Tensor]) -> Callable[..., Any]:
         traced.append(len(list(graph.graph.nodes)))
         return graph.forward
 
     torch._dynamo.reset()
     torch.compiler.set_stance("default")
-    torch._dynamo.register_backend(backend, name="counting")
+    torch._dynamo.register_backend(backend, name="counting")  # type: ignore[arg-type]  # its tuple of one is any
     fit(gan(compile="counting"), meshes, cache, tmp_path / "run")
     assert sum(traced) > 20
 

@@ -12,15 +12,19 @@ from chromium import page as open_page
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
+from normalgan.studio.exports import with_export_menu
+
 PAGE = Path(__file__).parents[2] / "src/normalgan/studio/page"
 
 
 def test_no_words_are_left_over_and_none_are_missing() -> None:
     words = (PAGE / "text.js").read_text(encoding="utf-8")
     known = set(re.findall(r"^  (\w+):", words, re.M)) - {"viewerTexts"}
-    others = "".join(path.read_text(encoding="utf-8") for path in PAGE.glob("*.js") if not path.name.startswith("text"))
-    markup = (PAGE / "index.html").read_text(encoding="utf-8")
+    scripts = [path for path in PAGE.glob("*.js") if not path.name.startswith("text")]
+    others = "".join(path.read_text(encoding="utf-8") for path in scripts)
+    markup = with_export_menu((PAGE / "index.html").read_text(encoding="utf-8"))
     named = set(re.findall(r'data-(?:text|label)="(\w+)"', markup))
+    named |= {each for formats in re.findall(r'data-formats="([^"]+)"', markup) for each in formats.split()}
     named |= set(re.findall(r'(?:\btext\.|\bsay\(")(?!js\b)(\w+)', others)) - {"viewerTexts"}
     # The viewer is handed its own words.
     assert named - {"contextLost", "reliefNeedsWebgl", "webglFailed"} <= known
@@ -28,7 +32,20 @@ def test_no_words_are_left_over_and_none_are_missing() -> None:
     assert sorted(known - named - quoted) == []
 
 
-SAME = {"title", "at", "pixels", "matcap", "unity", "unreal", "godot", "godot3", "blender", "png", "glb", "obj"}
+SAME = {
+    "title",
+    "at",
+    "pixels",
+    "matcap",
+    "unity",
+    "unreal",
+    "godot",
+    "godot3",
+    "blender",
+    "png",
+    "glb",
+    "obj",
+}
 """Names and figures, which are the same in all languages."""
 LANGUAGES = sorted(path.stem.removeprefix("text_") for path in PAGE.glob("text_*.js"))
 
@@ -45,7 +62,9 @@ def test_no_words_are_missing_in_a_language(language: str) -> None:
     assert sorted(set(other) - set(english)) == []
     assert [key for key, words in other.items() if not words.strip()] == []
     blanks = re.compile(r"\{\w+\}")
-    differ = [key for key in other if sorted(blanks.findall(other[key])) != sorted(blanks.findall(english[key]))]
+    differ = [
+        key for key in other if sorted(blanks.findall(other[key])) != sorted(blanks.findall(english[key]))
+    ]
     assert differ == []
     assert "Machine-drafted" in (PAGE / f"text_{language}.js").read_text(encoding="utf-8").splitlines()[0]
 
@@ -58,7 +77,8 @@ def test_every_language_is_listed() -> None:
 
 @pytest.mark.slow  # a server and a browser, which take seconds to start
 @pytest.mark.parametrize(
-    ("locale", "language", "words"), [("de-AT", "de", "Exportieren"), ("ja-JP", "ja", "書き出す"), ("it-IT", "en", "Export")]
+    ("locale", "language", "words"),
+    [("de-AT", "de", "Exportieren"), ("ja-JP", "ja", "書き出す"), ("it-IT", "en", "Export")],
 )
 def test_the_browsers_language_is_chosen(
     opened: "Browser", server: Server, locale: str, language: str, words: str

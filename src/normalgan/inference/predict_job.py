@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask
 from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
-from normalgan.files.writing import write_bytes
 from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of, moving_kind
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.figures import alike, find_figures
@@ -23,11 +22,12 @@ from normalgan.inference.composites.series import Member, flat_map, left_flat, p
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.inputs import as_hints, prepare_any
 from normalgan.inference.jobs.plan import READER, DrawingFiles, Job
+from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.mask.masks import load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.explanation import write_explanation
-from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared
@@ -49,13 +49,13 @@ class Done:
     Args:
         target: where the map is.
         warning: what is to be said of it, a part of a sentence; empty if nothing is.
-        heights: the height maps as PNG.
+        held: the files that wait for the other drawings of a command.
         note: what was done that the user may not expect, a part of a sentence; empty if nothing was.
     """
 
     target: Path
     warning: str = ""
-    heights: Heights = field(default_factory=list)
+    held: list[Held] = field(default_factory=list)
     note: str = ""
 
 
@@ -65,7 +65,7 @@ class JobPredictor:
 
     Args:
         predictor: the network.
-        outputs: what is written.
+        writer: writes what comes of it.
         size: longer side of the maps in pixels; None is the drawing's.
         packing: how the drawings of a sheet are found.
         frame: whether the network is shown the same square of all drawings that belong together; None is
@@ -79,7 +79,7 @@ class JobPredictor:
     """
 
     predictor: Predictor
-    outputs: Outputs = field(default_factory=Outputs)
+    writer: Writer = field(default_factory=Writer)
     size: int | None = None
     packing: Packing = field(default_factory=Packing)
     frame: Framing | None = None
@@ -99,7 +99,7 @@ class JobPredictor:
         """
         if self.layers:
             shared = self.frame != "own"
-            predict = LayeredJob(self.predictor, self.outputs, self.size, shared, self.strength)
+            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength)
             return Done(self._target(job), *predict(job))
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
         several = "has several pages" if kind == PAGES else "is an animation"
@@ -154,8 +154,8 @@ class JobPredictor:
                 yield job, error
 
     def _written(self, job: Job, preds: NormalMap) -> Done:
-        heights = self.outputs.write(job, preds.stronger(self.strength))
-        return Done(job.target, preds.warning, heights)
+        held = self.writer.write(job, preds.stronger(self.strength))
+        return Done(job.target, preds.warning, held)
 
     def _drawing(self, job: Job) -> NormalMap:
         files = job.files
@@ -214,11 +214,12 @@ class JobPredictor:
         found = decode_frames(str(path), read_content(path, content), (SMALLEST, LARGEST))
         members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
         shared = self.frame == "shared" if pages else self.frame != "own"
-        moves, part = _moves(self.outputs) and not pages, "page" if pages else "frame"
+        moves, part = _moves(self.writer.outputs) and not pages, "page" if pages else "frame"
         pixels: list[NDArray[np.uint8]] = []
         said: list[str] = []
         failed: list[InputError] = []
-        heights: Heights = []
+        held: list[Held] = []
+        outputs = self.writer.outputs
         steady = shared and not pages
         predicted = predict_series(self.predictor, members, shared, steady, self.size)
         for number, each in enumerate(predicted, 1):
@@ -229,27 +230,29 @@ class JobPredictor:
             else:
                 preds = each
                 said += [f"{part} {number}: {each.warning}"] if each.warning else []
-            own = job.numbered(number, self.outputs.ending)
+            own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
-            heights += self.outputs.write_others(own, preds)
+            # One scale for all frames: else a body would rise and sink with what it holds up.
+            held += self.writer.write_others(own, preds, hold=not pages)
             if moves:
-                pixels.append(preds.pixels(self.outputs.y, self.outputs.alpha))
+                pixels.append(preds.pixels(outputs.normal.y, outputs.normal.alpha))
             else:
-                self.outputs.write_map(own, preds)
+                self.writer.write_map(own, preds)
         if len(failed) == len(members):
             raise failed[0]
         target = self._target(job)
+        if not outputs.whole_batch:
+            self.writer.write_held(held)
+            held = []
         if moves:
-            self.outputs.write_sidecar(target)
+            self.writer.write_sidecar(target)
             durations = [each.duration for each in found.parts]
-            write_bytes(target, encode_animation(kind_of(target), pixels, durations, found.loop))
-        if not pages:
-            level_heights(heights)  # else a body would rise and sink with what it holds up
+            self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
-        return Done(target, said[0] + more if said else "", heights)
+        return Done(target, said[0] + more if said else "", held)
 
     def _target(self, job: Job) -> Path:
-        return target_of(job, self.outputs, self.packing, self.layers)
+        return target_of(job, self.writer.outputs, self.packing, self.layers)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
@@ -284,12 +287,12 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
     yield target
     if not layers:
         first = job.numbered(1, outputs.ending) if moves else job
-        yield from (first.beside(ending) for ending in outputs.others())
+        yield from (first.beside(ending) for ending in outputs.beside)
 
 
 def _moves(outputs: Outputs) -> bool:
     """Return whether the maps of an animation go into one: it has 8 bits."""
-    return outputs.format == "png" and outputs.bits == 8
+    return outputs.normal.format == "png" and outputs.normal.bits == 8
 
 
 def _source(files: DrawingFiles) -> str | None:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 from urllib.parse import quote
@@ -168,12 +169,13 @@ class PredictionRoutes:
 
     def _heights(self, layers: Sequence[Layer]) -> tuple[bytes, NormalMap]:
         predicted = self._predict(layers)
-        height = np.where(predicted.mask, predicted.height(), np.nan)
+        own = replace(predicted)  # the map is kept, and its heights are not
+        height = np.where(own.mask, own.height(), np.nan)
         return height.astype("<f4").tobytes(), predicted
 
     def _file(self, layers: Sequence[Layer], fields: Fields) -> tuple[str, bytes]:
         wish = read_export_request(fields)
-        return wish.write(self._predict(layers, wish.longest))
+        return wish.encode(self._predict(layers, wish.longest))
 
 
 _OCTETS = "application/octet-stream"

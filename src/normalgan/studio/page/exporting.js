@@ -8,20 +8,6 @@ import { linesAt } from "./ink.js";
 import { recalled, remember } from "./settings.js";
 import { say, text, wordsOf } from "./text.js";
 
-/** @type {Record<string, string[]>} */
-const FORMATS = {
-  map: ["png8", "png16", "exr", "tiff"],
-  all: ["plain", "unity", "unreal", "godot", "godot3", "blender"],
-  lit: ["png"],
-  preview: ["png", "gif"],
-  height: ["png", "tiff"],
-  occlusion: ["png"],
-  curvature: ["png"],
-  specular: ["png"],
-  mask: ["png"],
-  lines: ["png"],
-  relief: ["glb", "obj"],
-};
 const KEY = "normalgan-export";
 
 /** @param {HTMLCanvasElement} canvas @returns {Promise<Blob>} a PNG */
@@ -52,7 +38,9 @@ export class Exporting {
     this.predictor = predictor;
     this.status = status;
     /** @type {Record<string, string[]>} */
-    this.offered = FORMATS;
+    /** @type {Record<string, string[]>} the formats of each kind of file, as the menu lists them */
+    this.formats = Object.fromEntries([.../** @type {HTMLSelectElement} */ ($("export-what")).options].map((each) => [each.value, (each.dataset.formats ?? "").split(" ")]));
+    this.offered = this.formats;
     $("export-what").addEventListener("change", () => this.#formats());
     $("export-format").addEventListener("change", () => this.#rows());
     this.#recall();
@@ -60,7 +48,7 @@ export class Exporting {
 
   /** Has only what can be exported here be chosen. @param {Record<string, string[]>} offered formats of each kind of file */
   offer(offered) {
-    this.offered = { ...offered, lit: FORMATS.lit }; // the page makes it
+    this.offered = { ...offered, lit: this.formats.lit }; // the page makes it
     /** @type {HTMLSelectElement} */
     const what = $("export-what");
     for (const option of what.options) {
@@ -172,9 +160,9 @@ export class Exporting {
   /** Shows what was chosen the last time. */
   #recall() {
     const before = recalled(KEY) ?? {};
-    if (Object.hasOwn(FORMATS, before.what)) field("export-what").value = before.what;
+    if (Object.hasOwn(this.formats, before.what)) field("export-what").value = before.what;
     this.#formats();
-    if (FORMATS[field("export-what").value].includes(before.format)) field("export-format").value = before.format;
+    if (this.formats[field("export-what").value].includes(before.format)) field("export-format").value = before.format;
     if (["up", "down"].includes(before.y)) field("export-y").value = before.y;
     if (typeof before.alpha === "boolean") field("export-alpha").checked = before.alpha;
     if (Number.isInteger(before.size)) field("export-size").value = String(before.size);
@@ -183,9 +171,9 @@ export class Exporting {
 
   #formats() {
     const what = field("export-what").value;
-    const words = (/** @type {string} */ format) => wordsOf(what === "height" && format === "png" ? "png16" : format);
+    const words = (/** @type {string} */ format) => (format in text ? wordsOf(what === "height" && format === "png" ? "png16" : format) : format.toUpperCase());
     const has = (/** @type {string} */ format) => this.offered[what]?.includes(format) ?? false;
-    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: words(format), disabled: !has(format) })));
+    $("export-format").replaceChildren(...this.formats[what].map((format) => make("option", { value: format, text: words(format), disabled: !has(format) })));
     this.#rows();
   }
 
