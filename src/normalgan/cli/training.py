@@ -129,7 +129,7 @@ class SaveConfig(SaveConfigCallback):
         """Return what another process needs of it (``ddp_spawn``): the text, for a parser is not pickled."""
         if isinstance(self.parser, _Settings):
             return vars(self)
-        text = self.parser.dump(self.config, skip_none=False)
+        text = self.parser.dump(self.config, skip_unset=False)
         return {**vars(self), "config": None, "parser": _Settings(text)}
 
 
@@ -432,7 +432,7 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
     with _reading_settings():
         parser = training_parser("fit")
         settings: dict[str, Any] = yaml.safe_load(
-            parser.dump(parser.parse_args(arguments[1:]), skip_none=False)
+            parser.dump(parser.parse_args(arguments[1:]), skip_unset=False)
         )
     return settings
 
