@@ -58,8 +58,8 @@ function counted(labels, count, marked) {
   return sums;
 }
 
-/** Grows two sides through free pixels until they meet. @param {Uint8Array} one @param {Uint8Array} other @param {Uint8Array} free @param {number} width @param {number} height @param {number} rounds */
-function meet(one, other, free, width, height, rounds) {
+/** Grows two sides through free pixels until they meet. @param {Uint8Array} one @param {Uint8Array} other @param {Uint8Array} free @param {number} width @param {number} rounds */
+function meet(one, other, free, width, rounds) {
   // 1 is inside, 2 outside.
   const side = where(one, Boolean);
   for (let i = 0; i < side.length; i++) if (other[i]) side[i] = 2;
@@ -100,7 +100,7 @@ function divided(mask, inked, width, height, reach) {
     const sure = (i) => mixed[i] > 0 && (within[i] > reach || beyond[i] > reach || depth[i] > reach);
     const one = where(mixed, (_, i) => sure(i) && mask[i] > 0);
     const other = where(mixed, (_, i) => sure(i) && !mask[i]);
-    const side = meet(one, other, mixed, width, height, Math.floor(2 * reach) + 2);
+    const side = meet(one, other, mixed, width, Math.floor(2 * reach) + 2);
     for (let i = 0; i < inside.length; i++) if (mixed[i]) inside[i] = side[i] === 1 || (side[i] === 0 && mask[i] > 0) ? 1 : 0;
   }
   return { inside, narrow: where(labels, (label) => label > 0 && !deep[label]) };
@@ -161,7 +161,7 @@ function tipsOf(body, inked, slits, width, height, mask) {
 function finished(rough, inked, width, height) {
   const [grown, shrunk] = [extreme(rough, width, height, 2, 1), extreme(rough, width, height, 2, -1)];
   const free = opposite(inked);
-  const side = meet(where(shrunk, (value, i) => value > 0 && free[i] > 0), where(grown, (value, i) => !value && free[i] > 0), free, width, height, 6);
+  const side = meet(where(shrunk, (value, i) => value > 0 && free[i] > 0), where(grown, (value, i) => !value && free[i] > 0), free, width, 6);
   return where(side, (value, i) => value === 1 || (inked[i] ? grown[i] > 0 : rough[i] > 0 && value !== 2));
 }
 

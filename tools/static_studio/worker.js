@@ -101,7 +101,7 @@ async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
     const feeds = { sketch: new ort.Tensor("float32", lines.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
     const { normal, confidence } = await session.run(feeds);
-    const { normals, mask, covered, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale));
+    const { normals, mask, covered, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale, lines.ink));
     const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
     hold({ normals, mask, width, height }, hints, areas, scale);
     // Only few ask for it, and it is as large as the map.

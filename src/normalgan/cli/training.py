@@ -43,6 +43,7 @@ from normalgan.cli.config_files import check_config, load_bounded
 from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.cli.output_options import add_output_options
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
 from normalgan.cli.training_help import SECTIONS, asked_for
@@ -51,6 +52,7 @@ from normalgan.errors import InputError, brief
 from normalgan.files.addresses import is_address
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
+from normalgan.inference.outputs.outputs import outputs_of
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
@@ -216,7 +218,12 @@ class NormalGANCLI(LightningCLI):
         parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
         parser.add_lightning_class_args(PictureLogger, "pictures")
         parser.add_lightning_class_args(TestReport, "report")
-        parser.add_lightning_class_args(NormalMapWriter, "output")
+        group = parser.add_argument_group("What predict writes for each drawing")
+        group.add_argument("--output.folder", type=str, default="normals", help="where the maps go")
+        group.add_argument(
+            "--output.strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+        )
+        add_output_options(parser, group, "output.")
         parser.set_defaults(
             {
                 "model.generator": {"class_path": "normalgan.models.UNetGenerator"},
@@ -314,7 +321,7 @@ class NormalGANCLI(LightningCLI):
             check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
 
     def instantiate_trainer(self, **kwargs: Any) -> Trainer:
-        """Build the trainer, with our progress bar and summary in the place of its default ones."""
+        """Build the trainer, with our progress bar and summary, and what writes the maps of predict."""
         own: dict[type[Callback], type[Callback]] = {
             RichProgressBar: WideProgressBar,
             RichModelSummary: NetworkSummary,
@@ -327,6 +334,8 @@ class NormalGANCLI(LightningCLI):
         for number, callback in enumerate(used):
             if type(callback) in own and not any(callback is one for one in given):
                 used[number] = own[type(callback)]()
+        output = self.config_init["output"].as_dict()
+        used.append(NormalMapWriter(output["folder"], outputs_of(output), output["strength"]))
         return trainer
 
     def _resume(self, path: Path) -> None:

@@ -11,6 +11,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.edits import MOST_PINS, REACH, enforce_pins
 from normalgan.inference.histogram import ranked
+from normalgan.inference.mask.decision import CLOSED
 from normalgan.inference.mask.edge import soft_edge
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.upsampling import Coarse, Upsampler
@@ -20,14 +21,12 @@ from normalgan.inference.reading.picture import resize
 from normalgan.inference.vectors import lengths, unit
 from normalgan.normals import strips
 
-__all__ = ["CLOSED", "coarse_of", "finish", "hints_off", "predict"]
+__all__ = ["coarse_of", "finish", "hints_off", "predict"]
 
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
 _LEAST = 0.02
 """Painted vectors that are shorter have no direction."""
-CLOSED = 0.8
-"""Share of the ink that must enclose something for the outline to be believed."""
 
 _BESIDE = 0.005
 """How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
@@ -37,11 +36,6 @@ _FEW = 3
 _STRAIGHT = (
     "its outline has a wide gap, which was closed by a straight line; "
     "draw on there, or give --mask, if the object goes on"
-)
-
-_SCENERY = (
-    "its ground is painted too, and what is drawn there is taken for a part of the object; "
-    "draw it on plain paper or on nothing, or give --mask"
 )
 
 _HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
@@ -200,8 +194,6 @@ def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
         return present, ""
     if prepared.held:
         return prepared.mask, _HELD
-    if prepared.scenery:
-        return prepared.mask if prepared.closed >= CLOSED else prepared.mask | present, _SCENERY
     if prepared.closed >= CLOSED:
         return prepared.mask, _STRAIGHT if prepared.guessed else prepared.unsure
     return prepared.mask | present, (

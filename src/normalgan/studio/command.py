@@ -10,6 +10,7 @@ from platformdirs import user_data_path
 from normalgan import decoding
 from normalgan.cli.light_parser import LightParser
 from normalgan.inference.network.onnx_backend import find_model
+from normalgan.inference.outputs import OUTPUTS
 from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.memory import keep_memory
@@ -66,6 +67,7 @@ def studio(settings: Namespace) -> int:
         InputError: if something cannot be used.
     """
     keep_memory()
+    OUTPUTS.load_entry_points()
     decoding.start()  # while the model is loaded
     store = DocumentStore(
         Path(settings.projects) if settings.projects else user_data_path("normalgan", False)

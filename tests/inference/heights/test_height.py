@@ -109,7 +109,7 @@ def test_a_single_pixel_and_an_empty_mask() -> None:
 
 
 def mug(size: int, soft: float) -> tuple[Floats, BoolMask, NDArray[np.float64]]:
-    """Normals of a mug that is seen from above, its mask, and how far each pixel is from the front of its rim.
+    """Normals of a mug that is seen from above, its mask, each pixel's distance from its front rim.
 
     The normals on both sides of the rim are blended, as a network's are.
     """

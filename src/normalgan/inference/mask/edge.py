@@ -25,7 +25,7 @@ _MERGED = 1.5
 _TIP = 0.25
 """Longest tip, as a share of what the object spans."""
 _TOUCHING, _FINER = 1.3, 1.25
-"""How far from the inside a line's middle may be, in halves of its width; and the steps in which widths are told apart."""
+"""How far from the inside a line's middle may be, in halves of its width; and the step between widths."""
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
 _Bytes = NDArray[np.uint8]
@@ -112,7 +112,7 @@ def soft_edge(mask: BoolMask) -> Floats:
 
 
 def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, BoolMask]:
-    """Return which pixels between the lines are object, and which lie in regions as narrow as the mask is unsure."""
+    """Return which pixels between the lines are object, and which lie in regions narrower than ``reach``."""
     free = ~inked
     count, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
     depth = cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, 3)
@@ -203,7 +203,7 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
 
 
 def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
-    """Return how much of each pixel an object covers: at its ink as much as that, elsewhere an edge of a pixel."""
+    """Return how much of each pixel an object covers: as much as its ink does, or an edge of a pixel."""
     covered = soft_edge(body)
     outside = cv2.dilate((~body).view(np.uint8), _WIDE) > 0
     line = cv2.dilate((body & inked).view(np.uint8), _WIDE) > 0

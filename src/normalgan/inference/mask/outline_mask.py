@@ -14,9 +14,9 @@ from normalgan.inference.reading.picture import fitted, resize
 __all__ = ["Outline", "fill_outline", "snap_outline"]
 
 _SIDE = 512
-"""Longest side at which areas are filled, and twice the shortest; the edge is found at the drawing's own size."""
+"""Longest side at which areas are filled, and twice the shortest; the edge comes from the whole drawing."""
 _OFF, _LEAST_OFF = 2.5, 2.0
-"""How far its edge may be from that of the ink, in pixels of that size, and in pixels of the drawing at least."""
+"""How far that edge may be from the ink's, in pixels of that size; and in pixels of the drawing at least."""
 _FAILED = 0.5
 """Below such a share of lines that enclose something, gaps of any width are closed."""
 
