@@ -30,7 +30,7 @@ from normalgan.losses.gradient_share import gradient_share
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_generated, check_predictions, check_scores
-from normalgan.models.compilation import check_compile, generating
+from normalgan.models.compilation import check_compile, compiled_predict
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
@@ -52,7 +52,7 @@ def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
 
 
-def check_callbacks(callbacks: Iterable[object]) -> None:
+def _check_callbacks(callbacks: Iterable[object]) -> None:
     """Refuse callbacks that need an optimiser which Lightning steps.
 
     Raises:
@@ -200,8 +200,9 @@ class NormalGAN(LightningModule):
         """Make the metrics of a stage: together they take longer than all the networks."""
         self._generate = None
         if stage == "fit":
-            check_callbacks(getattr(self.trainer, "callbacks", []))
-            self._generate = generating(self.generator, self.compile_generator)
+            _check_callbacks(getattr(self.trainer, "callbacks", []))
+            if self.compile_generator:
+                self._generate = compiled_predict(self.generator, self.compile_generator)
             # With max_steps, Lightning takes each checkpoint for one within an epoch, and ends it again:
             # https://github.com/Lightning-AI/pytorch-lightning/blob/2.6.0/src/lightning/pytorch/loops/fit_loop.py
             loop = self.trainer.fit_loop.epoch_loop
@@ -210,6 +211,10 @@ class NormalGAN(LightningModule):
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
             self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
+
+    def teardown(self, stage: str) -> None:
+        """Let go of what was compiled, which cannot be copied or pickled."""
+        self._generate = None
 
     # --- prediction -----------------------------------------------------------------------------------
 
