@@ -161,3 +161,12 @@ def test_a_run_is_not_resumed_over_another(bench: Bench, trained: Path, tmp_path
     given = ("--ckpt_path", tmp_path / "run" / "checkpoints" / "last.ckpt")
     bench.run("fit", tmp_path / "other", *given).refused("other/checkpoints holds a run already")
     assert left_in(tmp_path / "other") == before
+
+
+def test_fit_does_not_resume_without_the_states_of_the_optimisers(
+    bench: Bench, trained: Path, tmp_path: Path
+) -> None:
+    bad = tmp_path / "bad.ckpt"
+    change(trained / "checkpoints" / "last.ckpt", bad, lambda saved: saved.update(optimizer_states=[]))
+    bench.run("fit", tmp_path / "run", "--ckpt_path", bad).refused("its optimizer_states is not what")
+    assert left_in(tmp_path) == ["bad.ckpt"]

@@ -99,7 +99,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
 def _read(path: Path) -> Split:
     right = 'it must be like {"train": ["a", "b"], "val": ["c"], "test": ["d"]}.'
     try:
-        content: Any = json.loads(path.read_text(encoding="utf-8"))
+        content: Any = json.loads(path.read_bytes())
     except OSError as error:
         raise InputError(
             f"the split file {path} cannot be read: {error.strerror or brief(error)}."

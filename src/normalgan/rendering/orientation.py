@@ -29,7 +29,7 @@ def read_orientations(path: str) -> dict[str, Orientation]:
         InputError: if the file cannot be read, is not of that form, or a matrix is no rotation.
     """
     try:
-        table = json.loads(find_beside(path).read_text(encoding="utf-8"))
+        table = json.loads(find_beside(path).read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"the orientation file {path} cannot be read as JSON: {brief(error)}") from error
     if not isinstance(table, dict):
