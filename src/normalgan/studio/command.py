@@ -12,7 +12,6 @@ from normalgan.cli.light_parser import LightParser
 from normalgan.inference.network.onnx_backend import find_model
 from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
-from normalgan.studio.memory import keep_memory
 from normalgan.studio.opening import find_opened
 from normalgan.studio.predictor import Predictor
 from normalgan.studio.serving import listen, serve
@@ -60,7 +59,6 @@ def studio(settings: Namespace) -> int:
     Raises:
         InputError: if something cannot be used.
     """
-    keep_memory()
     decoding.start()  # while the model is loaded
     store = DocumentStore(
         Path(settings.projects) if settings.projects else user_data_path("normalgan", False)

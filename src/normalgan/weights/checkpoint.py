@@ -348,8 +348,8 @@ def _check_named(name: str, value: Any) -> None:
 def _has_form(found: Any, form: Any) -> bool:
     """Return whether a value has the keys of another and, in their places, numbers of 0 or more.
 
-    >>> _has_form({"ready": 3, "last": True}, {"ready": 0, "last": False}), _has_form({"ready": -1}, {"ready": 0})
-    (True, False)
+    >>> [_has_form(found, {"ready": 0}) for found in ({"ready": 3}, {"ready": -1}, {})]
+    [True, False, False]
     """
     if type(found) is not type(form):
         return False
