@@ -24,17 +24,28 @@ def plugin_gone(checkpoint: dict[str, Any]) -> None:
     checkpoint["hyper_parameters"]["hint_sampler"]["class_path"] = "gone.Dots"
 
 
+def plugin_changed(checkpoint: dict[str, Any]) -> None:
+    checkpoint["hyper_parameters"]["hint_sampler"]["init_args"]["former"] = 3  # a setting that it had once
+
+
 # More that is no checkpoint: tests/trust.
 BAD: dict[str, tuple[Callable[[Path, Path], object], str]] = {
     "text": (lambda good, bad: bad.write_text("no checkpoint at all\n"), "damaged or no checkpoint"),
     "truncated": (lambda good, bad: bad.write_bytes(good.read_bytes()[:-9000]), "damaged or no checkpoint"),
     "other module": (lambda good, bad: change(good, bad, other_module), "holds no normalgan model"),
     "plug-in gone": (lambda good, bad: change(good, bad, plugin_gone), "cannot be built here"),
+    "plug-in changed": (lambda good, bad: change(good, bad, plugin_changed), "cannot be built here"),
 }
 
 
 @pytest.mark.parametrize(
-    ("command", "kind"), [*(("test", kind) for kind in BAD), ("fit", "truncated"), ("fit", "plug-in gone")]
+    ("command", "kind"),
+    [
+        *(("test", kind) for kind in BAD),
+        ("fit", "truncated"),
+        ("fit", "plug-in gone"),
+        ("fit", "plug-in changed"),
+    ],
 )
 def test_a_bad_checkpoint_is_refused(
     bench: Bench, trained: Path, tmp_path: Path, command: str, kind: str
