@@ -1,12 +1,13 @@
 """NormalGAN: the LightningModule of generator and discriminator, with manual optimisation."""
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from inspect import signature
 from typing import Any, cast
 
 import torch
 from lightning.pytorch import LightningModule
+from lightning.pytorch.callbacks import LearningRateFinder
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
 from lightning.pytorch.utilities.parsing import AttributeDict
@@ -29,11 +30,13 @@ from normalgan.losses.gradient_share import gradient_share
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_generated, check_predictions, check_scores
+from normalgan.models.compilation import check_compile, generating
 from normalgan.models.condition import make_condition, paste_hints
+from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
 from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
-from normalgan.weights.checkpoint import settings_to_save
+from normalgan.weights.checkpoint import PICTURE_SIZE, settings_to_save, uncompiled
 
 __all__ = ["SHARE", "NormalGAN"]
 
@@ -47,6 +50,20 @@ def _weighted(terms: dict[str, Term]) -> Tensor:
 
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
+
+
+def check_callbacks(callbacks: Iterable[object]) -> None:
+    """Refuse callbacks that need an optimiser which Lightning steps.
+
+    Raises:
+        InputError: if there is one.
+    """
+    for callback in callbacks:
+        if isinstance(callback, LearningRateFinder):
+            raise InputError(
+                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
+                "rates by a sweep."
+            )
 
 
 class NormalGAN(LightningModule):
@@ -82,6 +99,8 @@ class NormalGAN(LightningModule):
             which was trained for the weights that come with it.
         line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
             as drawn when it predicts; others are drawn anew, 1.25 wide. About those of its training.
+        compile: whether ``torch.compile`` compiles the generator's pass in training; a name selects another
+            backend of torch than its default, which needs a C++ compiler. Checkpoints do not hold it.
 
     References:
         He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling".
@@ -107,6 +126,7 @@ class NormalGAN(LightningModule):
         seed: int = 0,
         refined: bool = False,
         line_widths: LineWidths = USUAL_WIDTHS,
+        compile: bool | str = False,
     ) -> None:
         super().__init__()
         if n_critic < 1:
@@ -163,6 +183,9 @@ class NormalGAN(LightningModule):
         self.seed = seed
         self.refined = refined
         self.line_widths = check_line_widths(line_widths)
+        self.compile_generator = check_compile(compile)
+        self._generate: Callable[[Tensor], Predictions] | None = None  # of the run that is under way
+        self._picture_size: int | None = None
 
     @property
     def hparams_initial(self) -> AttributeDict:
@@ -175,6 +198,10 @@ class NormalGAN(LightningModule):
 
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage: together they take longer than all the networks."""
+        self._generate = None
+        if stage == "fit":
+            check_callbacks(getattr(self.trainer, "callbacks", []))
+            self._generate = generating(self.generator, self.compile_generator)
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
@@ -205,11 +232,14 @@ class NormalGAN(LightningModule):
 
     # --- training -------------------------------------------------------------------------------------
 
+    # torch.compile(model) would compile what Lightning does between the networks, which torch cannot follow.
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Step the discriminator, and the generator with every ``n_critic``-th batch."""
         step = self.trainer.fit_loop.total_batch_idx  # counts across epochs; batch_idx does not
         seed = derive_seed("train", self.seed, step, self.global_rank)
         seed_torch(seed, self.device)
+        self._picture_size = int(batch["sketch"].shape[-1])
         hints = self.training_hints(batch, seed)
         if self.hint_noise:
             hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
@@ -221,7 +251,7 @@ class NormalGAN(LightningModule):
             # In one pass, so that batch norm has the same statistics for both.
             given = torch.cat([condition, make_condition(marked, hints[: len(marked)])])
         with torch.set_grad_enabled(generates):
-            preds = self.generator.predict(given)
+            preds = (self._generate or self.generator.predict)(given)
             check_predictions(self.generator, preds, given)
         with_distractors = preds.direction[count:]
         preds = preds if given is condition else preds.of(slice(count))
@@ -315,6 +345,15 @@ class NormalGAN(LightningModule):
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Store classes and settings as text, so that reading a checkpoint runs no code from it."""
         checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self._given())
+        checkpoint["state_dict"] = {uncompiled(k): v for k, v in checkpoint["state_dict"].items()}
+        if self._picture_size is not None:
+            checkpoint[PICTURE_SIZE] = self._picture_size
+
+    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Name weights as this model does, whose networks may be wrapped by ``torch.compile``."""
+        own = {uncompiled(name): name for name in self.state_dict()}
+        weights = checkpoint["state_dict"]
+        checkpoint["state_dict"] = {own.get(uncompiled(k), k): v for k, v in weights.items()}
 
     def _given(self) -> dict[str, Any]:
         """Return all arguments of the model; Lightning drops from ``hparams`` what cannot be pickled.
@@ -386,6 +425,7 @@ class NormalGAN(LightningModule):
             module.training = training
         return angular_error(predicted, batch["normal"])
 
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:
         """Measure without hints and with the sampler's, which are the same in every epoch.
 
@@ -400,6 +440,7 @@ class NormalGAN(LightningModule):
         """Log the metrics of the validation split."""
         self._log_figures(self.val_metrics.pop())
 
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def test_step(
         self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
     ) -> dict[str, tuple[Tensor, Tensor]]:
@@ -430,6 +471,7 @@ class NormalGAN(LightningModule):
         # They are reduced already; sync_dist averages equal numbers, which avoids a warning from Lightning.
         self.log_dict(figures, sync_dist=True)
 
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def predict_step(self, batch: Sketches, batch_idx: int, dataloader_idx: int = 0) -> Tensor:
         """Return predicted normals (N, 3, H, W), with the user's hints if there are any.
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from normalgan.errors import InputError, brief
+from normalgan.files.limits import read_bounded
 from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["SPLITS", "Split", "plural", "split_by_file", "split_by_fractions"]
@@ -99,7 +100,9 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
 def _read(path: Path) -> Split:
     right = 'it must be like {"train": ["a", "b"], "val": ["c"], "test": ["d"]}.'
     try:
-        content: Any = json.loads(path.read_bytes())
+        content: Any = json.loads(read_bounded(path))
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(
             f"the split file {path} cannot be read: {error.strerror or brief(error)}."

@@ -18,12 +18,19 @@ import re
 import signal
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from importlib import import_module
 from pyexpat import ErrorString, ExpatError, ParserCreate
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+if TYPE_CHECKING or __package__:
+    from normalgan.decoding.formats import ENDINGS, format_of
+else:  # as a program, which has no package
+    sys.path.append(os.path.dirname(os.path.abspath(__file__)))  # noqa: PTH100, PTH120
+    from formats import ENDINGS, format_of
 
 __all__ = [
     "DTYPES",
@@ -32,10 +39,13 @@ __all__ = [
     "MOST_PARTS",
     "MOST_PIXELS",
     "MOST_TEXT",
+    "DamagedError",
     "RefusedError",
+    "UnknownTiffError",
     "decode",
     "draw_svg",
     "exact_levels",
+    "float_white",
     "frames",
     "import_all",
     "is_svg",
@@ -48,6 +58,8 @@ __all__ = [
     "plain",
     "reduced",
     "sanitize_svg",
+    "turned_upright",
+    "viewed",
 ]
 
 Message = tuple[dict[str, Any], Any]
@@ -70,25 +82,23 @@ MOST_DEPTH = 128
 MOST_TEXT = 2**26
 """Characters of an SVG with its entities written out."""
 
-_PLUGINS = {
-    b"\x89PNG": "Png",
-    b"\xff\xd8\xff": "Jpeg",
-    b"RIFF": "WebP",
-    b"GIF8": "Gif",
-    b"BM": "Bmp",
-    b"II*\0": "Tiff",
-    b"MM\0*": "Tiff",
-    b"II+\0": "Tiff",
-    b"MM\0+": "Tiff",
-}
-"""What files begin with, and Pillow's module for them; it has forty more, one of which starts Ghostscript."""
-_KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg .psd .kra .ora .ase .aseprite"
+_KNOWN = " ".join(ENDINGS)
+_SUBFILE, _NO_PAGE = 254, 1 | 4
+"""A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
 _STRIP = 2**20
 _LONGEST_NAME, _DEEPEST = 256, 32
 """Characters of a layer's name, and groups within one another, of which the parent is told."""
 _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
 _EMBEDDED = re.compile(r"data:image/(?:png|jpe?g|gif|webp);base64,", re.IGNORECASE)
+
+
+class UnknownTiffError(Exception):
+    """A TIFF that Pillow does not know, such as one of floats with colours; OpenCV may."""
+
+
+class DamagedError(OSError):
+    """A picture of a known format that its decoder does not know."""
 
 
 class RefusedError(Exception):
@@ -110,7 +120,7 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks
     kind = connections.PipeConnection if sys.platform == "win32" else connections.Connection
     connection = kind(handle)
-    sys.path.extend([*folders, os.path.dirname(os.path.abspath(__file__))])  # noqa: PTH100, PTH120
+    sys.path.extend(folders)
     try:
         import_all(needs)
         limit(memory)
@@ -137,10 +147,12 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
 
 def needed(content: bytes, exact: bool = False) -> str:
-    """Return which libraries a picture needs beside Pillow: "psd_tools", "cv2", or none."""
-    if content.startswith(b"8BPS"):
-        return "psd_tools"
-    return "cv2" if exact and loses_levels(content) else ""
+    """Return which library a picture needs besides what all have; empty if none."""
+    found = format_of(content[:64])
+    name = found.name if found is not None else ""
+    if name in {"PSD", "HEIC"}:
+        return {"PSD": "psd_tools", "HEIC": "pillow_heif"}[name]
+    return "cv2" if name == "TIFF" or (exact and loses_levels(content)) else ""
 
 
 def import_all(needs: str) -> None:
@@ -149,26 +161,24 @@ def import_all(needs: str) -> None:
         "resvg_py",
         "layered_files",
         "xml.etree.ElementTree",
-        "PIL.MpoImagePlugin",
-        "PIL.ImageSequence",
+        "PIL.ImageChops",
+        "PIL.ImageOps",
+        "numpy",
     ]
-    modules += [f"PIL.{plugin}ImagePlugin" for plugin in _PLUGINS.values()]
-    modules += ["PIL.ImageChops", "PIL.ImageOps"]
+    modules += [f"PIL.{plugin}ImagePlugin" for plugin in ("Avif", "Mpo", "Tiff", "WebP")]
     if needs == "psd_tools":
-        modules += [
-            "psd_tools.composite",
-            "PIL.ImageCms",
-            "scipy.interpolate",
-            "scipy.ndimage",
-            "scipy.spatial",
-        ]
-    elif needs:
-        modules += ["cv2", "numpy"]
+        modules += ["psd_tools.composite", "PIL.ImageCms"]
+        modules += [f"scipy.{part}" for part in ("interpolate", "ndimage", "spatial")]
+    elif needs == "cv2":
+        modules += ["cv2"]
     for module in modules:
         import_module(module)
     from PIL import Image
 
     Image.preinit()  # what it would import for the first picture
+    if needs == "pillow_heif":
+        with suppress(ImportError):  # `_opened` says that it is not installed
+            _import_plugin("HEIF")
     for found in pkgutil.iter_modules(encodings.__path__):  # those of SVG and of names in ZIP
         if found.name.startswith(("cp", "iso8859", "koi8", "mac_", "utf_")):
             codecs.lookup(found.name)
@@ -185,8 +195,12 @@ def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[
         yield _with_form(levels), levels
     else:
         sizes = request["svg_side"], request["longest"]
-        image, (width, height) = decode(content, least, most, *sizes, request["grey"])
-        yield {**_with_form(image), "full": [height, width]}, image
+        try:
+            image, (width, height) = decode(content, least, most, *sizes, request["grey"])
+            yield {**_with_form(image), "full": [height, width]}, image
+        except UnknownTiffError:
+            levels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
+            yield _with_form(levels), levels
 
 
 def _with_form(pixels: Any) -> dict[str, Any]:
@@ -268,6 +282,9 @@ def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
             yield from _aseprite_frames(reader, content, least, most)
             return
         with _opened(content) as image:
+            if image.format == "TIFF":
+                yield from _pages(image, least, most, seconds)
+                return
             _check_sides(image.width, image.height, least, most)
             # A PNG may begin with a picture for those who know no animations.
             first = 1 if getattr(image, "default_image", False) else 0
@@ -292,6 +309,30 @@ def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
         raise
     except Exception as error:  # as in `decode`
         raise RefusedError(f"cannot be read from its frame {number + 1} on: {_brief(error)}") from None
+
+
+def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]:
+    """Yield the pages of a TIFF, which may differ in size."""
+    pages, pixels = [], 0
+    for number in range(min(image.n_frames, MOST_PARTS + 1)):
+        image.seek(number)
+        if not image.tag_v2.get(_SUBFILE, 0) & _NO_PAGE:
+            _check_sides(image.width, image.height, least, most)
+            pages.append(number)
+            pixels += image.width * image.height
+    _check_parts(len(pages), pixels, "pages")
+    yield {"count": len(pages), "loop": 0}, None
+    for place, number in enumerate(pages, 1):
+        limit_time(seconds)
+        try:
+            image.seek(number)
+            image.load()
+            shown = plain(turned_upright(image.copy()))
+        except MemoryError:
+            raise
+        except Exception as error:  # as in `decode`
+            raise RefusedError(f"cannot be read from its page {place} on: {_brief(error)}") from None
+        yield {**_with_form(shown), "duration": 0}, shown
 
 
 def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
@@ -344,7 +385,12 @@ def loses_levels(content: bytes) -> bool:
     """
     if content.startswith(b"\x89PNG"):
         return content[24:25] == b"\x10" and content[25:26] in {b"\x02", b"\x06"}
-    return _PLUGINS.get(content[:4]) == "Tiff"
+    return _is_tiff(content)
+
+
+def _is_tiff(content: bytes) -> bool:
+    found = format_of(content[:64])
+    return found is not None and found.name == "TIFF"
 
 
 def exact_levels(content: bytes, least: int, most: int) -> Any:
@@ -361,13 +407,46 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
     except cv2.error as error:
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
     if levels is None:
-        raise RefusedError("cannot be read as an image: it is damaged, or of a kind that is not known")
+        raise RefusedError(
+            "cannot be read as an image: it is damaged, or of a kind that is not known; save it as PNG"
+        )
+    if levels.dtype in {np.dtype(np.float64), np.dtype(np.float16)}:
+        levels = levels.astype(np.float32)
     _check_sides(levels.shape[1], levels.shape[0], least, most)
     if levels.ndim == 3:
         levels = levels[..., [2, 1, 0, 3][: levels.shape[2]]]
     if levels.dtype.name not in DTYPES or levels.shape[2:] not in {(), (3,), (4,)}:
         raise RefusedError(f"holds {levels.dtype.name}; levels are of 8 or 16 bits, or floats of 32")
     return np.ascontiguousarray(levels)
+
+
+def float_white(most: float) -> float:
+    """Return what white is in a picture of floats, for which no range is agreed on.
+
+    Args:
+        most: its largest value: up to 16 the range is 0 to 1, with lights beyond; else that of integers.
+    """
+    return 1.0 if most <= 16 else 255.0 if most <= 255 else 65535.0
+
+
+def viewed(levels: Any, longest: int, grey: bool) -> Any:
+    """Return levels (h, w) or (h, w, C), reduced and grey on white as `decode` does it."""
+    import cv2
+    import numpy as np
+
+    if longest and max(levels.shape[:2]) > longest:
+        scale = longest / max(levels.shape[:2])
+        size = (max(round(levels.shape[1] * scale), 1), max(round(levels.shape[0] * scale), 1))
+        levels = cv2.resize(levels, size, interpolation=cv2.INTER_AREA)
+    if not grey or levels.ndim == 2:
+        return np.ascontiguousarray(levels)
+    floats = levels.dtype == np.float32
+    top = float_white(float(np.nan_to_num(levels).max())) if floats else float(np.iinfo(levels.dtype).max)
+    brightness = levels[..., :3].astype(np.float32) @ np.array([0.299, 0.587, 0.114], np.float32)
+    if levels.shape[2] == 4:
+        opacity = levels[..., 3].astype(np.float32) / top
+        brightness = brightness * opacity + top * (1 - opacity)
+    return np.ascontiguousarray(brightness.astype(levels.dtype))
 
 
 def decode(
@@ -386,7 +465,7 @@ def decode(
     Raises:
         RefusedError: if it cannot be decoded.
     """
-    from PIL import ImageOps, UnidentifiedImageError
+    from PIL import UnidentifiedImageError
 
     if is_svg(content):
         content = draw_svg(content, svg_side, most)
@@ -394,22 +473,40 @@ def decode(
         if (reader := _layered(content)) is not None:
             upright = _composite(reader, content, least, most)
         else:
-            with _opened(content) as image:
+            try:
+                image = _opened(content)
+            except DamagedError:
+                if _is_tiff(content):
+                    raise UnknownTiffError from None
+                raise
+            with image:
                 _check_sides(image.width, image.height, least, most)
                 image.load()
-                upright = ImageOps.exif_transpose(image)
+                upright = turned_upright(image)
             del image
         del content
         upright, full = plain(upright), upright.size
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
         return _grey(upright) if grey else upright, full
-    except (RefusedError, MemoryError):
+    except (RefusedError, UnknownTiffError, MemoryError):
         raise
     except UnidentifiedImageError:
         raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
+
+
+def turned_upright(image: "Image") -> "Image":
+    """Return an image turned as its camera says; as it lies, if what the camera wrote is damaged."""
+    from PIL import ImageOps
+
+    try:
+        return ImageOps.exif_transpose(image)
+    except MemoryError:
+        raise
+    except Exception:  # notes about a picture, which is sound without them
+        return image
 
 
 def _aseprite_frames(reader: Any, content: bytes, least: int, most: int) -> Iterator[Message]:
@@ -457,20 +554,41 @@ def _opened(content: bytes) -> "Image":
     """Return a picture whose pixels are not decoded yet.
 
     Raises:
-        UnidentifiedImageError: if it begins as none of `_PLUGINS`.
+        UnidentifiedImageError: if it begins as no format that Pillow decodes.
         OSError: if it begins as one, and is damaged.
     """
     from PIL import Image, UnidentifiedImageError
 
     Image.MAX_IMAGE_PIXELS = None  # ours are lower
-    plugin = next((name for start, name in _PLUGINS.items() if content.startswith(start)), None)
-    if plugin is None:
+    found = format_of(content[:64])
+    if found is None or found.plugin is None:
         raise UnidentifiedImageError
-    import_module(f"PIL.{plugin}ImagePlugin")
     try:
-        return Image.open(io.BytesIO(content), formats=(plugin.upper(),))
+        _import_plugin(found.plugin)
+    except ImportError:
+        raise RefusedError(
+            f"is a {found.name}; run `pip install 'normalgan[{found.name.lower()}]'` to read it, or save it "
+            "as PNG or JPEG"
+        ) from None
+    try:
+        return Image.open(io.BytesIO(content), formats=(found.plugin,))
     except UnidentifiedImageError:
-        raise OSError(f"it begins as a {plugin.upper()} and is cut short or damaged") from None
+        raise DamagedError(f"it begins as a {found.name} and is cut short or damaged") from None
+
+
+def _import_plugin(plugin: str) -> None:
+    """Import what decodes a format; Pillow brings all but one.
+
+    Raises:
+        ImportError: if it is not installed.
+    """
+    if plugin == "HEIF":
+        import_module("pillow_heif").register_heif_opener(thumbnails=False)
+        return
+    module = {"WEBP": "WebP"}.get(plugin, plugin.capitalize())
+    found = import_module(f"PIL.{module}ImagePlugin")
+    if not getattr(found, "SUPPORTED", True):
+        raise ImportError
 
 
 def _check_sides(width: int, height: int, least: int, most: int) -> None:
@@ -480,15 +598,46 @@ def _check_sides(width: int, height: int, least: int, most: int) -> None:
 
 def plain(image: "Image") -> "Image":
     """Return an image of any mode in one of `MODES`."""
+    if image.mode.startswith("I"):
+        return _deep(image)
     if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
         if image.mode == "La":
             image = image.convert("LA")
+        clear = image.info.get("transparency")
+        if isinstance(clear, tuple) and max(clear) > 255:  # of 16 bits, of which Pillow keeps 8
+            image.info["transparency"] = tuple(each >> 8 for each in clear)
         return image.convert("RGBA")
     if image.mode in {"1", "L"}:
         return image.convert("L")
-    if image.mode in {"I", "F"} or image.mode.startswith("I;"):
-        return image if image.mode in MODES else image.convert("I")
-    return image.convert("RGB")
+    return image if image.mode == "F" else image.convert("RGB")
+
+
+_TOPS = (255, 1023, 4095, 16383, 65535, 2**24 - 1, 2**31 - 1)
+"""White of greys of 8, 10, 12, 14, 16, 24 and 31 bits, which programs store in 16 or 32."""
+
+
+def _deep(image: "Image") -> "Image":
+    """Return a grey image of 16 or 32 bits with white at 65535.
+
+    One that has no level in the upper three quarters of its bits has fewer of them than its file. If one of
+    its greys is transparent, it comes with opacity and 8 bits.
+    """
+    import numpy as np
+    from PIL import Image
+
+    levels = np.asarray(image if image.mode in {"I", "I;16"} else image.convert("I"))
+    most, clear = int(levels.max()), image.info.get("transparency")
+    top = next((each for each in _TOPS if most <= each), _TOPS[-1])
+    scaled: Any = np.clip(levels, 0, top)
+    if top != 65535:
+        scaled = np.rint(np.multiply(scaled, np.float32(65535 / top), dtype=np.float32))
+    scaled = scaled.astype(np.uint16)
+    hidden = levels == clear if isinstance(clear, int) else None
+    if hidden is None or not hidden.any():
+        return Image.fromarray(scaled)
+    grey = np.rint(scaled / np.float32(257)).astype(np.uint8)
+    opacity = np.where(hidden, np.uint8(0), np.uint8(255))
+    return Image.merge("RGBA", [Image.fromarray(each) for each in (grey, grey, grey, opacity)])
 
 
 def reduced(image: "Image", longest: int) -> "Image":

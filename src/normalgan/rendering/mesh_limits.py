@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from normalgan.errors import InputError
-from normalgan.rendering.gltf import read_gltf
+from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 
 __all__ = [

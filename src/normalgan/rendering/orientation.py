@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from normalgan.errors import InputError, brief
+from normalgan.files.limits import read_bounded
 from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["Orientation", "Rotation", "checked_rotation", "read_orientations"]
@@ -29,7 +30,9 @@ def read_orientations(path: str) -> dict[str, Orientation]:
         InputError: if the file cannot be read, is not of that form, or a matrix is no rotation.
     """
     try:
-        table = json.loads(find_beside(path).read_bytes())
+        table = json.loads(read_bounded(find_beside(path)))
+    except InputError:
+        raise
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"the orientation file {path} cannot be read as JSON: {brief(error)}") from error
     if not isinstance(table, dict):

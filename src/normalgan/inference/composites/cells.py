@@ -1,5 +1,6 @@
 """Cells: where the drawings of a sheet lie, and how they are turned."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -56,6 +57,16 @@ class Cell:
             return None
         points = np.stack([y, self.width - x] if self.turned else [x, y], -1)
         return Hints(points[inside].astype(np.float32), hints.normals[inside])
+
+    def points(self, given: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+        """Return those of a sheet's points (x, y) that lie in it, in its own upright pixels."""
+        local = [(x - self.left, y - self.top) for x, y in given]
+        inside = [
+            (x, y)
+            for x, y in local
+            if 0 <= x < self.width and 0 <= y < self.height and (self.own is None or self.own[int(y), int(x)])
+        ]
+        return [(y, self.width - x) for x, y in inside] if self.turned else inside
 
     def put(self, whole: NDArray[T], part: NDArray[T]) -> None:
         """Write an upright array, (height, width, ...), into its part of a sheet's, where that is its own."""

@@ -7,9 +7,10 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import BoolMask, Doubles
+from normalgan.rendering.gltf.nodes import Indices, world_matrices
 from normalgan.rendering.rigs.animations import track_at
-from normalgan.rendering.rigs.rig import Indices, Rig
-from normalgan.rendering.rigs.skinning import posed_vertices, world_matrices
+from normalgan.rendering.rigs.rig import Rig
+from normalgan.rendering.rigs.skinning import posed_vertices
 from normalgan.rendering.topology import components
 
 __all__ = [

@@ -4,11 +4,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.joints import Joints, find_joints
 from normalgan.rendering.rigs.postures import draw_posture, find_skeleton, in_posture
 from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import world_matrices
 
 __all__ = ["draw_pose", "turned"]
 
