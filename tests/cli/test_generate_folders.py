@@ -179,6 +179,10 @@ def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.Ca
         capsys.readouterr()
         assert generate(*arguments) == 2
         assert sentence in capsys.readouterr().err
+    Path("m.png").write_bytes(Path("model.onnx").read_bytes())
+    assert generate("fox.png", "-o", "m.png", "--model", "m.png") == 2
+    assert "m.png is read and would be written over" in capsys.readouterr().err
+    assert Path("m.png").read_bytes() == Path("model.onnx").read_bytes()
     Path("folder.png").mkdir()
     assert generate("fox.png", "-o", "folder.png") == 0
     assert written("folder.png") == {"fox_normal.png"}

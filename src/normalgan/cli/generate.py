@@ -376,11 +376,13 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
     )
     files, left_out = without_twins(files, settings.layers)
     others = outputs.beside
+    also_read = [path for each in files for path in packing.beside(each.drawing, each.below)]
+    also_read += [Path(settings.model)] if settings.model else []
     if is_file_name(folder):
-        jobs = [plan_file(files, folder, others)] if files else []
+        jobs = [plan_file(files, folder, others, also_read)] if files else []
         return _Found(jobs, missing, [], left_out)
     jobs, clashing = without_clashes(
-        plan(files, folder, outputs.ending, others, may_clash=True),
+        plan(files, folder, outputs.ending, others, may_clash=True, also_read=also_read),
         lambda job: written_for(job, outputs, packing, settings.layers),
     )
     return _Found(jobs, missing, clashing, left_out)
