@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask
 from normalgan.decoding import decode_frames
+from normalgan.decoding.worker import is_svg
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.inference.composites.animation import encode_animation, kind_of, moving_kind
@@ -25,8 +26,9 @@ from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
 from normalgan.inference.predictor import Predictor
-from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content, read_pixels
+from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture
+from normalgan.inference.reading.svg_size import svg_size
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "written_for"]
 
@@ -148,11 +150,17 @@ class JobPredictor:
         return self.predictor(picture, files.hints, files.mask, self.size, self.tile)
 
     def _sheet(self, files: DrawingFiles) -> NormalMap:
-        sheet = read_pixels(files.drawing, files.content)
+        content = read_content(files.drawing, files.content)
+        drawn_at_any_size = is_svg(content)
+        if self.size is not None and not drawn_at_any_size:
+            raise InputError("a sheet of pixels keeps its packing, and so its size; leave --size out.")
+        units = svg_size(content) if drawn_at_any_size else None
+        sheet = read_pixels(files.drawing, content, self.size or SVG_SIDE)
         hints = as_hints(files.hints, sheet.shape)
-        cells = self.packing.cells(sheet, files.drawing, files.below)
+        found = self.packing.cells(sheet, files.drawing, files.below, units)
         mask = _mask(files, sheet.shape)
-        return predict_sheet(self.predictor, sheet, cells, hints, mask, self.frame == "shared")
+        shared = self.frame == "shared"
+        return predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, found.warnings)
 
     def _animation(self, job: Job) -> Done:
         path, content = job.files.drawing, job.files.content

@@ -23,7 +23,7 @@ class Cell:
         top: first row.
         width: columns in the sheet.
         height: rows in the sheet.
-        turned: whether it lies in the sheet turned clockwise by a quarter, as packers do to save room.
+        turned: quarters by which it lies in the sheet turned clockwise, as packers do to save room.
         own: (height, width), what of the box is its own; None if all is.
     """
 
@@ -32,7 +32,7 @@ class Cell:
     top: int
     width: int
     height: int
-    turned: bool = False
+    turned: int = 0
     own: NDArray[np.bool_] | None = None
 
     @property
@@ -42,11 +42,11 @@ class Cell:
 
     def upright(self, part: NDArray[T]) -> NDArray[T]:
         """Return its part of a sheet, (height, width, ...), as it was drawn."""
-        return np.rot90(part) if self.turned else part
+        return np.rot90(part, self.turned) if self.turned else part
 
     def turn(self, part: NDArray[T]) -> NDArray[T]:
         """Return an upright array as it lies in the sheet; directions in it are not turned along."""
-        return np.rot90(part, -1) if self.turned else part
+        return np.rot90(part, -self.turned) if self.turned else part
 
     def local(self, hints: Hints) -> Hints | None:
         """Return those of a sheet's hints that lie in it, in its own upright pixels; None if none does."""
@@ -54,7 +54,10 @@ class Cell:
         inside = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
         if not inside.any():
             return None
-        points = np.stack([y, self.width - x] if self.turned else [x, y], -1)
+        width, height = self.width, self.height
+        for _ in range(self.turned):
+            x, y, width, height = y, width - x, height, width
+        points = np.stack([x, y], -1)
         return Hints(points[inside].astype(np.float32), hints.normals[inside])
 
     def put(self, whole: NDArray[T], part: NDArray[T]) -> None:
