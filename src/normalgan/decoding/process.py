@@ -25,6 +25,7 @@ from normalgan.decoding.worker import (
     MODES,
     MOST_PARTS,
     MOST_PIXELS,
+    NOTE,
     PARTS,
     PICTURE,
     PIXEL_BYTES,
@@ -78,10 +79,12 @@ class Decoded:
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
         shape: (H, W) of the file; that of the pixels unless they were reduced.
+        note: what of it is not shown as its program shows it, a part of a sentence; empty if all is.
     """
 
     pixels: Pixels
     shape: tuple[int, int]
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -104,10 +107,12 @@ class Parts:
     Args:
         parts: the frames.
         loop: how often they are shown; 0 is for ever.
+        note: as `Decoded` has it.
     """
 
     parts: list[Part]
     loop: int
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -123,6 +128,7 @@ class DecodedLayer:
         number: of the layer, from the lowest up.
         frame: in which it shows this.
         pixels: (h, w, 4), all within the picture.
+        clipped_to: number of the layer that it is clipped to, by which its pixels are cut; -1 if to none.
     """
 
     name: str
@@ -133,6 +139,7 @@ class DecodedLayer:
     number: int
     frame: int
     pixels: NDArray[np.uint8]
+    clipped_to: int = -1
 
 
 @dataclass(frozen=True)
@@ -143,11 +150,13 @@ class DecodedLayers:
         shape: (H, W) of the picture.
         durations: milliseconds that each frame is shown; one of 0 if it does not move.
         layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
+        note: as `Decoded` has it.
     """
 
     shape: tuple[int, int]
     durations: list[int]
     layers: list[DecodedLayer]
+    note: str = ""
 
 
 def decode(
@@ -288,7 +297,7 @@ class _Child:
 
     def _receive(self, name: str, most: int) -> Decoded:
         """Return pixels as the child sends them; what it says of them is not believed."""
-        kind, width, height, full_width, full_height, count = REPLY.unpack(self._read(REPLY.size))
+        note, (kind, width, height, full_width, full_height, count) = self._head()
         if kind == REFUSED and count <= _WORDS:
             raise InputError(f"{name} {_decode_text(self._read(count))}.")
         if kind >= len(MODES) or not all(
@@ -301,11 +310,11 @@ class _Child:
         shape = (height, width) if channels == 1 else (height, width, channels)
         pixels: NDArray[Any] = np.empty(shape, _DTYPES[kind])
         self._fill(pixels.data.cast("B"))
-        return Decoded(pixels, (full_height, full_width))
+        return Decoded(pixels, (full_height, full_width), note)
 
     def _receive_parts(self, name: str, most: int) -> Parts:
         """Return parts as the child sends them; what it says of them is not believed."""
-        kind, _, _, loop, _, count = REPLY.unpack(self._read(REPLY.size))
+        note, (kind, _, _, loop, _, count) = self._head()
         if kind == REFUSED and count <= _WORDS:
             raise InputError(f"{name} {_decode_text(self._read(count))}.")
         if kind != PARTS or not 0 < count <= MOST_PARTS:
@@ -318,11 +327,11 @@ class _Child:
             if pixels > MOST_PIXELS:
                 raise EOFError
             parts.append(Part(decoded, duration))
-        return Parts(parts, loop)
+        return Parts(parts, loop, note)
 
     def _receive_layers(self, name: str, most: int) -> DecodedLayers:
         """Return layers as the child sends them; what it says of them is not believed."""
-        kind, width, height, frames, _, count = REPLY.unpack(self._read(REPLY.size))
+        note, (kind, width, height, frames, _, count) = self._head()
         if kind == REFUSED and count <= _WORDS:
             raise InputError(f"{name} {_decode_text(self._read(count))}.")
         if kind != PARTS or not (0 < count <= MOST_PARTS and 0 < frames <= MOST_PARTS):
@@ -333,7 +342,7 @@ class _Child:
         layers, total = [], 0
         for _ in range(count):
             pixels = self._receive(name, most).pixels
-            left, top, number, frame, opacity, length = LAYER.unpack(self._read(LAYER.size))
+            left, top, number, frame, opacity, base, length = LAYER.unpack(self._read(LAYER.size))
             *groups, own = [_decode_text(each) for each in self._read(length).split(b"\0")]
             total += pixels.shape[0] * pixels.shape[1]
             inside = 0 <= left <= width - pixels.shape[1] and 0 <= top <= height - pixels.shape[0]
@@ -342,8 +351,18 @@ class _Child:
             if total > MOST_PIXELS or frame >= frames or not inside:
                 raise EOFError
             found = np.asarray(pixels, np.uint8)
-            layers.append(DecodedLayer(own, tuple(groups), opacity, left, top, number, frame, found))
-        return DecodedLayers((height, width), durations, layers)
+            place = left, top, number, frame
+            layers.append(DecodedLayer(own, tuple(groups), opacity, *place, found, base))
+        return DecodedLayers((height, width), durations, layers, note)
+
+    def _head(self) -> tuple[str, tuple[int, ...]]:
+        """Return what the child notes before a reply, and the fields of the reply."""
+        fields = REPLY.unpack(self._read(REPLY.size))
+        if fields[0] != NOTE:
+            return "", fields
+        if fields[-1] > _WORDS:
+            raise EOFError
+        return _decode_text(self._read(fields[-1])), REPLY.unpack(self._read(REPLY.size))
 
     def _read(self, count: int) -> bytes:
         data = bytearray(count)

@@ -32,6 +32,7 @@ __all__ = [
     "MOST_PARTS",
     "MOST_PIXELS",
     "MOST_TEXT",
+    "NOTE",
     "PARTS",
     "PICTURE",
     "PIXEL_BYTES",
@@ -63,12 +64,13 @@ PICTURE, FRAMES, EXACT, LAYERS = 0, 1, 2, 3
 """What is asked for: the picture; all frames of an animation; its levels as they are stored; its layers."""
 REPLY = struct.Struct("<BIIIIQ")
 """Kind of what follows, width, height, those before it was reduced, bytes that follow."""
-PARTS, READY, REFUSED = 253, 254, 255
-"""Kinds that are no pixels: so many parts follow; the process is ready; a refusal in words."""
+NOTE, PARTS, READY, REFUSED = 252, 253, 254, 255
+"""Kinds that are not pixels: words before a reply; so many parts follow; ready; a refusal in words."""
 DURATION = struct.Struct("<I")
 """What follows the pixels of a frame: milliseconds that it is shown."""
-LAYER = struct.Struct("<iiHHBH")
-"""What follows the pixels of a layer: left, top, number, frame, opacity, bytes of its names, and these."""
+LAYER = struct.Struct("<iiHHBhH")
+"""What follows the pixels of a layer: left, top, number, frame, opacity, number of its base
+or -1, bytes of its names, and these."""
 MOST_PARTS, MOST_PIXELS = 1024, 2**26
 """Frames of an animation, and pixels of all of them together: as many as the largest drawing has."""
 MODES = ("L", "RGB", "RGBA", "I;16", "I", "F", "RGB;16", "RGBA;16", "RGB;F", "RGBA;F")
@@ -100,7 +102,9 @@ _PLUGINS = {
 """What files begin with, and Pillow's module for them; it has forty more, one of which starts Ghostscript."""
 _KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg .psd .kra .ora .ase .aseprite"
 _STRIP = 2**22
-_LONGEST_NAME, _DEEPEST = 256, 32
+_MOST_NOTES = 4000
+"""Bytes of the words that are sent about a picture."""
+_LONGEST_NAME, _DEEPEST = 255, 32
 """Characters of a layer's name, and groups within one another, of which the parent is told."""
 _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
@@ -146,7 +150,9 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
             elif what == EXACT and loses_levels(content):
                 send_levels(exact_levels(content, least, most), replies)
             else:
-                image, full = decode(content, least, most, svg_side, longest, bool(grey))
+                notes: list[str] = []
+                image, full = decode(content, least, most, svg_side, longest, bool(grey), notes)
+                _send_notes(replies, "; ".join(notes))
                 send(image, full, replies)
                 del image
         except RefusedError as refusal:
@@ -237,6 +243,13 @@ def _refuse(replies: "BinaryIO | io.FileIO", words: str) -> None:
     _write(replies, REPLY.pack(REFUSED, 0, 0, 0, 0, len(text)) + text)
 
 
+def _send_notes(replies: "BinaryIO | io.FileIO", words: str) -> None:
+    """Write what is to be said of a picture; nothing if nothing is."""
+    text = " ".join(words.split()).encode(errors="replace")[:_MOST_NOTES].decode(errors="ignore").encode()
+    if text:
+        _write(replies, REPLY.pack(NOTE, 0, 0, 0, 0, len(text)) + text)
+
+
 def _write(file: "BinaryIO | io.FileIO", data: bytes) -> None:
     view = memoryview(data)
     while view:
@@ -304,13 +317,14 @@ def send_layers(content: bytes, least: int, most: int, seconds: int, replies: "B
     """
     reader = _layered(content)
     if reader is None:
+        _refuse_foreign(content)
         raise RefusedError("has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted")
     try:
         width, height = reader.size_of(content)
         _check_sides(width, height, least, most)
         durations = reader.durations_of(content)
-        found, pixels = [], 0
-        for layer in reader.layers(content):
+        found, pixels, notes = [], 0, reader.Notes()
+        for layer in reader.layers(content, notes):
             limit_time(seconds)
             found.append(layer)
             pixels += layer.image.width * layer.image.height
@@ -322,7 +336,9 @@ def send_layers(content: bytes, least: int, most: int, seconds: int, replies: "B
     except Exception as error:  # as in `decode`
         raise RefusedError(f"has layers that cannot be read: {_brief(error)}") from None
     if not found:
-        raise RefusedError("has no visible layer that anything is drawn on")
+        said = f": {notes}" if str(notes) else ""
+        raise RefusedError(f"has no visible layer that anything is drawn on{said}")
+    _send_notes(replies, str(notes))
     _write(replies, REPLY.pack(PARTS, width, height, len(durations), 0, len(found)))
     _write(replies, b"".join(DURATION.pack(min(each, 2**31)) for each in durations))
     for layer in found:
@@ -331,7 +347,8 @@ def send_layers(content: bytes, least: int, most: int, seconds: int, replies: "B
             each.replace("\0", "")[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)
         )
         encoded = names.encode(errors="replace")
-        place = layer.left, layer.top, layer.number, layer.frame, layer.opacity
+        base = -1 if layer.base is None else layer.base.number
+        place = layer.left, layer.top, layer.number, layer.frame, layer.opacity, base
         _write(replies, LAYER.pack(*place, len(encoded)) + encoded)
 
 
@@ -385,7 +402,13 @@ def send_levels(levels: Any, replies: "BinaryIO | io.FileIO") -> None:
 
 
 def decode(
-    content: bytes, least: int, most: int, svg_side: int, longest: int, grey: bool
+    content: bytes,
+    least: int,
+    most: int,
+    svg_side: int,
+    longest: int,
+    grey: bool,
+    notes: list[str] | None = None,
 ) -> "tuple[Image, tuple[int, int]]":
     """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
 
@@ -396,6 +419,7 @@ def decode(
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger one is reduced to; 0 leaves it.
         grey: whether to return only how bright it is on white paper.
+        notes: takes what is to be said of the picture.
 
     Raises:
         RefusedError: if it cannot be decoded.
@@ -406,14 +430,13 @@ def decode(
         content = draw_svg(content, svg_side, most)
     try:
         if (reader := _layered(content)) is not None:
-            upright = _composite(reader, content, least, most)
+            upright = _composite(reader, content, least, most, notes)
         else:
             with _opened(content) as image:
                 _check_sides(image.width, image.height, least, most)
                 image.load()
                 upright = ImageOps.exif_transpose(image)
             del image
-        del content
         upright, full = plain(upright), upright.size
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
@@ -421,6 +444,7 @@ def decode(
     except (RefusedError, MemoryError):
         raise
     except UnidentifiedImageError:
+        _refuse_foreign(content)
         raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
@@ -435,8 +459,10 @@ def _send_aseprite(
         _check_sides(width, height, least, most)
         count = int.from_bytes(content[6:8], "little")
         _check_parts(count, count * width * height, "frames")
-        frames = reader.aseprite_frames(content)
+        notes = reader.Notes()
+        frames = reader.aseprite_frames(content, notes)
         first = next(frames)
+        _send_notes(replies, str(notes))
         _write(replies, REPLY.pack(PARTS, width, height, 0, 0, count))
         for image, milliseconds in itertools.chain([first], frames):
             send(image, image.size, replies)
@@ -449,12 +475,23 @@ def _layered(content: bytes) -> Any:
     """Return the module that reads a layered file of a paint program; None of any other file."""
     if not content.startswith((b"8BPS", b"PK\x03\x04")) and content[4:6] != b"\xe0\xa5":
         return None
-    # By its own name: the package is not on this program's path.
-    reader: Any = __import__("layered_files")
+    reader = _layered_reader()
     return reader if reader.kind_of(content) is not None else None
 
 
-def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
+def _layered_reader() -> Any:
+    # By its own name: the package is not on this program's path.
+    return __import__("layered_files")
+
+
+def _refuse_foreign(content: bytes) -> None:
+    """Raise `RefusedError` if a file is of a paint program whose files cannot be read."""
+    told = _layered_reader().foreign(content)
+    if told is not None:
+        raise RefusedError(told)
+
+
+def _composite(reader: Any, content: bytes, least: int, most: int, notes: list[str] | None) -> "Image":
     """Return what a layered file shows.
 
     Raises:
@@ -463,7 +500,10 @@ def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
     try:
         width, height = reader.size_of(content)
         _check_sides(width, height, least, most)
-        image: Image = reader.composite(content)
+        said = reader.Notes()
+        image: Image = reader.composite(content, said)
+        if notes is not None and str(said):
+            notes.append(str(said))
         _check_sides(image.width, image.height, least, most)
         image.load()
     except reader.UnreadableError as error:

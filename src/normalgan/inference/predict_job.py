@@ -132,12 +132,12 @@ class JobPredictor:
             members.append(member)
             kept.append(job)
         predicted = predict_series(self.predictor, members, True, True, self.size)
-        for job, preds in zip(kept, predicted, strict=True):
+        for job, member, preds in zip(kept, members, predicted, strict=True):
             if isinstance(preds, InputError):
                 yield job, preds
                 continue
             try:
-                yield job, self._written(job, preds)
+                yield job, self._written(job, _noted(preds, member.picture.note))
             except OSError as error:
                 yield job, error
 
@@ -147,7 +147,7 @@ class JobPredictor:
 
     def _drawing(self, files: DrawingFiles) -> NormalMap:
         picture = read_picture(files.drawing, files.content, self.size)
-        return self.predictor(picture, files.hints, files.mask, self.size, self.tile)
+        return _noted(self.predictor(picture, files.hints, files.mask, self.size, self.tile), picture.note)
 
     def _sheet(self, files: DrawingFiles) -> NormalMap:
         content = read_content(files.drawing, files.content)
@@ -195,7 +195,7 @@ class JobPredictor:
             write_bytes(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         level_heights(heights)  # else a body would rise and sink with what it holds up
         more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
-        return Done(target, said[0] + more if said else "", heights)
+        return Done(target, "; ".join(filter(None, [found.note, said[0] + more if said else ""])), heights)
 
     def _target(self, job: Job) -> Path:
         return target_of(job, self.outputs, self.packing, self.layers)
@@ -252,6 +252,11 @@ def _several(mask: BoolMask) -> str:
     return (
         f"it holds {alike} separate objects, painted as one; --split auto or --sheet paints each for itself"
     )
+
+
+def _noted(preds: NormalMap, note: str) -> NormalMap:
+    """Return a map that also says what is to be said of its drawing's file."""
+    return replace(preds, warning="; ".join(filter(None, [note, preds.warning])))
 
 
 def _mask(files: DrawingFiles, shape: tuple[int, int]) -> BoolMask | str | None:
