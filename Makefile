@@ -3,6 +3,7 @@
 # make coverage   sets everything up, runs the tests, and reports the lines and branches that they do not reach
 # make integrations   sets everything up and tests the add-ons in those programs that are installed
 # make audit   sets everything up and looks at the licences of what it depends on, and for known advisories
+# make release   builds everything that is published into dist/, and tests each piece
 # make docs   sets everything up and builds the documentation into site/index.html
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -13,7 +14,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # As many processes as cores, but no more than four: each needs 1.5 GB. A file's tests share fixtures, so they stay together.
 PYTEST := $(BIN)/pytest --numprocesses=logical --maxprocesses=4 --dist=loadfile --no-loadscope-reorder --durations=10
 
-.PHONY: help install dev demo test integrations processors coverage audit docs lint types clean
+.PHONY: help install dev demo test integrations processors coverage audit docs release lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
@@ -34,6 +35,7 @@ demo: install
 	$(BIN)/normalgan fit --config configs/quickstart.yaml
 	$(BIN)/normalgan test --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
 	$(BIN)/normalgan predict --config configs/quickstart.yaml --ckpt_path $(RUN)/checkpoints/last.ckpt
+	$(BIN)/python tools/demo_picture.py $(RUN) examples/sketches
 
 # make test SLOW=1 also runs the tests that take long; TESTS=tests/metrics runs a part.
 test: dev
@@ -55,6 +57,10 @@ coverage: dev
 # Warnings are errors. The variable silences an advertisement that the theme prints.
 docs: dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
+# TORCH=torch==2.13.0 takes that version from pip's usual index.
+release: docs
+	tools/release.sh dist $(BIN)/python
 
 # Apart from the rest: what is known of a package changes without a change here, and may not be reached at all.
 audit: dev

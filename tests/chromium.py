@@ -112,7 +112,9 @@ def opened() -> Iterator["Browser"]:
 
 
 @contextmanager
-def storage(opened: "Browser", *, width: int, height: int, scale: float = 1) -> Iterator["BrowserContext"]:
+def storage(
+    opened: "Browser", *, width: int, height: int, scale: float = 1, locale: str = "en-US"
+) -> Iterator["BrowserContext"]:
     """Open a storage, for pages that share it; they are closed on leaving.
 
     Args:
@@ -120,8 +122,11 @@ def storage(opened: "Browser", *, width: int, height: int, scale: float = 1) -> 
         width: Of the view of a page, in CSS pixels.
         height: Of the view, in CSS pixels.
         scale: Device pixels for a CSS pixel.
+        locale: What the browser asks for.
     """
-    context = opened.new_context(viewport={"width": width, "height": height}, device_scale_factor=scale)
+    context = opened.new_context(
+        viewport={"width": width, "height": height}, device_scale_factor=scale, locale=locale
+    )
     context.set_default_timeout(PATIENCE)
     try:
         yield context
@@ -131,7 +136,13 @@ def storage(opened: "Browser", *, width: int, height: int, scale: float = 1) -> 
 
 @contextmanager
 def page(
-    opened: "Browser", *, width: int = 1280, height: int = 800, scale: float = 1, tolerate: Sequence[str] = ()
+    opened: "Browser",
+    *,
+    width: int = 1280,
+    height: int = 800,
+    scale: float = 1,
+    locale: str = "en-US",
+    tolerate: Sequence[str] = (),
 ) -> Iterator["Page"]:
     """Open an empty page with its own storage; on leaving, it must have logged no warning and no error.
 
@@ -140,6 +151,7 @@ def page(
         width: Of the view, in CSS pixels.
         height: Of the view, in CSS pixels.
         scale: Device pixels for a CSS pixel.
+        locale: What the browser asks for.
         tolerate: Regular expressions of messages that are expected, such as "status of 412".
     """
     complaints: list[str] = []
@@ -148,7 +160,7 @@ def page(
         if message.type in {"warning", "error"}:
             complaints.append(message.text)
 
-    with storage(opened, width=width, height=height, scale=scale) as context:
+    with storage(opened, width=width, height=height, scale=scale, locale=locale) as context:
         new = context.new_page()
         new.on("console", note)
         new.on("pageerror", lambda error: complaints.append(f"uncaught: {error}"))

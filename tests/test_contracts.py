@@ -108,15 +108,15 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "maps of two channels": (
         {"generator": Predictor(lambda predicted: predicted, 2)},
-        r"^Predictor paints 2 channels; a model has 3, or 4 with the confidence\.$",
+        r"^Predictor returns 2 channels; a model has 3, or 4 with the confidence\.$",
     ),
     "maps of five channels": (
         {"generator": Predictor(lambda predicted: predicted, 5)},
-        r"^Predictor paints 5 channels; a model has 3, or 4 with the confidence\.$",
+        r"^Predictor returns 5 channels; a model has 3, or 4 with the confidence\.$",
     ),
     "smaller maps": (
         {"generator": Predictor(lambda predicted: predicted[..., 1:-1, ::2])},
-        r"^Predictor paints 16 × 30 pixels for a sketch of 32 × 32; a map is as large as its sketch\.$",
+        r"^Predictor returns 16 × 30 pixels for a sketch of 32 × 32; a map is as large as its sketch\.$",
     ),
     "several maps": (
         {"generator": Predictor(lambda predicted: (predicted, predicted))},
@@ -124,7 +124,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "maps that teach nothing": (
         {"generator": Predictor(lambda predicted: predicted.detach())},
-        r"^Predictor paints maps that no gradient leads back from; do not detach them",
+        r"^Predictor returns maps that no gradient leads back from; do not detach them",
     ),
     "predictions that are maps": (
         {"generator": Teller(lambda predicted: predicted)},

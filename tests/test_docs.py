@@ -66,7 +66,7 @@ def test_python_runs(name: str, tmp_path: Path) -> None:
 
 def test_example_plugins_pass_their_checks(tmp_path: Path) -> None:
     files = sorted(map(str, (ROOT / "examples" / "plugins").glob("*.py")))
-    assert len(files) == 9
+    assert len(files) == 10
     code = f"import runpy\nfor path in {files}: runpy.run_path(path, run_name='__main__')"
     run_code(code, tmp_path)
 
@@ -99,9 +99,15 @@ def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_sav
     assert main(["benchmark", "--config", "plan.yaml", "--evaluate", "mine.ckpt", "--output", "bench"]) == 0
 
 
+@pytest.mark.slow  # trains five small models
+def test_python_of_the_recipes_runs(tmp_path: Path) -> None:
+    run_python(ROOT / "docs" / "recipes.md", tmp_path)
+    assert len(list((tmp_path / "sweep").glob("*/checkpoints/last.ckpt"))) == 5
+
+
 def test_no_page_with_python_is_forgotten() -> None:
     with_python = {page.stem for page in PAGES if blocks(page, "python")}
-    assert with_python == {"conventions", "data", "plugins", "prediction", "python"}
+    assert with_python == {"conventions", "data", "plugins", "prediction", "python", "recipes"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_id)

@@ -33,7 +33,7 @@ in the same way as `inference` prepares a drawing.
 """
 LAYERS = tuple(layer for layers in RINGS.values() for layer in layers)
 PARTS = {
-    "inference": ("reading", "cleaning", "network", "mask", "jobs", "heights", "outputs", "composites"),
+    "inference": ("reading", "cleaning", "network", "mask", "heights", "outputs", "jobs", "composites"),
     "data": ("store", "jobs", "loading", "sources"),
 }
 """The parts of the large rooms, likewise; what lies loose beside them may be above or below any."""

@@ -38,7 +38,7 @@ def test_an_unknown_command_is_answered_by_its_near_miss(
     assert said.err == (
         f"normalgan: no command named '{given}'. Did you mean {meant}? "
         "The commands are fit, validate, test, predict, render, sketch, generate, studio, export, "
-        "benchmark, plugins, completion.\n"
+        "benchmark, models, plugins, completion.\n"
     )
 
 

@@ -13,6 +13,8 @@ import normalgan
 from normalgan.__main__ import main
 from normalgan.cli.normal_map_writer import NormalMapWriter
 from normalgan.inference.network.torch_backend import TorchBackend
+from normalgan.inference.outputs import Normal
+from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.predictor import Predictor
 from pens import blob, outline
 from small import QUIET, data, gan, trainer
@@ -52,7 +54,7 @@ def test_predict_and_python_paint_the_same_bytes_by_torch(drawings: Path, tmp_pa
     model = gan()
     folder = str(tmp_path)
     module = data(drawings, tmp_path, sketches=str(drawings), hints=folder, mask=folder, batch_size=3)
-    run = trainer(tmp_path, callbacks=[NormalMapWriter(str(tmp_path / "out"), alpha=True)])
+    run = trainer(tmp_path, callbacks=[NormalMapWriter(tmp_path / "out", Outputs(Normal(alpha=True)))])
     run.predict(model, module, return_predictions=False)
     predictor = Predictor(TorchBackend(model.generator, 32))
     for drawing in sorted(drawings.iterdir()):

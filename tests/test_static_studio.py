@@ -370,7 +370,7 @@ def assert_alike(
 
 def assert_near(found: NDArray[np.uint8], wanted: NormalMap, share: float, degrees: float) -> None:
     """Assert that a map (H, W, 4) of the page has nearly the mask and the normals of Python's."""
-    mask = found[..., 3] > 0
+    mask = found[..., 3] > 127
     both = mask & wanted.mask
     assert both.sum() > share * (mask | wanted.mask).sum()
     normals = found[..., :3].astype(np.float64) / 127.5 - 1

@@ -1,6 +1,7 @@
 """Makes a sheet of drawings and, by `normalgan generate`, their maps, also lit.
 
-generated_picture.py OUTPUT DRAWING… [--painted 200] [--shown 200] [--columns 6] [--models OLD.onnx shipped]:
+generated_picture.py OUTPUT DRAWING… [--predicted 200] [--shown 200] [--columns 6]
+    [--models OLD.onnx shipped]:
 files, folders or patterns, as `generate` takes them; the longer side of the maps and of their pictures on the
 sheet; whose maps are set one below the other, by default those of the package's model alone.
 """
@@ -49,7 +50,7 @@ def main(arguments: list[str]) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("output", type=Path)
     parser.add_argument("drawings", nargs="+")
-    parser.add_argument("--painted", type=int, default=200)
+    parser.add_argument("--predicted", type=int, default=200)
     parser.add_argument("--shown", type=int, default=200)
     parser.add_argument("--columns", type=int, default=6)
     parser.add_argument("--models", nargs="+", default=["shipped"])

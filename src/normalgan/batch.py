@@ -1,4 +1,4 @@
-"""Batch: the one thing that the data and the model share."""
+"""Batch: the interface between data and model."""
 
 from typing import NotRequired, TypedDict
 
@@ -8,7 +8,7 @@ __all__ = ["Batch", "Sketches"]
 
 
 class Sketches(TypedDict):
-    """What the generator needs to draw: sketches, and hints if the user gave any."""
+    """The generator's input: sketches, and hints if the user gave any."""
 
     sketch: Tensor
     """(N, 1, H, W) in [0, 1]; ink is 1, paper 0."""
@@ -19,7 +19,7 @@ class Sketches(TypedDict):
 
 
 class Batch(Sketches):
-    """Sketches with the truth: what training and testing need."""
+    """Sketches with the true normals, for training and testing."""
 
     normal: Tensor
     """(N, 3, H, W) unit vectors in camera space (x right, y up, z to the viewer), 0 off the object."""

@@ -1,4 +1,4 @@
-"""What plug-ins give, as errors name it: a wrong shape is refused where it comes from, not where it hurts."""
+"""Errors for wrong outputs of plug-ins, raised where the output is made."""
 
 from collections.abc import Collection, Mapping
 
@@ -10,7 +10,7 @@ __all__ = ["check_kinds", "class_name", "describe", "refused"]
 
 
 def check_kinds(given: Mapping[str, tuple[object, type]], optional: Collection[str] = ()) -> None:
-    """Make sure that settings are objects of their kinds, as in Python anything may be given.
+    """Check that settings are objects of their kinds, for callers from Python.
 
     Args:
         given: the value of each setting and its kind.
@@ -33,23 +33,23 @@ def _wrong_kind(setting: str, value: object, kind: type) -> InputError:
 
 
 def class_name(plugin: object) -> str:
-    """Return what a plug-in is called: the name of its class."""
+    """Return the name of a plug-in's class."""
     return type(plugin).__name__
 
 
 def refused(plugin: object, gave: object, asked: str) -> InputError:
-    """Return what to raise for a thing that a plug-in gave.
+    """Return the error for a wrong output of a plug-in.
 
     Args:
-        plugin: that gave it.
-        gave: the thing.
+        plugin: the plug-in.
+        gave: its output.
         asked: what would be right, a sentence without its full stop.
     """
     return InputError(f"{class_name(plugin)} gave {describe(gave)}; {asked}.")
 
 
 def describe(value: object) -> str:
-    """Return a value in few words: of a tensor its shape, of anything else its type.
+    """Describe a value in a few words: a tensor by its shape, anything else by its type.
 
     >>> import torch
     >>> describe(torch.zeros(2, 1)), describe((torch.zeros(2), 3)), describe(None)

@@ -1,4 +1,4 @@
-"""The exceptions that are told in one sentence: the user gave something that cannot be used."""
+"""Exceptions that are reported in one sentence, without a traceback."""
 
 import difflib
 import errno
@@ -16,25 +16,25 @@ class InputError(ValueError):
 
 
 class RunError(InputError):
-    """What was given could have been used, but the machine had no room for it: a full disk, no memory.
+    """A failure while running, such as a full disk or too little memory.
 
-    Told in one sentence like any `InputError`, with exit code 1.
+    It is reported in one sentence like any `InputError`, with exit code 1.
     """
 
 
 def unwritable(sentence: str, error: OSError) -> InputError:
-    """Return what to raise where something could not be written: a full disk is no fault of the input."""
+    """Return the error for a file that could not be written."""
     return (RunError if error.errno in {errno.ENOSPC, errno.EDQUOT} else InputError)(sentence)
 
 
 def with_subject(what: object, error: InputError) -> InputError:
-    """Return an error that says what it is about, if it did not."""
+    """Return an error that names its subject."""
     text = str(error)
     return type(error)(text if str(what) in text else f"{what}: {text}")
 
 
 def one_line(text: str) -> str:
-    r"""Return a text as one line that a terminal can be given: names in files may hold its commands.
+    r"""Return a text as one printable line, because names in files may hold terminal commands.
 
     >>> one_line("the mesh \x1b[2Jhorse\n is missing")
     'the mesh \\x1b[2Jhorse is missing'
@@ -55,11 +55,11 @@ def brief(error: BaseException) -> str:
 
 
 def did_you_mean(given: str, known: Iterable[str], cutoff: float = 0.6) -> str:
-    """Return the sentence that names the nearest of what is known, after a space; empty if none is near.
+    """Return " Did you mean …?" for the nearest known name; empty if none is near.
 
     Args:
-        given: what is not known.
-        known: what there is.
+        given: the unknown name.
+        known: the known names.
         cutoff: share of letters that must agree.
 
     >>> did_you_mean("widht", ["depth", "width"])

@@ -1,12 +1,13 @@
-"""NormalGAN: paints normal maps, and learns to, with the optimisation of both networks by hand."""
+"""NormalGAN: the LightningModule of generator and discriminator, with manual optimisation."""
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from inspect import signature
 from typing import Any, cast
 
 import torch
 from lightning.pytorch import LightningModule
+from lightning.pytorch.callbacks import LearningRateFinder
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
 from lightning.pytorch.utilities.parsing import AttributeDict
@@ -29,11 +30,13 @@ from normalgan.losses.gradient_share import gradient_share
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_generated, check_predictions, check_scores
+from normalgan.models.compilation import check_compile, generating
 from normalgan.models.condition import make_condition, paste_hints
+from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
 from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
-from normalgan.weights.checkpoint import settings_to_save
+from normalgan.weights.checkpoint import PICTURE_SIZE, settings_to_save, uncompiled
 
 __all__ = ["SHARE", "NormalGAN"]
 
@@ -49,24 +52,38 @@ def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
 
 
-class NormalGAN(LightningModule):
-    """Paints a normal map from a sketch and hints, and learns to against a discriminator.
+def check_callbacks(callbacks: Iterable[object]) -> None:
+    """Refuse callbacks that need an optimiser which Lightning steps.
 
-    All randomness of a training step (dropout, hints, the gradient penalty) is seeded by the number of the
-    step, so that a run that was killed and resumed ends in the same weights as one that was not.
+    Raises:
+        InputError: if there is one.
+    """
+    for callback in callbacks:
+        if isinstance(callback, LearningRateFinder):
+            raise InputError(
+                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
+                "rates by a sweep."
+            )
+
+
+class NormalGAN(LightningModule):
+    """Predicts a normal map from a sketch and hints, and trains against a discriminator.
+
+    All randomness of a training step (dropout, hints, gradient penalty) is seeded by the step's number, so
+    that a killed and resumed run ends with the same weights as an unbroken one.
 
     Args:
-        generator: paints the map.
-        discriminator: tells painted maps from true ones; None trains on the reconstruction loss alone.
-        hint_sampler: plays the designer who gives hints, in training and testing. A batch that brings hints
-            of its own is not asked again; when predicting there are no others.
-        objective: what discriminator and generator want of the scores.
+        generator: predicts the map.
+        discriminator: tells predicted maps from true ones; None trains on the reconstruction loss alone.
+        hint_sampler: stands in for the designer in training and testing. A batch with its own hints keeps
+            them; prediction uses only those.
+        objective: the adversarial losses.
         generator_optimizer: optimiser of the generator.
         discriminator_optimizer: optimiser of the discriminator.
         lr_scheduler: schedule of both learning rates, stepped after each epoch; None keeps them constant.
             ``CosineAnnealingLR`` ends at ``max_epochs``, whatever its ``T_max``.
         adversarial_weight: weight of the objective's generator loss.
-        reconstruction: what the generator is to be right about, pixel by pixel.
+        reconstruction: the per-pixel loss.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
         hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
@@ -74,7 +91,7 @@ class NormalGAN(LightningModule):
             strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
         share_every: log how long the adversarial gradient is beside that of the reconstruction at every so
             many steps of the generator, as ``train/adversarial_share`` (at its weights) and
-            ``train/adversarial_share_output`` (at what it paints); 0 logs none. Such a step takes two passes
+            ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two passes
             backward more.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
@@ -82,6 +99,8 @@ class NormalGAN(LightningModule):
             which was trained for the weights that come with it.
         line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
             as drawn when it predicts; others are drawn anew, 1.25 wide. About those of its training.
+        compile: whether ``torch.compile`` compiles the generator's pass in training; a name selects another
+            backend of torch than its default, which needs a C++ compiler. Checkpoints do not hold it.
 
     References:
         He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling".
@@ -107,6 +126,7 @@ class NormalGAN(LightningModule):
         seed: int = 0,
         refined: bool = False,
         line_widths: LineWidths = USUAL_WIDTHS,
+        compile: bool | str = False,
     ) -> None:
         super().__init__()
         if n_critic < 1:
@@ -163,6 +183,9 @@ class NormalGAN(LightningModule):
         self.seed = seed
         self.refined = refined
         self.line_widths = check_line_widths(line_widths)
+        self.compile_generator = check_compile(compile)
+        self._generate: Callable[[Tensor], Predictions] | None = None  # of the run that is under way
+        self._picture_size: int | None = None
 
     @property
     def hparams_initial(self) -> AttributeDict:
@@ -175,15 +198,19 @@ class NormalGAN(LightningModule):
 
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage: together they take longer than all the networks."""
+        self._generate = None
+        if stage == "fit":
+            check_callbacks(getattr(self.trainer, "callbacks", []))
+            self._generate = generating(self.generator, self.compile_generator)
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
             self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 
-    # --- painting -------------------------------------------------------------------------------------
+    # --- prediction -----------------------------------------------------------------------------------
 
     def forward(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
-        """Paint normal maps.
+        """Predict normal maps.
 
         Args:
             sketch: (N, 1, H, W) in [0, 1], ink 1.
@@ -195,7 +222,7 @@ class NormalGAN(LightningModule):
         return self.predict_with_confidence(sketch, hints)[:, :3]
 
     def predict_with_confidence(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
-        """Return what `forward` does, (N, 3, H, W), or (N, 4, H, W) if the generator paints a confidence."""
+        """Return `forward`'s output, (N, 3, H, W), or (N, 4, H, W) if the generator predicts confidence."""
         if hints is None:
             hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
         condition = make_condition(sketch, hints)
@@ -205,11 +232,14 @@ class NormalGAN(LightningModule):
 
     # --- training -------------------------------------------------------------------------------------
 
+    # torch.compile(model) would compile what Lightning does between the networks, which torch cannot follow.
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def training_step(self, batch: Batch, batch_idx: int) -> None:
-        """Step the discriminator, and with every n-th batch the generator."""
-        step = self.trainer.fit_loop.total_batch_idx  # goes on counting through epochs; batch_idx does not
+        """Step the discriminator, and the generator with every ``n_critic``-th batch."""
+        step = self.trainer.fit_loop.total_batch_idx  # counts across epochs; batch_idx does not
         seed = derive_seed("train", self.seed, step, self.global_rank)
         seed_torch(seed, self.device)
+        self._picture_size = int(batch["sketch"].shape[-1])
         hints = self.training_hints(batch, seed)
         if self.hint_noise:
             hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
@@ -221,11 +251,11 @@ class NormalGAN(LightningModule):
             # In one pass, so that batch norm has the same statistics for both.
             given = torch.cat([condition, make_condition(marked, hints[: len(marked)])])
         with torch.set_grad_enabled(generates):
-            preds = self.generator.predict(given)
+            preds = (self._generate or self.generator.predict)(given)
             check_predictions(self.generator, preds, given)
         with_distractors = preds.direction[count:]
         preds = preds if given is condition else preds.of(slice(count))
-        fake: Tensor | None = None  # nothing is done with whole maps that nobody looks at
+        fake: Tensor | None = None  # whole maps are not needed unless logged
         if self.discriminator is not None:
             fake = paste_hints(preds.normal, hints).to(condition.dtype)
             self._step_discriminator(self.discriminator, condition, batch, fake.detach())
@@ -240,7 +270,7 @@ class NormalGAN(LightningModule):
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def training_hints(self, batch: Batch, seed: int) -> Tensor:
-        """Return the hints (N, 4, H, W) of a batch: its own, or else the sampler's under a seed."""
+        """Return the hints (N, 4, H, W) of a batch: its own, or those that the sampler draws with a seed."""
         if "hints" in batch:
             return batch["hints"]
         return draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
@@ -250,7 +280,7 @@ class NormalGAN(LightningModule):
     ) -> None:
         optimizer, real = self._optimizers()[1], batch["normal"]
         with self.toggled_optimizer(optimizer):
-            # Two passes: in one, batch norm would mix the statistics of true and painted maps.
+            # Two passes: in one, batch norm would mix the statistics of true and predicted maps.
             loss = self.objective.discriminator_loss(
                 check_scores(discriminator, discriminator(condition, real), condition),
                 check_scores(discriminator, discriminator(condition, fake), condition),
@@ -290,9 +320,9 @@ class NormalGAN(LightningModule):
             self.log(first, values[first], prog_bar=True, logger=False)
 
     def _are_shown(self, every: int) -> bool:
-        """Return whether the losses of this batch are looked at before the next ones, ``every`` batches on.
+        """Return whether the losses of this batch will be logged; ``every`` batches are.
 
-        To log them takes a few hundredths of a step, though loggers take one in ``log_every_n_steps``.
+        Logging takes a few hundredths of a step, and loggers keep one in ``log_every_n_steps``.
         """
         interval: int = self.trainer.log_every_n_steps  # type: ignore[attr-defined]  # documented, not typed
         to_come = interval - 1 - self.trainer.fit_loop.total_batch_idx % max(interval, 1)
@@ -308,13 +338,22 @@ class NormalGAN(LightningModule):
         self.log(f"{SHARE}_output", gradient_share(adversarial, reconstruction, [predicted]))
 
     def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
-        """Clip the generator's gradient: here that of mixed precision is no longer scaled."""
+        """Clip the generator's gradient, which mixed precision has unscaled by now."""
         if self.gradient_clip is not None and optimizer is self.trainer.optimizers[0]:
             nn.utils.clip_grad_norm_(self.generator.parameters(), self.gradient_clip)
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Name classes and settings in the checkpoint, so that it is read without running what lies in it."""
+        """Store classes and settings as text, so that reading a checkpoint runs no code from it."""
         checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self._given())
+        checkpoint["state_dict"] = {uncompiled(k): v for k, v in checkpoint["state_dict"].items()}
+        if self._picture_size is not None:
+            checkpoint[PICTURE_SIZE] = self._picture_size
+
+    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Name weights as this model does, whose networks may be wrapped by ``torch.compile``."""
+        own = {uncompiled(name): name for name in self.state_dict()}
+        weights = checkpoint["state_dict"]
+        checkpoint["state_dict"] = {own.get(uncompiled(k), k): v for k, v in weights.items()}
 
     def _given(self) -> dict[str, Any]:
         """Return all arguments of the model; Lightning drops from ``hparams`` what cannot be pickled.
@@ -333,14 +372,14 @@ class NormalGAN(LightningModule):
             average_statistics(self, self.trainer.strategy)
 
     def on_train_start(self) -> None:
-        """Let a cosine schedule end with the run, also with one that is resumed to train longer."""
+        """Let a cosine schedule end with the run, also if it is resumed to train longer."""
         epochs = self.trainer.max_epochs
         for config in self.trainer.lr_scheduler_configs:
             if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
                 end_cosine_at(config.scheduler, epochs)
 
     def on_train_epoch_end(self) -> None:
-        """Step the learning rates: Lightning leaves that to manual optimisation."""
+        """Step the learning rates, which Lightning leaves to manual optimisation."""
         self._average_statistics()  # for the checkpoint, should there be no validation
         schedulers = self.lr_schedulers()
         for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
@@ -361,9 +400,9 @@ class NormalGAN(LightningModule):
     # --- validating, testing, predicting --------------------------------------------------------------
 
     def measured_hints(self, batch: Batch) -> Tensor:
-        """Return the hints (N, 4, H, W) that validation and testing give with a batch.
+        """Return a batch's hints (N, 4, H, W) for validation and testing.
 
-        A sample always gets the same, whatever the epoch, the size of the batch and the number of processes.
+        They depend on the sample alone, not on epoch, batch size or number of processes.
         """
         if "hints" in batch:
             return batch["hints"]
@@ -373,9 +412,9 @@ class NormalGAN(LightningModule):
 
     @torch.no_grad()
     def _error(self, batch: Batch) -> Tensor | None:
-        """Return the error without hints (N, 1, H, W), for a sampler that asks for it.
+        """Return the error without hints (N, 1, H, W), for a sampler that needs it.
 
-        It is painted as in testing, so that statistics of norms stay as they are and no noise is drawn.
+        The network is in evaluation mode, so that norms keep their statistics and no noise is drawn.
         """
         if not isinstance(self.hint_sampler, ErrorHintSampler):
             return None
@@ -386,10 +425,11 @@ class NormalGAN(LightningModule):
             module.training = training
         return angular_error(predicted, batch["normal"])
 
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:
-        """Measure with the sampler's hints, the same ones every epoch, and with none.
+        """Measure without hints and with the sampler's, which are the same in every epoch.
 
-        Several loaders are measured together, as one set.
+        Several loaders count as one set.
         """
         target, mask = batch["normal"], batch["mask"]
         hints = self.measured_hints(batch)
@@ -400,15 +440,16 @@ class NormalGAN(LightningModule):
         """Log the metrics of the validation split."""
         self._log_figures(self.val_metrics.pop())
 
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def test_step(
         self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
     ) -> dict[str, tuple[Tensor, Tensor]]:
-        """Measure with the sampler's hints, also without the hinted pixels, and with no hints.
+        """Measure without hints, with the sampler's, and with these but outside the hinted pixels.
 
-        Several loaders are measured together, as one set.
+        Several loaders count as one set.
 
         Returns:
-            What was measured, for callbacks: by row, the maps (N, 3, H, W) and the pixels (N, 1, H, W).
+            For callbacks: the maps (N, 3, H, W) and the pixels (N, 1, H, W) of each row.
         """
         mask = batch["mask"]
         hints = self.measured_hints(batch)
@@ -427,13 +468,14 @@ class NormalGAN(LightningModule):
         self._log_figures(self.test_metrics.pop())
 
     def _log_figures(self, figures: dict[str, Tensor]) -> None:
-        # They are over all processes already; sync_dist averages equal numbers, and keeps Lightning quiet.
+        # They are reduced already; sync_dist averages equal numbers, which avoids a warning from Lightning.
         self.log_dict(figures, sync_dist=True)
 
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
     def predict_step(self, batch: Sketches, batch_idx: int, dataloader_idx: int = 0) -> Tensor:
-        """Return painted normals (N, 3, H, W), with the user's hints if there are any.
+        """Return predicted normals (N, 3, H, W), with the user's hints if there are any.
 
-        One at a time: in a batch the last bits of a map would depend on its neighbours.
+        Drawings are predicted one at a time, because in a batch the last bits depend on the neighbours.
         """
         hints = batch.get("hints")
         return torch.cat(

@@ -1,4 +1,4 @@
-"""Line widths: which lines of a drawing a model is shown as they were drawn; others are drawn anew for it."""
+"""Line widths that a model accepts; lines outside this range are redrawn for it."""
 
 import math
 from collections.abc import Mapping

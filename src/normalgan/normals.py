@@ -1,4 +1,4 @@
-"""What a normal map is: axes, encoding and files. Every reader and writer goes through here; numpy only.
+"""Normal maps: axes, encoding and files. Every reader and writer uses this module; numpy only.
 
 Axes are those of the camera, as in OpenGL: x right, y up, z to the viewer. A unit vector n is stored as
 the colour (n + 1) / 2. Outside the object a map in memory is zero; a file holds flat, (0, 0, 1), there.
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError, brief
+from normalgan.files.limits import read_bounded, refuse_pointer
 from normalgan.files.writing import write_bytes
 
 __all__ = [
@@ -249,7 +250,7 @@ def read_png(path: str | Path) -> tuple[Floats, Floats]:
     if not path.is_file():
         raise InputError(f"there is no normal map at {path}.")
     pixels: Any = (
-        cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
+        cv2.imdecode(np.frombuffer(read_bounded(path), np.uint8), cv2.IMREAD_UNCHANGED)
         if path.stat().st_size
         else None
     )
@@ -279,6 +280,8 @@ def read_exr(path: str | Path, most: int = 8192) -> Floats:
     path = Path(path)
     if not path.is_file():
         raise InputError(f"there is no file {path}.")
+    with path.open("rb") as start:
+        refuse_pointer(path, start.read(64))
     try:
         with OpenEXR.File(str(path), header_only=True) as file:
             low, high = file.header()["dataWindow"]

@@ -1,4 +1,4 @@
-"""Optimisers that PyTorch lacks, or has in another form."""
+"""MuonRAdam: orthogonalised momentum for wide layers, RAdam for the rest."""
 
 import math
 from collections.abc import Callable
@@ -25,9 +25,9 @@ _QUINTICS = (
 def orthogonalized(matrix: Tensor) -> Tensor:
     """Return roughly the nearest matrix whose rows, or columns if there are fewer of them, are orthonormal.
 
-    All singular values become about 1 (0.85 to 1.15), small ones too: those under a thousandth of the
-    largest stay below. By odd polynomials of the matrix, which take no decomposition, applied to the small
-    one of its two Gram matrices: a wide matrix is read twice and not twice a polynomial.
+    All singular values become about 1 (0.85 to 1.15), except those under a thousandth of the largest, which
+    stay smaller. It applies odd polynomials, without a decomposition, to the smaller of the two Gram
+    matrices.
 
     Args:
         matrix: (A, B) in float32 or float64; the zero matrix stays zero.
@@ -59,12 +59,12 @@ def _polynomial(gram: Tensor, a: float, b: float, c: float) -> Tensor:
 
 
 class MuonRAdam(RAdam):
-    """RAdam for biases, norms and narrow layers; the weights of wide layers step by orthogonalised momentum.
+    """RAdam for biases, norms and narrow layers; orthogonalised momentum for the weights of wide layers.
 
-    A convolution's weights are a matrix of a row for each channel that comes out. Its momentum has a few
-    large singular values, and RAdam's step mostly theirs; made orthogonal, the step goes equally far in all
-    directions (Jordan et al., "Muon", 2024). It is scaled to the size of Adam's, so that the rate and the
-    decay of weights are those of RAdam (Liu et al., "Muon is scalable for LLM training", 2025, equation 4).
+    A convolution's weights form a matrix with a row for each output channel. Its momentum has a few large
+    singular values, which dominate RAdam's step. An orthogonalised step is equally long in all directions
+    (Jordan et al., "Muon", 2024). It is scaled to the size of Adam's step, so that rate and weight decay are
+    those of RAdam (Liu et al., "Muon is scalable for LLM training", 2025, equation 4).
 
     Args:
         params: tensors, or groups of them with settings of their own.
@@ -72,7 +72,7 @@ class MuonRAdam(RAdam):
         betas: of RAdam.
         weight_decay: decoupled, a share of ``lr``.
         momentum: of the weights of wide layers.
-        narrowest: least rows and columns of a matrix that is made orthogonal.
+        narrowest: smallest number of rows and columns of a matrix to orthogonalise.
 
     Raises:
         InputError: if ``momentum`` is not between 0 and 1.

@@ -1,4 +1,4 @@
-"""Progress: how far long work has come, as a bar on the error stream."""
+"""Progress bars on the error stream."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,14 +10,14 @@ __all__ = ["progress_bar"]
 def progress_bar(
     title: str, total: int, unit: str, shown: bool = True, stays: bool = True
 ) -> Iterator[Callable[[int], None]]:
-    """Show a bar, and hand out what is to be told how much more is done.
+    """Show a bar, and yield a function that advances it.
 
     Args:
-        title: what is being done.
-        total: of how much.
-        unit: what is counted.
+        title: name of the work.
+        total: number of units.
+        unit: name of the units.
         shown: False shows nothing.
-        stays: whether the full bar is left, as the only word in a log file; else it is taken away.
+        stays: whether the full bar stays on the screen, and is one line in a log file.
     """
     if not shown or total <= 0:
         yield lambda more: None

@@ -1,4 +1,4 @@
-"""Plug-ins by class name: a decorator, entry points, and an answer to a typo.
+"""Plug-ins by class name: a decorator, entry points, and suggestions for typos.
 
 jsonargparse already finds every imported subclass of an annotated base by its short name, lists the
 choices in ``--help`` and checks ``init_args``. A registry adds what it does not do.
@@ -117,7 +117,7 @@ class Registry(Generic[T]):
         return cls
 
     def load_entry_points(self) -> None:
-        """Import and register what other installed packages offer; warn of what is left out."""
+        """Import and register the plug-ins of installed packages; warn about those that cannot be used."""
         self.discover()
         with warnings.catch_warnings():
             # Even where warnings are made errors: a broken plug-in must not stop what does not need it.
@@ -126,7 +126,7 @@ class Registry(Generic[T]):
                 warnings.warn(str(left), stacklevel=2)
 
     def discover(self) -> None:
-        """Import and register what other installed packages offer; keep in `left_out` what cannot be used."""
+        """Import and register the plug-ins of installed packages; keep unusable ones in `left_out`."""
         self.left_out = []
         for entry in offered(self.group):
             reason = self._adopt(entry)
@@ -134,14 +134,14 @@ class Registry(Generic[T]):
                 self.left_out.append(LeftOut(entry.name, entry.value, self.group, offerer(entry), reason))
 
     def _adopt(self, entry: EntryPoint) -> str:
-        """Import and register a class, and return why it cannot be; nothing if it can."""
+        """Import and register a class; return the reason if that fails."""
         try:
             cls = entry.load()
         except KeyboardInterrupt:
             raise
         except SystemExit:
             return "it ends the program while it is imported"
-        except BaseException as error:  # whatever a foreign package raises on import
+        except BaseException as error:  # anything that a foreign package raises on import
             return f"{type(error).__name__}: {brief(error)}".rstrip(".")
         try:
             self.register(cls)

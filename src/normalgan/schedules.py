@@ -1,4 +1,4 @@
-"""Learning-rate schedules that fit the length of a run."""
+"""Cosine schedules that end with the run."""
 
 import math
 
@@ -8,13 +8,13 @@ __all__ = ["end_cosine_at"]
 
 
 def end_cosine_at(schedule: CosineAnnealingLR, epochs: int) -> None:
-    """Give a cosine schedule another length, and its optimiser the rate of the present epoch.
+    """Change the length of a cosine schedule, and set the rate of the current epoch.
 
-    PyTorch derives each rate from the one before. A schedule that has reached 0 would stay there.
+    PyTorch derives each rate from the previous one, so a schedule that has reached 0 would stay there.
 
     Args:
-        schedule: stepped once an epoch; nothing happens if it has this length.
-        epochs: after how many the rate is the lowest.
+        schedule: stepped once an epoch; unchanged if it has this length.
+        epochs: number of epochs to the lowest rate.
     """
     if schedule.T_max == epochs:
         return

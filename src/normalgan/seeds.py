@@ -1,4 +1,4 @@
-"""Seeds for the parts of a run, so that each draws its own numbers, and the same ones when resumed."""
+"""Seeds for the parts of a run: independent of one another, and equal when a run is resumed."""
 
 import hashlib
 import zlib
@@ -13,7 +13,7 @@ __all__ = ["derive_seed", "rng_of", "seed_torch"]
 
 
 def derive_seed(*parts: int | str) -> int:
-    """Return a seed that depends on every part and on nothing else, the same on every machine.
+    """Return a seed that depends on all parts and nothing else, equal on every machine.
 
     >>> derive_seed("hints", 1) == derive_seed("hints", 1) != derive_seed("hints", 2)
     True
@@ -22,7 +22,7 @@ def derive_seed(*parts: int | str) -> int:
 
 
 def rng_of(name: str, number: int) -> np.random.Generator:
-    """Return the source of randomness of one of many things of a name, the same on every machine.
+    """Return the random generator of one of many named things, equal on every machine.
 
     >>> bool(rng_of("horse", 3).random() == rng_of("horse", 3).random() != rng_of("horse", 4).random())
     True
@@ -31,10 +31,10 @@ def rng_of(name: str, number: int) -> np.random.Generator:
 
 
 def seed_torch(seed: int, device: "torch.device") -> None:
-    """Seed torch's generators of the processor and of a device, as `torch.manual_seed` does for all devices.
+    """Seed torch's generators of the CPU and of one device.
 
-    Where a backend was not started, `torch.manual_seed` notes each call with its stack for later, anew at
-    every step: time, and memory that grows.
+    For a backend that has not started, `torch.manual_seed` records each call with its stack, which costs time
+    and memory at every step.
 
     >>> import torch
     >>> seed_torch(3, torch.device("cpu"))

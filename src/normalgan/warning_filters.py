@@ -1,6 +1,7 @@
-"""Warning filters: what the user can do nothing about is not said, and the rest in a line each."""
+"""Warning filters: hide warnings that the user cannot act on, and show the rest in one line each."""
 
 import logging
+import re
 import sys
 import warnings
 from collections.abc import Iterator
@@ -9,7 +10,7 @@ from typing import Any
 
 from normalgan.errors import one_line
 
-__all__ = ["NOT_SAID", "filter_warnings", "quiet_loggers"]
+__all__ = ["INFO_NOT_SAID", "NOT_SAID", "filter_warnings", "quiet_loggers"]
 
 NOT_SAID = (
     r".*does not have many workers.*",  # a small data set lies in memory, where workers only cost
@@ -18,7 +19,7 @@ NOT_SAID = (
     r".*Checkpoint directory .* exists and is not empty.*",  # a run that is resumed
     # It counts the steps of both optimisers, and our order of samples depends on seed and epoch alone.
     r".*resuming from a checkpoint that ended before the epoch ended.*",
-    r".*LeafSpec.*is deprecated.*",  # between torch and lightning
+    r".*LeafSpec.*is deprecated.*",  # torch's and lightning's own
     r"[\s\S]*JSONARGPARSE_DEPRECATION_WARNINGS",  # between lightning and jsonargparse, said once a process
     r"[\s\S]* was deprecated in v4\.\d+\.\d+ and will be removed in v5",  # the same, of each call by itself
     r"LightningCLI.s args parameter is intended.*",  # we do run in-process, with the arguments we mean
@@ -26,11 +27,39 @@ NOT_SAID = (
 """Warnings of Lightning about what we do on purpose."""
 
 
+INFO_NOT_SAID = re.compile(
+    r"(GPU|TPU|HPU) available|Seed set to|Tip: For seamless|LOCAL_RANK|MPS available|"
+    # Of settings that were given, and of a run that ends or goes on as asked.
+    r"`Trainer\(|already configured with model summary|^`Trainer\.fit` stopped: `max_epochs|"
+    r"Restor(ing|ed) |Loaded model weights|Loading `train_dataloader`|`weights_only` was not set|"
+    r"Using .*(Automatic Mixed|AMP|precision)|Found current_model_state|"
+    # Of several processes.
+    r"Initializing distributed|distributed_backend=|All distributed processes|^-+$|"
+    r"Detected KeyboardInterrupt|Received SIGTERM|Bypassing SIGTERM"  # those we tell ourselves
+)
+"""What Lightning logs and nobody asks for; the rest is shown: why a run stops, what a profiler measured."""
+
+
+class _InfoHandler(logging.Handler):
+    """Prints what Lightning logs on the error stream of the moment, a sentence as one of ours."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a message, if somebody may want it."""
+        text = record.getMessage().strip("\n")
+        if record.levelno <= logging.INFO and (not text.strip() or INFO_NOT_SAID.search(text.strip())):
+            return
+        print(text if "\n" in text else f"normalgan: {one_line(text)}", file=sys.stderr)
+
+
+_HANDLER = _InfoHandler()
+
+
 def filter_warnings() -> None:
     """Filter and shorten warnings until the surrounding `warnings.catch_warnings` ends."""
-    # What hardware there is not, the seed, advertisements.
     for name in ("lightning.pytorch", "lightning.fabric"):
-        logging.getLogger(name).setLevel(logging.WARNING)
+        logger = logging.getLogger(name)
+        logger.setLevel(logging.INFO)
+        logger.handlers[:] = [_HANDLER]
     for expected in NOT_SAID:
         warnings.filterwarnings("ignore", message=expected)
     warnings.showwarning = _show
@@ -42,7 +71,7 @@ def _show(message: Warning | str, *_: Any, **__: Any) -> None:
 
 @contextmanager
 def quiet_loggers(*names: str, level: int = logging.CRITICAL + 1) -> Iterator[None]:
-    """Let loggers say nothing below a level for a while: what is to be told, we tell in a sentence."""
+    """Silence loggers below a level inside the context."""
     loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

@@ -77,7 +77,7 @@ def test_rows_share_their_data_but_for_what_is_their_own() -> None:
     other["data"] = {**shared["data"], "batch_size": 1, "augmentation": {"class_path": "A"}, "workers": 4}
     check_shared(row, other, shared)
     other["data"]["size"] = 32
-    with pytest.raises(InputError, match=r"the row a has data of its own \(data\.size\)"):
+    with pytest.raises(InputError, match=r"the row a sets data\.size, which all rows of a comparison share"):
         check_shared(row, other, shared)
 
 

@@ -1,3 +1,4 @@
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,30 @@ def test_a_new_run_begins_with_the_other_ones_generator(
         assert torch.equal(weights, saved[f"generator.{name}"])
     for name, weights in discriminator.state_dict().items():
         assert torch.equal(weights, before[name])
+
+
+def test_a_new_run_takes_the_other_ones_discriminator_too_with_other_rates(
+    other: Path, meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    saved = torch.load(other, weights_only=True)["state_dict"]
+    model = gan(generator_optimizer=partial(torch.optim.RMSprop, lr=1e-6))
+    start = StartFrom(str(other), discriminator=True)
+    run = trainer(tmp_path / "new", max_steps=0, callbacks=[start])
+    run.fit(model, data(meshes, cache))
+    assert model.discriminator is not None
+    for name, weights in model.discriminator.state_dict().items():
+        assert torch.equal(weights, saved[f"discriminator.{name}"])
+    assert run.optimizers[0].param_groups[0]["lr"] == 1e-6
+    with pytest.raises(InputError, match="holds a generator alone"):
+        trainer(tmp_path / "b", max_steps=0, callbacks=[StartFrom("shipped", discriminator=True)]).fit(
+            model, data(meshes, cache)
+        )
+    with pytest.raises(InputError, match="takes a file, not the address"):
+        trainer(tmp_path / "c", max_steps=0, callbacks=[StartFrom("https://example.org/m.ckpt")]).fit(
+            model, data(meshes, cache)
+        )
+    with pytest.raises(InputError, match="grow or discriminator, not both"):
+        StartFrom(grow=True, discriminator=True)
 
 
 def test_a_resumed_run_goes_on_with_its_own(other: Path, meshes: Path, cache: Path, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from PIL import Image
 from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer
 from normalgan.inference.composites.layers import encode_layers
-from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.jobs.writing import Writer
 from pens import blob, outline
 
 GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
@@ -317,14 +317,14 @@ def test_what_is_saved_while_others_are_painted_is_not_missed(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     draw("in/fox.png")
-    write = Outputs.write
+    write = Writer.write
 
     def write_and_save(*arguments: Any) -> Any:
-        monkeypatch.setattr(Outputs, "write", write)
+        monkeypatch.setattr(Writer, "write", write)
         os.utime("in/fox.png", ns=(1, 1))
         return write(*arguments)
 
-    monkeypatch.setattr(Outputs, "write", write_and_save)
+    monkeypatch.setattr(Writer, "write", write_and_save)
     watched(monkeypatch, lambda: None)
     assert generate("in", "--watch") == 1
     assert predicted(capsys.readouterr().out) == ["fox", "fox"]

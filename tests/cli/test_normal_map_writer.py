@@ -12,6 +12,8 @@ from torch import Tensor
 from normalgan.cli.normal_map_writer import NormalMapWriter
 from normalgan.errors import InputError, RunError
 from normalgan.gan import NormalGAN
+from normalgan.inference.outputs import AmbientOcclusion, Curvature, Height, ModelInput, Normal, Specular
+from normalgan.inference.outputs.outputs import Outputs
 from normalgan.models import UNetGenerator
 from normalgan.normals import Bits, encode, read_png
 from small import QUIET, data, gan, trainer
@@ -56,7 +58,7 @@ def draw(folder: Path, **sizes: tuple[int, int]) -> Path:
 def predict(
     sketches: Path, out: Path, bits: Bits = 8, model: NormalGAN | None = None, **settings: Any
 ) -> list[str]:
-    run = trainer(out.parent, callbacks=[NormalMapWriter(str(out), bits)])
+    run = trainer(out.parent, callbacks=[NormalMapWriter(out, Outputs(Normal(bits=bits)))])
     module = data(sketches, sketches, sketches=str(sketches), **({"mask": "model"} | settings))
     run.predict(model or gan(generator=Half(size=32, width=4)), module, return_predictions=False)
     return sorted(path.name for path in out.iterdir())
@@ -140,7 +142,7 @@ def test_a_read_only_folder_is_found_out(tmp_path: Path) -> None:
 
 def test_other_depths_are_refused() -> None:
     with pytest.raises(InputError, match="8 or 16, not 12"):
-        NormalMapWriter(bits=12)  # type: ignore[arg-type]
+        Normal(bits=12)  # type: ignore[arg-type]
 
 
 class Blind(Half):
@@ -176,7 +178,7 @@ def test_of_several_drawings_one_that_is_no_picture_is_named_and_the_others_are_
 
 def test_a_drawing_is_not_written_over(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40))
-    run = trainer(tmp_path, callbacks=[NormalMapWriter(str(drawings), suffix="")])
+    run = trainer(tmp_path, callbacks=[NormalMapWriter(drawings, Outputs(Normal(suffix="")))])
     module = data(drawings, drawings, sketches=str(drawings))
     with pytest.raises(InputError, match=r"a\.png is read and would be written over"):
         run.predict(gan(), module)
@@ -185,7 +187,8 @@ def test_a_drawing_is_not_written_over(tmp_path: Path) -> None:
 def test_all_that_generate_writes_can_be_had(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40))
     writer = NormalMapWriter(
-        str(tmp_path / "out"), format="exr", y="down", suffix="_n", show_input=True, height="tiff"
+        tmp_path / "out",
+        Outputs(Normal("exr", y="down", suffix="_n"), (ModelInput(), Height("tiff"))),
     )
     run = trainer(tmp_path, callbacks=[writer])
     module = data(drawings, drawings, sketches=str(drawings), map_size=80)
@@ -199,10 +202,10 @@ def test_all_that_generate_writes_can_be_had(tmp_path: Path) -> None:
 
 def test_shading_strength_and_one_scale_of_heights_are_those_of_generate(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40), b=(40, 40))
-    wanted = {"ao": True, "curvature": True, "specular": True, "height": "png", "height_scale": "batch"}
+    wanted = Outputs(others=(AmbientOcclusion(), Curvature(), Specular(), Height(height_scale="batch")))
     network = gan(generator=Half(size=32, width=4))
     for name, strength in (("plain", 1.0), ("flat", 0.0)):
-        writer = NormalMapWriter(str(tmp_path / name), strength=strength, **wanted)  # type: ignore[arg-type]
+        writer = NormalMapWriter(tmp_path / name, wanted, strength)
         module = data(drawings, drawings, sketches=str(drawings))
         trainer(tmp_path, callbacks=[writer]).predict(network, module, return_predictions=False)
     endings = ("ao", "curvature", "height", "normal", "specular")

@@ -84,6 +84,16 @@ def test_it_turns_the_object(tmp_path: Path) -> None:
     assert min(widths) < 0.7 * max(widths)  # a horse is longer than wide
 
 
+def test_a_sheet_seen_edge_on_is_no_drawing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sheet, out = tmp_path / "sheet.obj", tmp_path / "sheet.svg"
+    sheet.write_text("v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 2 3 4\n")
+    view = ("sketch", str(sheet), "-o", str(out), "--size", "64", "--azimuth", "30", "--elevation")
+    assert main([*view, "0"]) == 2
+    assert f"gets no lines from {sheet} at azimuth 30 and elevation 0; seen so" in capsys.readouterr().err
+    assert not out.exists()
+    assert main([*view, "40"]) == 0
+
+
 def test_it_loads_neither_torch_nor_lightning() -> None:
     # Nor, before there is a stroke to write as SVG, what takes half as long to load as all the rest.
     import subprocess

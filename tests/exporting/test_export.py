@@ -176,7 +176,7 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
     save(checkpoint, "ResidualUNetGenerator")
     arguments = ["export", str(checkpoint), "-o", str(tmp_path / "m.pt"), "--format", "torchscript"]
     assert main(arguments) == 2
-    said = "does not say the size of its pictures; export it with --size, which is the --data.size of its"
+    said = "does not say the size of its pictures; give the --data.size of its training"
     assert said in capsys.readouterr().err
     with pytest.raises(InputError, match=re.escape(said)):
         normalgan.load(checkpoint)
@@ -198,7 +198,10 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
             ["good.ckpt", "--format", "tflite"],
             "there is no format 'tflite'; it is one of onnx, safetensors, torchscript, pt2",
         ),
-        (["good.ckpt", "-o", "m.pt"], "m.pt is to be a .onnx, as --format onnx writes"),
+        (
+            ["good.ckpt", "-o", "m.pt"],
+            "--output m.pt must end in .onnx, which --format onnx writes, or pass --format torchscript.",
+        ),
         (["good.ckpt", "-o", "m.pt2", "--format", "pt2", "--half"], "--half is for onnx and safetensors"),
         (["good.ckpt", "--size", "4"], "8 pixels or more, not 4"),
         (["good.ckpt", "--size", "40"], "sides that are multiples of 32, not 40"),

@@ -6,7 +6,7 @@ import pytest
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.jobs.plan import MODEL
+from normalgan.inference.jobs.plan import MODEL, OUTLINE
 from normalgan.inference.network.extension import extend
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
@@ -170,13 +170,12 @@ def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:
 
 
 def test_an_open_outline_is_told(model: Path) -> None:
-    half, line = outline(blob()), np.zeros((200, 300), np.float32)
-    half[:, 170:] = 0
+    open_one, line = outline(blob()), np.zeros((200, 300), np.float32)
+    open_one[120:, 154:170] = 0
     line[100, 40:260] = 1
-    for ink, sentence in ((half, "a wide gap, which was closed"), (line, "its outline is not closed")):
-        predicted = predict(
-            OnnxBackend(model), prepare(Picture(np.repeat(1 - ink[..., None], 3, -1), None), 64)
-        )
+    for ink, sentence in ((open_one, "a wide gap, which was closed"), (line, "its outline is not closed")):
+        picture = Picture(np.repeat(1 - ink[..., None], 3, -1), None)
+        predicted = predict(OnnxBackend(model), prepare(picture, 64, source=OUTLINE))
         assert sentence in predicted.warning
 
 

@@ -12,7 +12,7 @@ from normalgan.errors import InputError
 from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.outputs.outputs import shading_of
+from normalgan.inference.outputs.shading import curvature_of, occlusion_of
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.tiling import MOST_TILED
 from normalgan.normals import angles
@@ -88,7 +88,8 @@ def test_heights_and_shading_go_on_past_the_edges(predicted: NormalMap) -> None:
     same = {name: np.roll(getattr(predicted, name), turned, (0, 1)) for name in ("extended", "mask", "alpha")}
     other = replace(predicted, **same)
     one, two = (
-        {"height": each.height(), **shading_of(each, ("ao", "curvature"))} for each in (predicted, other)
+        {"height": each.height(), "ao": occlusion_of(each), "curvature": curvature_of(each)}
+        for each in (predicted, other)
     )
     for name, values in one.items():
         assert np.abs(np.roll(values, turned, (0, 1)) - two[name]).mean() < 0.02 * np.ptp(values)

@@ -106,6 +106,7 @@ def test_lights_have_colours_and_go_around(opened: "Browser", server: Server) ->
         page.mouse.click(*studio.on_result(SIDE / 2 - 70, SIDE / 2))  # moves the second light away
         moved = colour()
         assert red[0] - moved[0] > 10
+        assert moved[0] - moved[2] < red[0] - red[2]
         page.locator("#light-both").uncheck()
         np.testing.assert_allclose(colour(), white, atol=3)
         page.locator("#light-play").click()

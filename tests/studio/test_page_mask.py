@@ -70,3 +70,37 @@ def test_an_open_outline_keeps_its_object_and_is_settled_by_a_dab(opened: "Brows
             studio.line((MIDDLE + 80, MIDDLE - 14), (MIDDLE + 80, MIDDLE + 14))
         assert page.locator("#warning").is_hidden()
         assert all(is_object(studio, *point) for point in inside)
+
+
+def test_a_click_makes_an_area_a_hole_and_object_again(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        with studio.repainting():
+            studio.circle(radius=30)
+        assert is_object(studio, MIDDLE, MIDDLE)
+        page.keyboard.press("a")
+        assert page.locator("#mask-area").get_attribute("aria-pressed") == "true"
+        column, row = map(round, studio.on_board(MIDDLE, MIDDLE))
+        plain = studio.screen()[row, column].astype(int)
+        page.mouse.move(column, row)
+        assert studio.screen()[row, column].astype(int).sum() < plain.sum() - 60  # what a click would change
+        with studio.repainting():
+            page.mouse.click(column, row)
+        assert not is_object(studio, MIDDLE, MIDDLE)
+        assert not is_object(studio, MIDDLE + 20, MIDDLE)
+        assert is_object(studio, MIDDLE + 55, MIDDLE)
+        stored = studio.wait_for_store(lambda each: bool(each["doc"]["layers"][0]["mask"]))
+        assert stored["doc"]["layers"][0]["mask"][0]["fills"] is True
+        with studio.repainting():
+            page.mouse.click(column, row)
+        assert is_object(studio, MIDDLE, MIDDLE)
+        for hole in (True, False):
+            with studio.repainting():
+                page.keyboard.press("Control+z")
+            assert is_object(studio, MIDDLE, MIDDLE) is not hole
+        with studio.saying("open to the paper's edge"):
+            page.mouse.click(*studio.on_board(8, 8))
+        assert page.locator("#mask-clear").is_disabled()

@@ -123,7 +123,7 @@ def test_what_cannot_be_painted_is_told_in_a_sentence(
     [
         (
             {"what": "song"},
-            'what is "song"; it is to be one of "map", "preview", "height", "relief", "mask", ',
+            'what is "song"; it is to be one of "map", "all", "ao", "curvature", "height", "mask", ',
         ),
         ({"what": "relief", "format": "exr"}, 'format is "exr"; it is to be one of "glb", "obj".'),
         ({"y": "left"}, 'y is "left"'),

@@ -85,7 +85,7 @@ def test_all_files_come_as_the_program_wants_them(
 
 
 @pytest.mark.parametrize(
-    ("kind", "name"), [("occlusion", "ao"), ("curvature", "curvature"), ("specular", "specular")]
+    ("kind", "name"), [("ao", "ao"), ("curvature", "curvature"), ("specular", "specular")]
 )
 def test_one_of_the_shading_maps_is_that_of_all_files(
     model: Path, tmp_path: Path, kind: str, name: str

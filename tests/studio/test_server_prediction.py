@@ -164,9 +164,10 @@ def test_a_warning_can_be_read_from_its_header(model: Path, tmp_path: Path) -> N
     arc = circle()
     arc[:, 90:] = 255
     with serving(model, tmp_path) as client:
-        warning = client.post("/api/predict", json=asking(picture=b64(png(arc)))).headers["x-warning"]
+        request = asking(picture=b64(png(arc)), source="outline")
+        warning = client.post("/api/predict", json=request).headers["x-warning"]
         assert client.post("/api/predict", json=asking(2)).headers["x-warning"] == ""
-    assert "its outline has a wide gap" in unquote(warning)
+    assert "its outline is not closed" in unquote(warning)
     assert "mask brush" in unquote(warning)  # the page has no --mask
     assert "--" not in unquote(warning)
     assert " " not in warning

@@ -1,5 +1,6 @@
 """What the studio's viewer draws, with WebGL and without, against NumPy."""
 
+import base64
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -107,6 +108,44 @@ def test_a_large_map_is_shaded_whole_when_the_light_rests(viewer: Viewer) -> Non
     viewer.page.evaluate("rested()")
     assert np.array_equal(viewer.screen(), whole)
     assert np.abs(near - whole).mean() < 3  # what is shown meanwhile is the same light
+
+
+def test_colours_and_falloff_are_the_same_with_and_without_a_graphics_card(viewer: Viewer) -> None:
+    rgba = references.ball(SIDE)
+    viewer.set_map(rgba)
+    viewer.set_view("lit")
+    viewer.set_light(LIGHT)
+    clay = viewer.screen().astype(float)
+    viewer.page.evaluate(
+        """([side, light]) => {
+          const pixels = new Uint8Array(4 * side * side);
+          for (let i = 0; i < side * side; i++)
+            pixels.set([220, 30, 20, i % side < side / 2 ? 255 : 0], 4 * i);
+          viewer.setColours({ rgba: pixels, width: side, height: side });
+          viewer.setLights({ direction: light, colour: [1, 1, 1] }, null, 0.5);
+        }""",
+        [SIDE, list(LIGHT)],
+    )
+    # What the file is made of is what is on show, however that is drawn.
+    shaded = viewer.page.evaluate(
+        """([text, side]) => {
+          const pixels = new Uint8Array(4 * side * side);
+          for (let i = 0; i < side * side; i++)
+            pixels.set([220, 30, 20, i % side < side / 2 ? 255 : 0], 4 * i);
+          const map = { rgba: bytes(text), width: side, height: side };
+          return Array.from(viewer.shaded(map, { rgba: pixels, width: side, height: side }));
+        }""",
+        [base64.b64encode(rgba.tobytes()).decode(), SIDE],
+    )
+    wanted = np.array(shaded, np.uint8).reshape(SIDE, SIDE, 4)[..., :3].astype(float)
+    shown = viewer.screen().astype(float)
+    full = inside(rgba)
+    left, right = full.copy(), full.copy()
+    left[:, SIDE // 2 - 2 :] = right[:, : SIDE // 2 + 2] = False
+    assert np.abs(shown - wanted)[left | right].mean() < 1
+    assert (shown[left][:, 0] - shown[left][:, 2]).mean() > 60  # red paint
+    assert (shown[right] - clay[right]).mean() > -120  # white paper
+    assert np.abs(shown[right][:, 0] - shown[right][:, 2]).mean() < 40
 
 
 def test_light_from_the_right_and_from_above_lights_the_right_and_the_top(viewer: Viewer) -> None:

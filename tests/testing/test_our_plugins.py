@@ -16,6 +16,17 @@ from normalgan.hints import (
     UniformHints,
     WorstErrorHints,
 )
+from normalgan.inference.outputs import (
+    OUTPUTS,
+    AmbientOcclusion,
+    Curvature,
+    Height,
+    Mask,
+    ModelInput,
+    Preview,
+    Relief,
+    Specular,
+)
 from normalgan.losses import (
     ADVERSARIAL_OBJECTIVES,
     RECONSTRUCTIONS,
@@ -67,6 +78,7 @@ from normalgan.testing import (
     line_drawing_checks,
     metric_checks,
     objective_checks,
+    output_checks,
     reconstruction_checks,
     renderer_checks,
 )
@@ -133,6 +145,24 @@ OURS: list[tuple[Registry[Any], list[Check[Any]], list[Any]]] = [
             MedianAngularError(),
             RootMeanSquareAngularError(),
             ShareBelow(7.5),
+        ],
+    ),
+    (
+        OUTPUTS,
+        output_checks(),
+        [
+            AmbientOcclusion(),
+            Curvature(),
+            Height(),
+            Height("tiff"),
+            Height(height_scale=20.0),
+            Mask(),
+            ModelInput(),
+            Preview(),
+            Preview("gif"),
+            Relief(faces=500),
+            Relief("obj"),
+            Specular(),
         ],
     ),
     (RENDERERS, renderer_checks(), [EmbreeRenderer(), PyrenderRenderer()]),

@@ -157,16 +157,16 @@ MODEL: dict[str, tuple[Callable[[Tree], object], str]] = {
         part("generator", class_path=NETWORK, init_args={"size": 32, "width": 400}),
         "its weights are not those of a UNetGenerator",
     ),
-    "the hints' class": (
-        part("hint_sampler", class_path=f"{EVIL}.Foo"),
-        f"no HintSampler named '{EVIL}.Foo'",
-    ),
     "a seed that is a class": (part("seed", **SYMPY), "its seed is"),
     "line widths that are a class": (part("line_widths", **SYMPY), "line_widths is"),
 }
 """Edits of the model that every command refuses, each with a part of the sentence."""
 
 TRAINING: dict[str, tuple[Callable[[Tree], object], str]] = {
+    "the hints' class": (
+        part("hint_sampler", class_path=f"{EVIL}.Foo"),
+        f"no HintSampler named '{EVIL}.Foo'",
+    ),
     "a schedule that runs a text": (
         part("lr_scheduler", class_path=LAMBDA, init_args={"lr_lambda": SYMPY}),
         f"lr_lambda of {LAMBDA}",

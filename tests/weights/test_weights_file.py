@@ -10,7 +10,7 @@ from safetensors import safe_open
 from safetensors.torch import load_file
 from small_weights import make_generator, make_weights
 
-from normalgan.hints import HINT_SAMPLERS, UniformHints
+from normalgan.hints import UniformHints
 from normalgan.models import UNetGenerator
 from normalgan.version import __version__
 from normalgan.weights.file import SHIPPED, parse_weights, read_weights
@@ -29,7 +29,7 @@ def test_what_is_written_paints_the_same_to_the_bit(tmp_path: Path) -> None:
     with torch.no_grad():
         assert torch.equal(read(condition), generator(condition))
     assert weights.notes == make_weights().notes
-    assert weights.notes.hint_sampler.build(HINT_SAMPLERS) == UniformHints(2, 9, 0.25)
+    assert weights.notes.build_hint_sampler() == UniformHints(2, 9, 0.25)
     other = UNetGenerator(size=32, width=4).eval()
     weights.load_into(other)
     with torch.no_grad():

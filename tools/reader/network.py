@@ -77,6 +77,9 @@ class Reader(nn.Module):
                 self.leave.append(nn.Conv2d(WIDTHS[level + 1], width, 1))
                 self.up.append(Block(width))
         self.unfold = nn.Sequential(nn.Conv2d(WIDTHS[0], 12 * FOLD**2, 1), nn.PixelShuffle(FOLD))
+        self.gate = nn.Conv2d(WIDTHS[0], 8, 1)  # whether lines are dark or light here
+        nn.init.zeros_(self.gate.weight)
+        nn.init.zeros_(self.gate.bias)
         self.last = nn.Conv2d(12 + 8, 2, 3, padding=1)
         self.ways = nn.Conv2d(WIDTHS[0], 2, 1)
 
@@ -96,4 +99,5 @@ class Reader(nn.Module):
         ways = functional.interpolate(
             self.ways(x), scale_factor=float(FOLD), mode="bilinear", align_corners=False
         )
-        return torch.cat([self.last(torch.cat([self.unfold(x), fine], 1)), ways], 1)
+        gate = functional.interpolate(self.gate(x), scale_factor=float(FOLD), mode="nearest")
+        return torch.cat([self.last(torch.cat([self.unfold(x), fine * (1 + gate)], 1)), ways], 1)

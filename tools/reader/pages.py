@@ -52,7 +52,7 @@ class Page:
 
 def page(rng: Rng, shapes: list[Shape], size: tuple[int, int], kind: str | None = None) -> Page:
     """Return a page of (H, W) pixels."""
-    kind = kind or str(rng.choice(KINDS, p=[0.26, 0.15, 0.11, 0.1, 0.08, 0.05, 0.06, 0.04, 0.03, 0.07, 0.05]))
+    kind = kind or str(rng.choice(KINDS, p=[0.18, 0.17, 0.1, 0.1, 0.08, 0.07, 0.06, 0.03, 0.07, 0.09, 0.05]))
     return _Writer(rng, shapes, size, kind).write()
 
 
@@ -186,6 +186,8 @@ class _Writer:
             return
         span = max(span, 8)
         strokes = [(s, k < shape.outlines) for k, s in enumerate(_moved(move, shape.strokes))]
+        if self.chance(0.35):
+            strokes += [(spot, False) for spot in self._spots(mask, span)]
         bare = _moved(move, shape.bare)
         if shape.normal is not None and not bare and self.chance(0.06):
             bare = self._whiskers(contours, span)
@@ -234,6 +236,8 @@ class _Writer:
             target = np.maximum(target, self._rim(mask, painted, ink if outline_drawn else None))
         if painted is not None:
             self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
+        if painted is not None or self.kind in {"inverted", "flat"}:
+            self.ink_weight[target > 0.5] = 2.0
         present = np.maximum(mask, np.where(whisker > 0.3, whisker, 0))
         thin = whisker > 0.3
         # overlapping objects: the later one covers the earlier one's middle
@@ -245,7 +249,7 @@ class _Writer:
             self.middle[0][inside] = (mx - xs) / self.long
             self.middle[1][inside] = (my - ys) / self.long
         self.presence = np.maximum(self.presence, present)
-        self._weigh(contours, mask, thin)
+        self._weigh(contours, mask, thin, drawn)
         if style.construction and painted is None:
             self._construction(contours, span, style)
         if not outline_drawn or over < 1:
@@ -311,6 +315,35 @@ class _Writer:
             )
         return found
 
+    def _spots(self, mask, span) -> list[Points]:
+        """Return small closed lines inside an object: eyes, buttons, spots, windows."""
+        rng, found = self.rng, []
+        depth = cv2.distanceTransform(np.pad((mask > 0.5).astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
+        size = span * np.exp(rng.uniform(np.log(0.008), np.log(0.1)))
+        for _ in range(rng.integers(1, 9)):
+            radius = max(size * np.exp(rng.normal(0, 0.3)), 1.5)
+            rows, columns = np.nonzero(depth > 1.3 * radius + 1)
+            if not len(rows):
+                continue
+            pick = rng.integers(len(rows))
+            centres = [np.array([columns[pick], rows[pick]], np.float32)]
+            if self.chance(0.35):  # a pair of eyes
+                beside = centres[0] + np.array([rng.uniform(2.3, 5) * radius, 0])
+                x, y = np.rint(beside).astype(int)
+                if x < self.w and depth[y, x] > 1.3 * radius:
+                    centres.append(beside)
+            corners = int(rng.choice([40, 40, 40, 4, 3, 6]))
+            t = np.linspace(0, 2 * np.pi, corners + 1) + rng.uniform(0, 6.28)
+            r = radius * (1 + (0.3 * (np.arange(corners + 1) % 2) if corners == 6 else 0.0))
+            outline = np.stack([r * np.cos(t), r * rng.uniform(0.6, 1.2) * np.sin(t)], 1)
+            outline[-1] = outline[0]
+            pupil = rng.uniform(0.25, 0.7) if self.chance(0.35) else 0
+            for centre in centres:
+                found.append((centre + outline).astype(np.float32))
+                if pupil:
+                    found.append((centre + pupil * outline).astype(np.float32))
+        return found
+
     # --- lines
     def _hand(self, strokes, span, style):  # noqa: PLR0912 - one choice after the other
         """Return (points, kind of pass) of lines as the hand draws them."""
@@ -318,8 +351,11 @@ class _Writer:
         damage = self.damage
         wobble = style.wobble * span
         least = rng.uniform(0.0, 0.12) if damage else 0.0
-        allowed = rng.uniform(0.02, 0.12) * span if damage else 0  # the widest gap of this drawing
-        open_end = damage and self.chance(0.3 * damage)
+        # the widest gap of this drawing
+        allowed = (
+            (rng.uniform(0.1, 0.22) if self.chance(0.3) else rng.uniform(0.02, 0.12)) * span * (damage > 0)
+        )
+        open_end = damage and self.chance(0.4 * damage)
         if open_end:
             way = rng.normal(0, 1, 2) if self.chance(0.4) else np.array([0.0, 1.0])
             ends = [(p @ way).max() for p, o in strokes if o]
@@ -528,8 +564,8 @@ class _Writer:
         self.page = self.page * (1 - faint) + np.float32(style.pen) * faint
         self.ink_weight[canvas > 40] *= 0.3
 
-    def _weigh(self, contours, mask, thin) -> None:
-        """Weigh what a mean over the page would lose: holes, what lies just outside, bare lines."""
+    def _weigh(self, contours, mask, thin, drawn) -> None:
+        """Weigh what a mean over the page would lose: holes, eyes, what lies just outside, bare lines."""
         solid = (mask > 0.5).astype(np.uint8)
         near = cv2.dilate(solid, np.ones((int(0.06 * self.long) | 1,) * 2, np.uint8))
         self.weight[(near > 0) & (solid == 0)] = 2.0
@@ -540,7 +576,13 @@ class _Writer:
         hole = (filled > 0) & (mask < 0.3)
         area = hole.sum()
         if area:
-            self.weight[hole] = np.clip(0.08 * self.h * self.w / area, 4, 16)
+            self.weight[hole] = np.clip(0.04 * self.h * self.w / area, 2, 8)
+        # Eyes, buttons and the other small closed shapes inside an object are no holes.
+        free = ((drawn < 0.3) & (mask > 0.6)).astype(np.uint8)
+        _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
+        weights = np.clip(0.02 * solid.sum() / np.maximum(stats[:, cv2.CC_STAT_AREA], 1), 1, 4)
+        weights[0] = 0
+        self.weight = np.maximum(self.weight, np.float32(weights)[labels])
         self.weight[thin] = 3.0
 
     # --- the ground

@@ -101,8 +101,8 @@ def _smooth(closed: Points) -> Points:
 def doodle(rng: Rng) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
     kind = rng.choice(
-        ["figure", "animal", "blob", "thing", "stick", "ring", "snow"],
-        p=[0.24, 0.2, 0.11, 0.13, 0.1, 0.17, 0.05],
+        ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame"],
+        p=[0.22, 0.19, 0.1, 0.12, 0.08, 0.1, 0.04, 0.15],
     )
     return _Doodle(rng).draw(kind)
 
@@ -114,6 +114,7 @@ class _Doodle:
         self.details: list[Points] = []
         self.bare: list[Points] = []
         self.holes: list[Points] = []
+        self.merged = False  # whether lines inside the union of its parts are left out
 
     def ellipse(self, cx, cy, rx, ry, turn=0.0, squareness=None, wobble=None) -> Points:
         rng = self.rng
@@ -196,7 +197,7 @@ class _Doodle:
         rng = self.rng
         getattr(self, "_" + kind)()
         overlap = rng.random() < 0.35  # as children do: every circle is drawn whole
-        return _shape(f"doodle/{kind}", self.parts, self.details, self.bare, self.holes, overlap, rng)
+        return _shape(f"doodle/{kind}", self.parts, self.details, self.bare, self.holes, overlap, self.merged)
 
     def _figure(self):  # noqa: PLR0912 - one choice after the other
         rng = self.rng
@@ -488,6 +489,73 @@ class _Doodle:
                 )
             )
 
+    def _wheel(self, cx, cy, r, thick):
+        """Add a ring, round or nearly."""
+        flat = self.rng.uniform(0.8, 1.25)
+        self.parts.append((self.ellipse(cx, cy, r, r * flat, squareness=1.0, wobble=0), True))
+        inner = self.ellipse(cx, cy, r - thick, r * flat - thick, squareness=1.0, wobble=0)
+        self.holes.append(inner)
+
+    def _bar(self, start, end, width, pierced=False):
+        """Add a straight bar; a hole behind it is not seen through it unless it is pierced."""
+        path = np.linspace(start, end, 8).astype(np.float32)
+        self.parts.append((self.tube(path, (width, width)), pierced))
+
+    def _frame(self):  # noqa: PLR0912 - one kind after the other
+        """Bars and rings that enclose air: spectacles, bicycles, tripods, ladders, chairs, fences."""
+        rng = self.rng
+        kind, width = rng.integers(5), rng.uniform(0.015, 0.06)
+        if kind == 0:  # spectacles
+            r, apart = rng.uniform(0.1, 0.18), rng.uniform(0.02, 0.1)
+            for side in (-1, 1):
+                self._wheel(0.5 + side * (r + apart / 2), 0.5, r, max(width * 0.6, 0.012))
+            y = 0.5 - rng.uniform(0, 0.6) * r
+            self._bar((0.5 - apart, y), (0.5 + apart, y), width * 0.7, pierced=True)
+            if rng.random() < 0.6:
+                for side in (-1, 1):
+                    x = 0.5 + side * (2 * r + apart / 2)
+                    self._bar((x, y), (x + side * 0.06, y - rng.uniform(0, 0.15)), width * 0.6)
+        elif kind == 1:  # vehicles, wheels with spokes
+            centres = [(x, 0.62) for x in ((0.28, 0.72) if rng.random() < 0.7 else (0.5,))]
+            r = rng.uniform(0.12, 0.2)
+            for x, y in centres:
+                self._wheel(x, y, r, max(width * 0.7, 0.012))
+                if rng.random() < 0.6:
+                    self.parts.append((self.ellipse(x, y, 0.03, 0.03, squareness=1.0, wobble=0), False))
+                for angle in rng.uniform(0, 6.28, rng.integers(0, 4)):
+                    self._bar((x, y), (x + r * np.cos(angle), y + r * np.sin(angle)), width * 0.5)
+            top = [(x + rng.normal(0, 0.05), 0.35 + rng.normal(0, 0.03)) for x in (0.4, 0.65)]
+            if len(centres) == 2:
+                for start, end in ((centres[0], top[0]), (top[0], top[1]), (top[1], centres[1])):
+                    self._bar(start, end, width * 0.7)
+                self._bar(top[1], (0.5, 0.62), width * 0.7)
+                self._bar((0.5, 0.62), centres[0], width * 0.7)
+        elif kind == 2:  # polygons of bars: tripods, hangers, trusses
+            n = rng.integers(3, 6)
+            t = np.sort(rng.uniform(0, 6.28, 1) + np.arange(n) * 2 * np.pi / n)
+            corners = np.stack([0.5 + 0.35 * np.cos(t), 0.5 + 0.35 * rng.uniform(0.5, 1) * np.sin(t)], 1)
+            for k in range(n):
+                start, end = corners[k], corners[(k + 1) % n]
+                over = rng.uniform(0, 0.25) if rng.random() < 0.4 else 0
+                self._bar(start - over * (end - start), end + over * (end - start), width)
+            if rng.random() < 0.5:
+                self._bar(corners[0], (corners[1] + corners[2]) / 2, width)
+        elif kind == 3:  # ladders, chairs' backs, fences, windows
+            wide, high = rng.uniform(0.12, 0.35), rng.uniform(0.15, 0.4)
+            for side in (-1, 1):
+                self._bar((0.5 + side * wide, 0.5 - high), (0.5 + side * wide, 0.5 + high * 1.2), width)
+            for y in np.linspace(-1, rng.uniform(0.2, 1), rng.integers(2, 6)):
+                self._bar((0.5 - wide, 0.5 + y * high), (0.5 + wide, 0.5 + y * high), width)
+        else:  # rings: tyres, doughnuts, frames
+            r, share = rng.uniform(0.2, 0.4), rng.uniform(0.3, 0.85)
+            square = rng.choice([1.0, 1.0, 0.3])
+            flat = rng.uniform(0.6, 1)
+            self.parts.append((self.ellipse(0.5, 0.5, r, r * flat, squareness=square, wobble=0), True))
+            shift = rng.normal(0, 0.1, 2) * r * (1 - share)
+            hole = self.ellipse(*(0.5 + shift), r * share, r * flat * share, squareness=square, wobble=0)
+            self.holes.append(hole)
+        self.merged = bool(rng.random() < 0.5)
+
     def _snow(self):
         rng = self.rng
         y, r = 0.75, rng.uniform(0.14, 0.22)
@@ -501,7 +569,7 @@ class _Doodle:
                 self.bare.append(np.array([[0.5 + side * 0.15, 0.5], [0.5 + side * 0.35, 0.4]], np.float32))
 
 
-def _shape(name, parts, details, bare, holes, overlap, rng) -> Shape:
+def _shape(name, parts, details, bare, holes, overlap, merged) -> Shape:
     """Return a shape of closed parts, later ones before earlier ones; lines that are hidden are left out."""
     side = 256
     strokes: list[Points] = []
@@ -533,6 +601,8 @@ def _shape(name, parts, details, bare, holes, overlap, rng) -> Shape:
     doubled = cv2.resize(union, None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
     found, _ = cv2.findContours(doubled, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     contours = [_smooth((c[:, 0].astype(np.float32) + 0.5) / (2 * side)) for c in found if len(c) > 8]
+    if merged:
+        strokes = [_closed(each) for each in contours]
     outlines = len(strokes)
     return Shape(name, [contours], [*strokes, *details], outlines, None, bare)
 

@@ -1,6 +1,6 @@
 """Trains the reader on pages made on the fly, and exports it.
 
-train.py VIEWS OUT [--minutes 45] [--measure] [--export READER.onnx]
+train.py VIEWS OUT [--minutes 45] [--start LAST.pt] [--measure] [--export READER.onnx]
 
 OUT/last.pt is written every two minutes and gone on from; the rate falls to nothing at the end of the time.
 """
@@ -19,7 +19,7 @@ from torch.nn import functional
 from torch.utils.data import DataLoader, IterableDataset
 
 SIZES = (((256, 256), 8), ((256, 256), 8), ((256, 192), 10), ((192, 288), 9), ((352, 352), 4))
-RATE = 2e-3
+RATE = 1.2e-3
 
 
 class Pages(IterableDataset):
@@ -31,8 +31,8 @@ class Pages(IterableDataset):
     def __iter__(self):
         cv2.setNumThreads(1)
         views = Views(self.views, held_out=False)
-        # Every sixth object has a hole, where otherwise every thirtieth would.
-        shapes = views.shapes + views.pierced * max(len(views.shapes) // (6 * max(len(views.pierced), 1)), 1)
+        # Every eighth object has a hole, where otherwise every thirtieth would.
+        shapes = views.shapes + views.pierced * max(len(views.shapes) // (8 * max(len(views.pierced), 1)), 1)
         print(len(views.shapes), "views,", len(views.pierced), "with holes", flush=True)
         worker = torch.utils.data.get_worker_info()
         rng = np.random.default_rng([self.seed, worker.id if worker else 0])
@@ -113,6 +113,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
     parser.add_argument("views", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--minutes", type=float, default=45)
+    parser.add_argument("--start", type=Path, help="weights of another run that this one begins with")
     parser.add_argument("--measure", action="store_true")
     parser.add_argument("--export", type=Path)
     given = parser.parse_args()
@@ -132,6 +133,11 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
         mean.load_state_dict(kept["mean"])
         optimizer.load_state_dict(kept["optimizer"])
         done, seconds = kept["steps"], kept["seconds"]
+    elif given.start is not None:
+        kept = torch.load(given.start)
+        # Parts that the network has got since then begin by changing nothing.
+        model.load_state_dict(kept["model"], strict=False)
+        mean.load_state_dict(kept["mean"], strict=False)
     if given.measure or given.export:
         if given.measure:
             for kind, score in measure(mean.module, given.views).items():

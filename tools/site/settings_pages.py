@@ -61,8 +61,9 @@ def parts_page() -> str:
         "What comes with the package. `normalgan plugins` also lists those of other packages; "
         "[write one](../plugins.md). A setting is given as `init_args`. This page is made from the code.",
     ]
-    for kind, registry in REGISTRIES.items():
-        parts.append(f"## {SETTINGS[kind]}")
+    for kind, setting in SETTINGS.items():
+        parts.append(f"## {setting}")
+        registry = REGISTRIES[kind]
         for cls in registry:
             if registry.package(cls.__name__).startswith("normalgan "):
                 parts += [f"### {cls.__name__}", _about(cls), class_table(cls)]

@@ -18,6 +18,7 @@ from pathlib import Path
 from mkdocs.config.defaults import MkDocsConfig
 
 from normalgan.inference.network.onnx_backend import OnnxBackend
+from normalgan.studio.exports import with_export_menu
 from normalgan.studio.page_files import markup
 
 ROOT = Path(__file__).parents[2]
@@ -128,7 +129,7 @@ def build(folder: Path, runtime: bytes) -> None:
     about = '<p id="about" class="quiet"></p>'
     assert main in text, "the page's script has another name"
     assert about in text, "the page's help has no line about itself"
-    text = markup(text.replace(main, first + main).replace(about, _ABOUT + about), page)
+    text = markup(with_export_menu(text).replace(main, first + main).replace(about, _ABOUT + about), page)
     (folder / "index.html").write_text(text, encoding="utf-8")
     _write_service_worker(folder)
 

@@ -5,7 +5,6 @@
 
 import { documents } from "./documents.js";
 import { encodePng, levelsOf } from "./png.js";
-import { blurred } from "./raster.js";
 
 const MOST = 2048;
 /** What can be exported without Python, and its formats. */
@@ -127,9 +126,8 @@ async function drawing(path, body) {
 }
 
 /** Returns a map as a file. @param {Painted} map @param {8 | 16} bits @param {boolean} down whether green is turned over @param {boolean} transparent */
-function png({ width, height, normals = new Float32Array(), mask = new Uint8Array() }, bits, down, transparent) {
-  // The staircase of the mask becomes an edge of a pixel, as normalgan.inference.pipeline has it.
-  const alpha = transparent ? blurred(mask, width, height, 1).map((value) => Math.round(255 * Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5))) / 255) : null;
+function png({ width, height, normals = new Float32Array(), mask = new Uint8Array(), covered = new Float32Array() }, bits, down, transparent) {
+  const alpha = transparent ? covered.map((value) => Math.round(255 * value) / 255) : null;
   return encodePng(levelsOf(normals, mask, alpha, down, bits), width, height, bits);
 }
 

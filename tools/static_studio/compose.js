@@ -2,8 +2,8 @@
 
 import { distance, where } from "./raster.js";
 
-/** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number, confidence: Float32Array | null}} LayerMap
- *   x, y, z of each pixel, the object, and the model's κ */
+/** @typedef {{normals: Float32Array, mask: Uint8Array, covered: Float32Array, width: number, height: number, confidence: Float32Array | null}} LayerMap
+ *   x, y, z of each pixel, the object, how much of each pixel that covers, and the model's κ */
 
 /**
  * Returns one map: what is in front hides what is behind it; off all layers the nearest goes on.
@@ -14,10 +14,11 @@ export function compose(maps) {
   const [back, ...others] = maps;
   if (!others.length) return back;
   const { width, height } = back;
-  const [normals, mask] = [back.normals.slice(), back.mask.slice()];
+  const [normals, mask, covered] = [back.normals.slice(), back.mask.slice(), back.covered.slice()];
   const confidence = maps.every((each) => each.confidence) ? back.confidence?.slice() ?? null : null;
   for (const front of others) {
     for (let i = 0; i < mask.length; i++) {
+      covered[i] = front.covered[i] + (1 - front.covered[i]) * covered[i];
       if (!front.mask[i]) continue;
       mask[i] = 1;
       if (confidence && front.confidence) confidence[i] = front.confidence[i];
@@ -31,5 +32,5 @@ export function compose(maps) {
     for (let k = 1; k < maps.length; k++) if (away[k][i] < away[nearest][i]) nearest = k;
     for (let c = 3 * i; c < 3 * i + 3; c++) normals[c] = maps[nearest].normals[c];
   }
-  return { normals, mask, width, height, confidence };
+  return { normals, mask, covered, width, height, confidence };
 }

@@ -1,5 +1,6 @@
 /** Finish: what the network painted at the drawing's size and place, as normalgan.inference does it in Python. */
 
+import { softEdge } from "./edge.js";
 import { Unpaintable, shrunk } from "./prepare.js";
 import { boxOf, distance, extreme, part, quantile, resized, where } from "./raster.js";
 
@@ -50,7 +51,15 @@ export async function finish(prepared, painted, refiner, hand = null) {
     if (size > 1e-8) for (let c = 0; c < 3; c++) out[i + c] /= size;
     else out.set([0, 0, 1], i);
   }
-  return { normals: out, mask, warning: warnings.join("; ") };
+  return { normals: out, mask, covered: coveredBy(prepared, mask), warning: warnings.join("; ") };
+}
+
+/** Returns how much of each pixel the object covers: what is no longer the outline's has an edge of a pixel. @param {Prepared} prepared @param {Uint8Array} mask */
+function coveredBy({ covered, width, height }, mask) {
+  const soft = softEdge(mask, width, height);
+  if (!covered) return soft;
+  const changed = extreme(where(mask, (value, i) => (value > 0) !== (covered[i] > 0.5)), width, height, 2, 1);
+  return soft.map((value, i) => (changed[i] ? value : covered[i]));
 }
 
 /** @param {Uint8Array} values */

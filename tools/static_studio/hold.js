@@ -1,10 +1,14 @@
 /** Hold: a painted map held to what a hand says of it, as normalgan.inference.edits does it in Python. */
 
+import { components, where } from "./raster.js";
+
 /** @typedef {import("./document.js").Hint} Hint @typedef {import("./document.js").Area} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
 
-/** @typedef {{points: number[], size: number, adds: boolean}} MaskStroke */
+/** @typedef {{points: number[], size: number, adds: boolean, fills?: boolean}} MaskStroke fills: a click, for all of the area about it */
 
+/** How dark a line is at least that parts one area from another. */
+const INKED = 0.35;
 const REACH = 0.05;
 const SOFT = 0.01;
 
@@ -20,11 +24,21 @@ export function hold(map, hints, areas, scale) {
 /**
  * Returns 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; null if there are none.
  * @param {MaskStroke[]} strokes @param {number} width @param {number} height @param {number} scale
+ * @param {Float32Array} ink the lines, which part one area from another
  */
-export function byHand(strokes, width, height, scale) {
+export function byHand(strokes, width, height, scale, ink) {
   if (!strokes.length) return null;
   const out = new Int8Array(width * height);
-  for (const { points, size, adds } of strokes) {
+  /** @type {Int32Array | null} */
+  let areas = null;
+  for (const { points, size, adds, fills } of strokes) {
+    if (fills) {
+      areas ??= components(where(ink, (value) => value <= INKED), width, height, 4).labels;
+      const [column, row] = [Math.floor(points[0] * scale), Math.floor(points[1] * scale)];
+      const area = areas[Math.max(0, Math.min(height - 1, row)) * width + Math.max(0, Math.min(width - 1, column))];
+      if (area) for (let i = 0; i < out.length; i++) if (areas[i] === area) out[i] = adds ? 1 : -1;
+      continue;
+    }
     const cover = covered(points.map((value) => value * scale), (size * scale) / 0.7, width, height, 0);
     for (let i = 0; i < out.length; i++) if (cover[i] > 0.5) out[i] = adds ? 1 : -1;
   }

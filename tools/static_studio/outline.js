@@ -1,5 +1,6 @@
 /** Outline: what the lines of a drawing enclose, past gaps, as normalgan.inference.mask.filling does it in Python. */
 
+import { snap } from "./edge.js";
 import { lineWidth } from "./prepare.js";
 import { boxOf, components, enclosedBy, resized, thicker, where } from "./raster.js";
 
@@ -7,6 +8,7 @@ const SIDE = 512;
 /** Half the widths of the gaps that thick lines close, and the costs of bridges, as shares of the span. */
 const STEPS = [[0, 0], [0.005, 0], [0.012, 0], [0.005, 0.08], [0.005, 0.16], [0.005, 0.25], [0.022, 0.25], [0.035, 0.25]];
 const MARGIN = 0.035;
+const [OFF, LEAST_OFF] = [2.5, 2];
 const [ENOUGH, FAILED, BELIEVED, DEAREST] = [0.93, 0.5, 0.8, 3];
 const [ONTO, NEAR, WAYS, MOST] = [1.3, 0.2, 3, 400];
 const FAN = [-45, -30, -15, 0, 15, 30, 45].map((angle) => (angle * Math.PI) / 180);
@@ -15,7 +17,7 @@ const FAN = [-45, -30, -15, 0, 15, 30, 45].map((angle) => (angle * Math.PI) / 18
 /** @typedef {{x: number, y: number, toX: number, toY: number, cost: number}} Bridge */
 
 /**
- * Returns the mask of an outline, how much of the ink encloses anything, and whether a wide gap was closed.
+ * Returns the mask of an outline, how much of each pixel it covers, how much of the ink encloses anything, and whether a wide gap was closed.
  * @param {Float32Array} ink @param {number} width @param {number} height
  */
 export function fillOutline(ink, width, height) {
@@ -23,7 +25,7 @@ export function fillOutline(ink, width, height) {
   const [wide, high] = [width, height].map((side) => Math.max(1, Math.round(side * scale)));
   const small = scale === 1 ? ink : resized(ink, width, height, wide, high);
   const box = boxOf(small, wide, high, 0.35);
-  if (!box) return { mask: new Uint8Array(width * height), closed: 0, guessed: false };
+  if (!box) return { mask: new Uint8Array(width * height), covered: new Float32Array(width * height), closed: 0, guessed: false };
   const span = Math.max(box[2] - box[0], box[3] - box[1]);
   const margin = Math.floor(MARGIN * span) + 2;
   const [padded, rows] = [wide + 2 * margin, high + 2 * margin];
@@ -38,7 +40,9 @@ export function fillOutline(ink, width, height) {
   let mask = new Uint8Array(wide * high);
   for (let y = 0; y < high; y++) mask.set(filled.subarray((y + margin) * padded + margin, (y + margin) * padded + margin + wide), y * wide);
   if (scale !== 1) mask = where(resized(mask, wide, high, width, height), (value) => value > 0.5);
-  return { mask, closed: filling.closed, guessed };
+  // At that size the edge is off by some of its pixels.
+  const covered = snap(mask, ink, width, height, Math.max((OFF * Math.max(width, height)) / SIDE, LEAST_OFF));
+  return { mask: where(covered, (value) => value > 0.5), covered, closed: filling.closed, guessed };
 }
 
 /** An inside that grows while gaps are closed. */

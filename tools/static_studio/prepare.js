@@ -11,6 +11,7 @@ import { blurred, boxOf, components, distance, enclosedBy, extreme, filtered, me
  * @property {number} height
  * @property {Float32Array} ink lines 1, paper 0
  * @property {Uint8Array | null} mask the object, if that is known
+ * @property {Float32Array | null} covered how much of each pixel that covers, if its outline has told it
  * @property {Float32Array | null} alpha the drawing's opacity, if that tells the mask
  * @property {Frame} frame
  * @property {Float32Array} seen what the network is shown
@@ -57,7 +58,7 @@ export function prepare(plane, size, source, longest, widths) {
   const side = Math.max(right - left, bottom - top) / (1 - 2 * MARGIN);
   const frame = { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
   const seen = shown(ink, width, height, frame, widths);
-  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, alpha: null };
+  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...fillOutline(ink, width, height) };

@@ -25,7 +25,7 @@ const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
  * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number}} Wish
  *   layers: the hindmost first; what is to be answered; count: of points
  * @typedef {import("./compose.js").LayerMap & {warning: string, certainty: () => Float32Array}} Painted certainty: the model's κ
- * @typedef {{rgba: Uint8Array, width: number, height: number, warning: string, normals?: Float32Array, mask?: Uint8Array,
+ * @typedef {{rgba: Uint8Array, width: number, height: number, warning: string, normals?: Float32Array, mask?: Uint8Array, covered?: Float32Array,
  *   shares?: Uint8Array, points?: import("./suggest.js").Point[]}} Answer
  */
 
@@ -101,11 +101,11 @@ async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
     const feeds = { sketch: new ort.Tensor("float32", lines.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
     const { normal, confidence } = await session.run(feeds);
-    const { normals, mask, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale));
+    const { normals, mask, covered, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale, lines.ink));
     const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
     hold({ normals, mask, width, height }, hints, areas, scale);
     // Only few ask for it, and it is as large as the map.
-    return { normals, mask, width, height, warning, confidence: null, certainty: () => restored(confidence.data, lines, 1) };
+    return { normals, mask, covered, width, height, warning, confidence: null, certainty: () => restored(confidence.data, lines, 1) };
   });
 }
 
@@ -133,14 +133,14 @@ async function paint({ layers, longest, what, count }) {
   if (!maps.length) throw first ?? new Unpaintable("there is nothing to be painted.");
   const unsure = what === "doubt" || what === "points";
   const map = compose(maps.map((each) => ({ ...each, confidence: unsure ? each.certainty() : null })));
-  const { normals, mask, width, height, confidence } = map;
+  const { normals, mask, covered, width, height, confidence } = map;
   const rgba = new Uint8Array(4 * width * height);
   for (let i = 0; i < mask.length; i++) {
     for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
-    rgba[4 * i + 3] = mask[i] ? 255 : 0;
+    rgba[4 * i + 3] = Math.round(255 * covered[i]);
   }
   const answer = { rgba, width, height, warning: said.join("; ") };
-  if (what === "exact") return { ...answer, normals: normals.slice(), mask: mask.slice() };
+  if (what === "exact") return { ...answer, normals: normals.slice(), mask: mask.slice(), covered: covered.slice() };
   if (what === "doubt") {
     return { ...answer, shares: Uint8Array.from(mask, (there, i) => (there && confidence ? Math.round(255 * Math.min(doubt(confidence[i]), 1)) : 0)) };
   }

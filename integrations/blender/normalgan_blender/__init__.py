@@ -43,7 +43,9 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012 - Blender reads it so
 
     filter_glob: StringProperty(  # type: ignore[valid-type]
-        default="*.png;*.jpg;*.jpeg;*.webp;*.bmp;*.tif;*.tiff;*.svg;*.psd;*.kra;*.ora", options={"HIDDEN"}
+        default="*.png;*.apng;*.jpg;*.jpeg;*.webp;*.bmp;*.tif;*.tiff;*.gif;*.svg;*.avif;*.heic;*.heif;"
+        "*.psd;*.kra;*.ora;*.ase;*.aseprite",
+        options={"HIDDEN"},
     )
     surface: EnumProperty(  # type: ignore[valid-type]
         name="Surface",

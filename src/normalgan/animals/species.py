@@ -19,6 +19,7 @@ from normalgan.animals.objects import BLOBS
 from normalgan.animals.plan import RISING, Between, BodyPlan
 from normalgan.animals.plush import PLUSH
 from normalgan.errors import InputError, brief, did_you_mean
+from normalgan.files.limits import read_bounded
 
 __all__ = ["FOLDER", "GROUPS", "PLANS", "SHARED", "SPECIES", "read_species"]
 
@@ -128,7 +129,9 @@ def _shared() -> dict[str, Any]:
 
 def _toml(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(read_bounded(path).decode("utf-8"))
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error
     except ValueError as error:  # tomllib's, or of bytes that are no UTF-8

@@ -1,3 +1,3 @@
-"""The comparison of methods: one split, one renderer, one budget, the same hints for all."""
+"""Benchmark: compares methods on one split, with one renderer, one budget and the same hints."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""normalgan benchmark: trains and measures every method of a plan, or measures a model as the plan does."""
+"""normalgan benchmark: trains and measures the methods of a plan, or measures a given model."""
 
 import warnings
 from dataclasses import replace
@@ -32,7 +32,7 @@ __all__ = [
 
 
 def run(arguments: list[str]) -> int:
-    """Do what the arguments ask for and return the exit code: 1 if a run failed.
+    """Run the command and return the exit code: 1 if a run failed.
 
     Raises:
         InputError: if something that was given cannot be used.
@@ -169,8 +169,8 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
     """Measure a model on the plan's test split, print its tables, and return the exit code.
 
     Args:
-        plan: in what way.
-        scale: at which.
+        plan: the plan.
+        scale: its scale.
         name: of the model's file, or ``shipped``.
         out: folder of ``evaluation.json``, which has all figures; None writes none.
     """
@@ -245,7 +245,7 @@ def measure_human(options: Namespace) -> int:
 
 
 def check(plan: Plan, scale: Scale, specification: Path) -> None:
-    """Make sure that a plan at a scale measures on what a specification has frozen.
+    """Check that a plan at a scale uses the data of a frozen specification.
 
     Raises:
         InputError: if it does not.
@@ -260,7 +260,7 @@ def check(plan: Plan, scale: Scale, specification: Path) -> None:
 
 
 def _tell(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", out: Path | None) -> None:
-    """Print the tables of a method's figures, and write these into a folder if there is one."""
+    """Print the tables of a method's figures, and write the figures to a folder if one is given."""
     from normalgan.benchmark.curves import draw_calibration
     from normalgan.benchmark.table import markdown, mesh_table
     from normalgan.benchmark.training import write_json

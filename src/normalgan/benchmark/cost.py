@@ -1,4 +1,4 @@
-"""Cost: the size of a generator, its work for a map, and its speed on this machine."""
+"""Cost: a generator's parameters, operations for a map, and speed on this machine."""
 
 from itertools import count
 from time import perf_counter
@@ -15,7 +15,7 @@ __all__ = ["flops", "images_per_second", "parameters"]
 
 
 def parameters(network: nn.Module) -> int:
-    """Return how many numbers a network learns.
+    """Return the number of trainable parameters.
 
     >>> parameters(nn.Linear(3, 2))
     8
@@ -24,9 +24,9 @@ def parameters(network: nn.Module) -> int:
 
 
 def flops(network: nn.Module, size: int, device: torch.device) -> int:
-    """Return the floating-point operations of painting one map; a multiplication and an addition are two.
+    """Return the floating-point operations for one map; a multiplication and an addition count as two.
 
-    Counted are convolutions and products of matrices, which is nearly all.
+    Only convolutions and matrix products are counted, which are nearly all.
 
     Args:
         network: a generator, which takes (N, 4, size, size).
@@ -39,13 +39,13 @@ def flops(network: nn.Module, size: int, device: torch.device) -> int:
 
 
 def images_per_second(method: Method, batch: Batch, device: torch.device, seconds: float = 1.0) -> float:
-    """Return how many maps are painted in a second, in batches of this one's size.
+    """Return the maps predicted in a second, in batches of a given size.
 
     Args:
-        method: what paints.
-        batch: what is painted, again and again.
-        device: where.
-        seconds: how long to go on; at least one batch is painted, after one to warm up.
+        method: the method.
+        batch: the batch to repeat.
+        device: where to predict.
+        seconds: duration; at least one batch is measured, after one to warm up.
     """
     here = moved(batch, device)
     with true_float32():
@@ -61,6 +61,6 @@ def images_per_second(method: Method, batch: Batch, device: torch.device, second
 
 
 def _wait(device: torch.device) -> None:
-    """Wait for the device, which works on while Python goes ahead."""
+    """Wait for the device, which works asynchronously."""
     if device.type == "cuda":
         torch.cuda.synchronize(device)

@@ -1,4 +1,4 @@
-"""The curves of a benchmark: error against what was learnt from, and against the number of hints."""
+"""The curves of a benchmark: error by training images, and by number of hints."""
 
 from collections.abc import Iterable, Sequence
 from io import BytesIO
@@ -28,7 +28,7 @@ _REFERENCE = "0.25"  # grey
 
 
 def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
-    """Return the curves as a PNG, a line of two panels for each group of rows; None if nothing is trained.
+    """Return the curves as a PNG, two panels for each group of rows; None if nothing is trained.
 
     Lines are means over the seeds, bands reach from the lowest seed to the highest. The reference of the
     plan is in every panel, dashed.
@@ -72,10 +72,10 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
 
 
 def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None:
-    """Return how errors that confidences promise go with those observed, as a PNG; None if there are none.
+    """Return the calibration curves as a PNG: observed error by predicted error; None without confidences.
 
-    A panel without hints and one with those of table 1, a line a row, over all seeds; below it the share of
-    pixels. On the diagonal a confidence keeps what it promises; above it the model is too sure.
+    One panel without hints and one with the hints of table 1, a line for each row, over all seeds; below it
+    the share of pixels. On the diagonal a model is calibrated; above it, overconfident.
 
     Args:
         plan: in whose order the rows come.
@@ -116,7 +116,7 @@ def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None
 def calibration_curve(
     runs: Iterable[Result], given: str
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return degrees promised and observed and the share of pixels, each (K,), of all runs together."""
+    """Return predicted and observed degrees and the share of pixels, each (K,), over all runs."""
     bins: dict[int, NDArray[np.float64]] = {}
     for run in runs:
         for one in run["calibration"][given] or ():
@@ -133,9 +133,9 @@ def _promises(run: Result) -> bool:
 
 
 def learning_curve(runs: Iterable[Result]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return images (K,) and errors (seeds, K); runs of unequal length are read off at the longest's images.
+    """Return images (K,) and errors (seeds, K), interpolated at the images of the longest run.
 
-    Under a budget of time no two runs are alike; where a run has ended, its line has too (nan).
+    Under a time budget runs differ in length; after its end a run has nan.
     """
     curves = [
         np.array([(record["images"], record[VALIDATION]) for record in run["curve"]], float).T for run in runs

@@ -1,4 +1,4 @@
-"""Hints with noise: as a person gives them, in a direction or at a place that is not quite right."""
+"""Noisy hints, wrong in direction or position, as people give them."""
 
 from collections.abc import Sequence
 
@@ -23,10 +23,10 @@ def noisy_hints(
     degrees: float,
     pixels: float,
 ) -> Tensor:
-    """Return hints (N, 4, H, W) that are off by an angle and by a distance, each in a direction of its own.
+    """Return hints (N, 4, H, W) turned by an angle and moved by a distance, each in its own random direction.
 
-    Every hint is turned by exactly so many degrees, never away from the viewer, and lies so many pixels
-    from the place whose normal it tells, rounded, on the object; if there is no such place it stays.
+    Every hint is turned by exactly ``degrees``, never away from the viewer, and moved by ``pixels``,
+    rounded, on the object; it stays if there is no such place.
 
     Args:
         normal: (N, 3, H, W) true unit normals.
@@ -52,10 +52,10 @@ def noisy_hints(
 
 
 def turn(normals: NDArray[np.float64], degrees: float, azimuths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return unit normals (K, 3), z to the viewer, turned by so many degrees, each in its own direction.
+    """Turn unit normals (K, 3), z to the viewer, by an angle in degrees, each in its own direction.
 
-    Azimuths (K,) around the normals, in radians, say in which. One that would face away is turned the
-    other way.
+    The azimuths (K,) around the normals, in radians, are the directions. A normal that would face away is
+    turned the other way.
 
     >>> turned = turn(np.array([[0.0, 0.0, 1.0]]), 90.0, np.array([0.0]))
     >>> round(float(turned[0, 2]), 6)

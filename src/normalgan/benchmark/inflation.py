@@ -1,4 +1,4 @@
-"""Inflation: the normals of a silhouette that is blown up, with nothing learnt."""
+"""Inflation: the normals of an inflated silhouette, a baseline without learning."""
 
 from typing import Any
 

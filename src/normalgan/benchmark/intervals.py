@@ -1,4 +1,4 @@
-"""Intervals: how far a figure would move with other test meshes (a bootstrap), and with other seeds too."""
+"""Confidence intervals over test meshes (a bootstrap) and over seeds."""
 
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -29,7 +29,7 @@ Table = NDArray[np.float64]
 
 
 class Interval(NamedTuple):
-    """A figure and where it may lie."""
+    """A figure and its confidence interval."""
 
     value: float
     low: float
@@ -37,10 +37,10 @@ class Interval(NamedTuple):
 
 
 def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | None:
-    """Return a figure of a method with its interval over the meshes; None without two, or a figure for each.
+    """Return a method's figure with its interval over meshes; None without two meshes or a figure.
 
-    The figure is pooled over pixels, as those of the tables are, in each run, and the mean over the runs.
-    Meshes are drawn with replacement, all views of one together; the seeds stay.
+    The figure is pooled over pixels in each run, as in the tables, and averaged over the runs. Meshes are
+    drawn with replacement, with all their views; seeds are fixed.
 
     Args:
         runs: of one method, a seed each.
@@ -59,11 +59,11 @@ def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | N
 def difference_interval(
     runs: Sequence[Result], reference: Sequence[Result], given: str, name: str, beside: str | None = None
 ) -> Interval | None:
-    """Return how much larger a method's figure is than the reference's, with its interval over the meshes.
+    """Return the difference of a method's figure from the reference's, with its interval over meshes.
 
-    Paired: both are measured on the same drawn meshes, so that what makes a mesh hard for both falls out.
-    The seeds stay: it is the interval of these trained networks, not of the methods (`total_interval`).
-    None if they have not the same meshes, or fewer than two.
+    The samples are paired: both are measured on the same drawn meshes, so that a mesh hard for both cancels.
+    Seeds are fixed, so this is the interval of these trained networks, not of the methods (`total_interval`).
+    None if their meshes differ or are fewer than two.
 
     Args:
         runs: of the method.
@@ -84,11 +84,12 @@ def difference_interval(
 def total_interval(
     runs: Sequence[Result], reference: Sequence[Result], given: str, name: str, beside: str | None = None
 ) -> Interval | None:
-    """Return the same difference with an interval over other meshes and other seeds.
+    """Return the same difference with an interval over meshes and seeds.
 
-    Paired by mesh and by seed, of the seeds that both have. The variance of the mean over the meshes and that
-    over the seeds are added, which counts what depends on both twice and errs on the wide side; the interval
-    is Student's, whose degrees of freedom are Satterthwaite's. None without two meshes and two such seeds.
+    The samples are paired by mesh and by common seed. The variances of the means over meshes and over seeds
+    are added, which counts their interaction twice and makes the interval too wide rather than too narrow.
+    The interval is Student's with Satterthwaite's degrees of freedom. None without two meshes and two such
+    seeds.
 
     Args:
         runs: of the method.
@@ -117,9 +118,9 @@ def total_interval(
 
 
 def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> NDArray[np.int64]:
-    """Return which of ``count`` meshes each draw takes, (draws, count), with replacement.
+    """Return the meshes of each bootstrap draw, (draws, count), with replacement.
 
-    All that there are, each once, if these are no more than ``most``; else so many at random.
+    All possible draws if they are at most ``most``, otherwise ``most`` random ones.
 
     >>> draws_of(2).tolist()
     [[0, 0], [0, 1], [1, 0], [1, 1]]

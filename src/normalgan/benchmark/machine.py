@@ -1,4 +1,4 @@
-"""What a result was made on and with: machine, versions, commit."""
+"""The machine, versions and commit of a result."""
 
 import os
 import platform
@@ -16,7 +16,7 @@ _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 
 
 def describe_machine(device: torch.device) -> dict[str, str | int]:
-    """Return what the speed depends on; no name of the machine."""
+    """Return the hardware that speed depends on, without the machine's name."""
     described: dict[str, str | int] = {
         "system": platform.system(),
         "processor": _processor(),

@@ -1,4 +1,4 @@
-"""Method: whatever paints a normal map, trained or not, as the benchmark measures it."""
+"""Method: anything that predicts normal maps, trained or not."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from normalgan.batch import Batch
 from normalgan.benchmark.inflation import inflated_normals
 from normalgan.gan import NormalGAN
-from normalgan.hints import HINT_SAMPLERS, HintSampler, NoHints
+from normalgan.hints import HintSampler, NoHints
 from normalgan.losses import Wasserstein
 from normalgan.seeds import derive_seed
 from normalgan.weights.file import Weights
@@ -52,18 +52,18 @@ class Method:
 
 
 def constant_method() -> Method:
-    """Return the method that takes every surface to face the viewer."""
+    """Return the method whose normals all face the viewer."""
     facing = torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1)
     return Method(lambda batch, hints: facing.to(batch["normal"]).expand_as(batch["normal"]))
 
 
 def mean_method(mean_map: Tensor) -> Method:
-    """Return the method that always paints the mean map (3, H, W) of the training split."""
+    """Return the method that always predicts the mean map (3, H, W) of the training split."""
     return Method(lambda batch, hints: mean_map.to(batch["normal"]).expand_as(batch["normal"]))
 
 
 def inflation_method() -> Method:
-    """Return the method that inflates the silhouette, which is told: the true mask, which no other sees."""
+    """Return the method that inflates the true mask, which no other method sees."""
 
     def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         masks = batch["mask"][:, 0].cpu().numpy() > 0.5
@@ -74,12 +74,12 @@ def inflation_method() -> Method:
 
 
 def weights_method(weights: Weights, device: torch.device) -> Method:
-    """Return the model that weights and their notes make, in float32, ready to paint."""
+    """Return the model of a weights file, in float32, ready to predict."""
     notes = weights.notes
     model = NormalGAN(
         generator=weights.generator(),
         discriminator=None,
-        hint_sampler=notes.hint_sampler.build(HINT_SAMPLERS),
+        hint_sampler=notes.build_hint_sampler(),
         objective=Wasserstein(),  # nothing is learnt
         noise_at_test=notes.noise_at_test,
         seed=notes.seed,
@@ -88,7 +88,7 @@ def weights_method(weights: Weights, device: torch.device) -> Method:
 
 
 def model_method(model: NormalGAN) -> Method:
-    """Return a model as a method; what noise it keeps when tested depends on the samples alone."""
+    """Return a model as a method; noise at test time depends on the samples alone."""
     model.eval()
     if model.noise_at_test:
         for module in model.generator.modules():

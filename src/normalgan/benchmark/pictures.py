@@ -1,4 +1,4 @@
-"""The gallery of a benchmark: a few test samples, each as every method paints it, and how far it is off."""
+"""The gallery of a benchmark: a few test samples with the map and error of every method."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Pins: hints given one after the other, each after seeing what was painted, as at the studio."""
+"""Pins: hints given one at a time, each after seeing the last map, as in the studio."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -20,14 +20,14 @@ Strategy = Literal["worst", "suggested"]
 """Where the next pin goes: where the error is greatest, as an oracle knows; or where the studio suggests."""
 STRATEGIES: tuple[Strategy, ...] = ("worst", "suggested")
 
-_AROUND = 5  # pixels across which an error is seen: of a single one nobody takes notice
+_AROUND = 5  # pixels over which an error is visible; nobody notices a single one
 
 
 def pin_one_by_one(method: Method, batch: Batch, strategy: Strategy, count: int) -> Tensor:
-    """Return the sums of the angular error over the pixels that count, after 0, 1, … pins, and their number.
+    """Return the sums of the angular error after 0, 1, … pins, and the number of pixels.
 
-    The pixels are those that have no pin at the end, so that they are the same at every number. Each pin
-    tells the true normal.
+    Only pixels without a pin at the end count, so that they are the same at every number. Each pin gives the
+    true normal.
 
     Args:
         method: which takes hints.

@@ -1,4 +1,4 @@
-"""Placements: ways of placing a number of hints, so that where they lie is compared at equal counts."""
+"""Placements: ways of placing hints, to compare positions at equal counts."""
 
 from collections.abc import Callable, Sequence
 

@@ -1,4 +1,4 @@
-"""Plan: what a benchmark compares, read from a YAML file and checked."""
+"""Plan: the rows and settings of a benchmark, read from a YAML file and checked."""
 
 import re
 from collections import Counter
@@ -29,8 +29,8 @@ Part = TypeVar("Part", "Plan", "Row")
 class Row:
     """A line of the table: a method with no learning, or one that is trained.
 
-    A method that is trained is put together like the settings of `normalgan fit`, later ones winning: its
-    configs, its changes, the data of the plan, the overlays of the scale, its settings.
+    The settings of a trained method are composed as for `normalgan fit`, and later ones win: its configs, its
+    changes, the data of the plan, the overlays of the scale, its settings.
 
     Args:
         name: of its folder.

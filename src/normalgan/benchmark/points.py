@@ -1,4 +1,4 @@
-"""Points: the hints of a test, uniform on the object and the same for every method."""
+"""Points: the test hints, uniform on the object and equal for all methods."""
 
 from collections.abc import Sequence
 
@@ -12,9 +12,9 @@ __all__ = ["hint_order", "hint_points"]
 
 
 def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
-    """Return the flat numbers of a sample's hinted pixels, the first hint first.
+    """Return the flat indices of a sample's hinted pixels, the first hint first.
 
-    The first five of fifty are those of five: more hints are the same ones and others.
+    The first five of fifty hints are the five hints.
 
     Args:
         mask: (1, H, W), 1 on the object.
@@ -28,7 +28,7 @@ def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
 
 
 def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Tensor:
-    """Return where the hints of a batch are, (N, 1, H, W) of the mask's type, 1 at a hint.
+    """Return the hint mask of a batch, (N, 1, H, W) of the mask's type, 1 at a hint.
 
     Args:
         mask: (N, 1, H, W), 1 on the object.

@@ -1,4 +1,4 @@
-"""The report of a benchmark: results.json, table.md and pictures of what there is so far."""
+"""The report of a benchmark: results.json, table.md and pictures of the results so far."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +26,7 @@ __all__ = ["Report"]
 
 @dataclass(frozen=True)
 class Report:
-    """Writes what the runs of a plan have come to.
+    """Writes the results of a plan's runs.
 
     Args:
         plan: what is compared.

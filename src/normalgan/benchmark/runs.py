@@ -1,4 +1,4 @@
-"""Runs: a row of the plan under one seed, with all its settings worked out before anything is trained."""
+"""Runs: a row of the plan with one seed; all settings are resolved before training."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ class Run:
 
     @cached_property
     def identity(self) -> Settings:
-        """All that decides on what is learnt: runs of equal identity give equal models on one machine."""
+        """Everything that training depends on; runs of equal identity give equal models on one machine."""
         settings = without(self.settings, MACHINE)
         if self.row.classical:
             settings = {"data": settings["data"], "classical": self.row.classical}
@@ -127,8 +127,8 @@ def check_shared(row: Row, settings: Settings, shared: Settings) -> None:
     ]
     if differing:
         raise InputError(
-            f"the row {row.name} has data of its own ({', '.join(differing[:4])}), but a comparison "
-            "needs the same for all; write them in the plan's data."
+            f"the row {row.name} sets {', '.join(differing[:4])}, which all rows of a comparison share; "
+            "set it in the plan's data."
         )
 
 

@@ -20,7 +20,7 @@ __all__ = ["saved_method"]
 
 
 def saved_method(name: str, size: int, device: torch.device) -> Method:
-    """Return a model as a method; all kinds of file of one model give the same figures.
+    """Return a model as a method; all file formats of one model give the same figures.
 
     Args:
         name: of the file; ``shipped`` is the one that comes with the package.

@@ -1,4 +1,4 @@
-"""Scale: how large the networks and pictures of a benchmark are, and how long each run may take."""
+"""Scale: the sizes of networks and pictures in a benchmark, and the time of a run."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ _UNITS = {"h": 3600, "m": 60, "s": 1}
 
 @dataclass(frozen=True)
 class Scale:
-    """What is laid over all rows of a plan.
+    """Settings that overlay all rows of a plan.
 
     Args:
         name: that every result bears.

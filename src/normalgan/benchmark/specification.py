@@ -1,4 +1,4 @@
-"""Specification: what a benchmark measures on, as hashes that two reports can be compared by."""
+"""Specification: hashes of a benchmark's test data, which tell whether two reports are comparable."""
 
 import json
 from pathlib import Path

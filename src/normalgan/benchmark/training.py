@@ -1,4 +1,4 @@
-"""Training the runs of a benchmark, one after the other; what is done already is not done again."""
+"""Train the runs of a benchmark one after the other; finished ones are skipped."""
 
 import json
 import subprocess
@@ -33,7 +33,7 @@ State = Literal["new", "begun", "trained", "done"]
 
 
 def read_state(run: Run, evaluation: str) -> State:
-    """Return how far a run is.
+    """Return the state of a run.
 
     Args:
         run: which one.
@@ -70,7 +70,7 @@ def run_all(
     report: Callable[[], None],
     say: Callable[[str], None],
 ) -> list[str]:
-    """Train and measure what is not yet, and return a sentence for each run that failed.
+    """Train and measure unfinished runs, and return a sentence for each that failed.
 
     Args:
         runs: in this order.
@@ -108,7 +108,7 @@ def run_all(
 
 
 def fit(run: Run) -> None:
-    """Train a run by `normalgan fit` in a process of its own; go on if it was interrupted.
+    """Train a run by `normalgan fit` in its own process; an interrupted one is resumed.
 
     Raises:
         RunError: if it fails; what it said is in ``train.log``.

@@ -1,4 +1,4 @@
-"""What happens beside training: pictures for the logger, the test report, the maps on disk."""
+"""Callbacks: checkpoints, schedules, averaged weights, pictures for the logger, the test report."""
 
 from normalgan.callbacks.learning_curve import LearningCurve
 from normalgan.callbacks.pictures import PictureLogger

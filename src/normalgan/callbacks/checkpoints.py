@@ -1,4 +1,4 @@
-"""Checkpoints: written whole or not at all, and looked at before they are used."""
+"""Checkpoints: written atomically, and checked before they are used."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -31,45 +31,45 @@ __all__ = [
 
 
 class LastCheckpoint(ModelCheckpoint):
-    """Keeps ``last.ckpt`` in step with training, so that a run that was killed loses part of an epoch only.
+    """Saves ``last.ckpt`` after every epoch, so that a killed run loses at most one epoch.
 
-    Lightning's own ``save_last`` saves only together with a new best (since 2.6), and before the epoch has
-    ended where not every epoch is validated, so that resuming goes wrong.
+    Since 2.6, Lightning's own ``save_last`` saves only together with a new best, and before the end of an
+    epoch that is not validated, so that resuming goes wrong.
     """
 
     def __init__(self) -> None:
         super().__init__(filename="last", save_on_train_epoch_end=True, enable_version_counter=False)
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Take the folder of the run."""
+        """Set the folder of the run."""
         self.dirpath = checkpoint_folder(trainer.default_root_dir)
         super().setup(trainer, pl_module, stage)
 
 
 class AtomicCheckpointIO(TorchCheckpointIO):
-    """Writes a checkpoint beside its place and renames it, so that a kill never leaves a part of one.
+    """Writes a checkpoint beside its target and renames it, so that a kill never leaves half of one.
 
-    Lightning writes to the system's folder of temporary files, and from another disk a file is not renamed
-    but copied over the last checkpoint.
+    Lightning writes to the system's temporary folder. From another disk a file is copied, not renamed, over
+    the last checkpoint.
     """
 
     def save_checkpoint(
         self, checkpoint: dict[str, Any], path: str | Path, storage_options: Any | None = None
     ) -> None:
         """Save a checkpoint as a file or under a URL."""
-        if "://" in str(path):  # object stores show an object once it is complete
+        if "://" in str(path):  # object stores show only complete objects
             super().save_checkpoint(checkpoint, path, storage_options)
             return
-        # What a killed run left half written; one process writes to a run's folder.
+        # Left half written by a killed run; only one process writes to a run's folder.
         for left in Path(path).parent.glob(".*.ckpt.*.tmp"):
             left.unlink(missing_ok=True)
-        # In memory first: torch tells a full disk from a bug in it only by chance.
+        # In memory first, because torch does not report a full disk reliably.
         buffer = BytesIO()
         torch.save(checkpoint, buffer)
         write_bytes(path, buffer.getbuffer())
 
     def remove_checkpoint(self, path: str | Path) -> None:
-        """Remove a checkpoint that a better one replaces: a file, and never all that is under a folder."""
+        """Remove a checkpoint that a better one replaces: a file, never a whole folder."""
         if "://" in str(path):
             super().remove_checkpoint(path)
         else:
@@ -82,21 +82,21 @@ def run_folder(root: str | None) -> str:
 
 
 def checkpoint_folder(root: str | None) -> str:
-    """Return where the checkpoints of a run go, by the run's folder."""
+    """Return the folder of a run's checkpoints."""
     return str(Path(run_folder(root)) / "checkpoints")
 
 
 def stopped_checkpoint(root: str | None) -> Path:
-    """Return where a run that is stopped within an epoch leaves its checkpoint, by the run's folder."""
+    """Return the path of the checkpoint that a run stopped within an epoch leaves."""
     return Path(checkpoint_folder(root)) / "stopped.ckpt"
 
 
 def best_checkpoint(last: Path) -> Path | None:
-    """Return the checkpoint of a run that was best on the validation split; None if none was measured.
+    """Return a run's best checkpoint on the validation split; None if none was measured.
 
     Args:
-        last: ``last.ckpt`` of the run, which knows it; the run's folder may have been moved since. The age of
-            files tells nothing: a run that was stopped and resumed leaves ``stopped.ckpt`` behind.
+        last: ``last.ckpt`` of the run, which names it; the run's folder may have moved. File times do not
+            help: a stopped and resumed run leaves ``stopped.ckpt`` behind.
 
     Raises:
         InputError: if it cannot be read, or the best checkpoint is gone.
@@ -137,14 +137,14 @@ def named_checkpoint(last: Path, name: str) -> Path:
 
 
 def check_unused(folder: Path, resumed: Path | None = None) -> None:
-    """Make sure that the folder of a run's checkpoints holds none of another run.
+    """Check that the folder of a run's checkpoints holds none of another run.
 
     Args:
-        folder: where the run is to write.
-        resumed: the checkpoint that it goes on from, which lies there if they are its own.
+        folder: where the run will write.
+        resumed: the checkpoint that it resumes, which lies there if the others are its own.
 
     Raises:
-        InputError: if it does.
+        InputError: if the folder holds checkpoints of another run.
     """
     if resumed is not None and resumed.parent.resolve() == folder.resolve():
         return
@@ -159,22 +159,22 @@ def check_unused(folder: Path, resumed: Path | None = None) -> None:
 def check_others(
     callbacks: Iterable[object], root: str | None, resumed: Path | None, known: set[str]
 ) -> None:
-    """Make sure that no checkpoint is written over one of another run in a folder that a callback names.
+    """Check that no callback would overwrite a checkpoint of another run.
 
     Args:
-        callbacks: of the run; those of Lightning's checkpoints matter.
+        callbacks: of the run; only Lightning's checkpoint callbacks matter.
         root: folder of the run.
-        resumed: the checkpoint that it goes on from.
-        known: folders that this one says its run wrote to.
+        resumed: the checkpoint that it resumes.
+        known: folders that ``resumed`` says its run wrote to.
 
     Raises:
-        InputError: if one would be.
+        InputError: if one would.
     """
     own = Path(checkpoint_folder(root)).resolve()
     for callback in callbacks:
         if not isinstance(callback, ModelCheckpoint) or "://" in str(callback.dirpath or ""):
             continue
-        # A name may lead out of the folder; a metric in it, such as {val/angle:.2f}, does not.
+        # A name may lead out of the folder; the slash of a metric, such as {val/angle:.2f}, does not.
         name = re.sub(r"\{.*?\}", "_", callback.filename or "_")
         folder = (Path(callback.dirpath or own) / name).resolve().parent
         if folder == own or str(folder) in known or (resumed and resumed.parent.resolve() == folder):

@@ -33,7 +33,7 @@ class Row:
     """One sample of the gallery, as numpy arrays.
 
     Args:
-        title: what is written under it.
+        title: the caption under it.
         sketch: (H, W) in [0, 1], ink 1.
         hints: (4, H, W) normals at the hints and where they are.
         preds: (3, H, W) generated normals of any length.
@@ -49,7 +49,7 @@ class Row:
     mask: NDArray[np.bool_]
 
     def error(self) -> Floats:
-        """Return the angular error in degrees, (H, W), nan off the object; 90° where nothing is painted."""
+        """Return the angular error in degrees, (H, W), nan off the object; 90° where nothing is predicted."""
         preds, target = normalize(np.moveaxis(self.preds, 0, -1)), np.moveaxis(self.target, 0, -1)
         angle = angles(preds, target)
         angle[~preds.any(-1)] = 90.0  # as `normalgan.metrics.angular_error` has it
@@ -59,7 +59,7 @@ class Row:
 def colours(normal: Floats, mask: NDArray[np.bool_] | None = None) -> NDArray[np.uint8]:
     """Return the picture (H, W, 3) of a map (3, H, W); flat off the object.
 
-    Without a mask, what is shorter than half a unit is taken for background.
+    Without a mask, vectors shorter than half a unit count as background.
     """
     vectors = np.moveaxis(normal, 0, -1)
     if mask is None:
@@ -70,7 +70,7 @@ def colours(normal: Floats, mask: NDArray[np.bool_] | None = None) -> NDArray[np
 def draw_gallery(rows: Sequence[Row], caption: str = "") -> bytes:
     """Return the gallery as a PNG, with a scale of the error in degrees.
 
-    Maps of up to 300 pixels are enlarged by a whole number, so that every pixel of them is seen.
+    Maps of up to 300 pixels are enlarged by a whole number, so that every pixel is visible.
 
     Args:
         rows: the samples, top to bottom, all of one size.

@@ -1,4 +1,4 @@
-"""LearningCurve: the validation figures against the images that the generator has learnt from, as a file."""
+"""LearningCurve: validation figures by training images, as a file."""
 
 import json
 from pathlib import Path
@@ -15,12 +15,12 @@ __all__ = ["LearningCurve"]
 
 
 class LearningCurve(Callback):
-    """Writes ``curve.json`` in the folder of the run, a record for each validation.
+    """Writes ``curve.json`` in the folder of the run, one record for each validation.
 
     A record holds ``images``, ``epoch``, ``seconds`` of training so far, the validation figures, and the
-    adversarial gradient's share if it is logged. Images are those of the batches with which the generator
-    stepped, on all processes; a batch for the discriminator alone does not count. The records lie in the
-    checkpoint: a run that is resumed goes on.
+    adversarial gradient's share if it is logged. Images are counted over
+    the generator's batches on all processes; batches for the discriminator alone do not count. The records
+    are saved in the checkpoint, so a resumed run continues them.
     """
 
     def __init__(self) -> None:

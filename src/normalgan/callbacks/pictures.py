@@ -1,10 +1,10 @@
-"""PictureLogger: what the generator paints, in TensorBoard, as training goes on."""
+"""PictureLogger: the generator's predictions in TensorBoard or Weights & Biases during training."""
 
 from io import BytesIO
 
 import numpy as np
 from lightning.pytorch import Callback, LightningModule, Trainer
-from lightning.pytorch.loggers import TensorBoardLogger
+from lightning.pytorch.loggers import TensorBoardLogger, WandbLogger
 from lightning.pytorch.utilities import rank_zero_only
 from PIL import Image
 
@@ -44,11 +44,13 @@ class PictureLogger(Callback):
     ) -> None:
         """Log the gallery of the first batch when its epoch has come."""
         due = (trainer.current_epoch + 1) % self.every_n_epochs == 0
-        logger = next((log for log in trainer.loggers if isinstance(log, TensorBoardLogger)), None)
-        if batch_idx or trainer.sanity_checking or not due or logger is None:
+        loggers = [log for log in trainer.loggers if isinstance(log, TensorBoardLogger | WandbLogger)]
+        if batch_idx or trainer.sanity_checking or not due or not loggers:
             return
         if not isinstance(pl_module, NormalGAN):
-            raise TypeError(f"PictureLogger draws what a NormalGAN paints, not a {type(pl_module).__name__}.")
+            raise TypeError(
+                f"PictureLogger draws the predictions of a NormalGAN, not a {type(pl_module).__name__}."
+            )
         hints = pl_module.measured_hints(batch)
         preds = pl_module(batch["sketch"], hints)
         data = getattr(trainer, "datamodule", None)
@@ -57,4 +59,8 @@ class PictureLogger(Callback):
         rows = [batch_row(batch, i, hints, preds, of_pairs) for i in shown]
         with Image.open(BytesIO(draw_gallery(rows))) as png:
             picture = np.asarray(png.convert("RGB"))
-        logger.experiment.add_image("val/gallery", picture, trainer.current_epoch, dataformats="HWC")
+        for logger in loggers:
+            if isinstance(logger, WandbLogger):
+                logger.log_image("val/gallery", [picture])
+            else:
+                logger.experiment.add_image("val/gallery", picture, trainer.current_epoch, dataformats="HWC")

@@ -1,4 +1,4 @@
-"""Learning rates that a callback sets, relative to those that the optimisers were made with."""
+"""Learning rates that a callback sets, relative to the optimisers' initial ones."""
 
 from lightning.pytorch import Trainer
 

@@ -1,4 +1,4 @@
-"""TestReport: the table, the gallery and the figures that `normalgan test` ends with."""
+"""TestReport: the table, gallery and figures of `normalgan test`."""
 
 import json
 from math import isnan
@@ -24,15 +24,15 @@ __all__ = ["TestReport"]
 
 
 class TestReport(Callback):
-    """Measures two baselines that see no sketch beside the generator; prints the table, draws the gallery.
+    """Measures two baselines that see no sketch, prints the table and draws the gallery.
 
-    The baselines are always in the table, because they show what a figure is worth: the constant normal
+    The baselines are always in the table, because they give the figures a scale: the constant normal
     (0, 0, 1) and, pixel by pixel, the mean of the training split. Writes ``test/metrics.json`` and
     ``test/gallery.png`` in the folder of the run.
 
     Args:
         samples: rows of the gallery, spread over the test split.
-        metrics: other metrics that are measured and stand in the table, beside those that always do.
+        metrics: extra metrics for the table.
 
     Raises:
         InputError: if two metrics have the same name.
@@ -55,7 +55,7 @@ class TestReport(Callback):
         self._seen = self._total = 0
 
     def on_test_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Work out the mean map, and which samples to show."""
+        """Compute the mean map, and choose the samples to show."""
         data = getattr(trainer, "datamodule", None)
         if not isinstance(data, MeshDataModule):
             raise TypeError("TestReport needs the MeshDataModule, whose training split gives the mean map.")
@@ -80,7 +80,7 @@ class TestReport(Callback):
         batch_idx: int,
         dataloader_idx: int = 0,
     ) -> None:
-        """Measure the baselines on the batch, and keep the rows that are to be shown."""
+        """Measure the baselines on the batch, and keep the rows of the gallery."""
         if not isinstance(pl_module, NormalGAN):
             raise TypeError(f"TestReport measures a NormalGAN, not a {type(pl_module).__name__}.")
         target, mask = batch["normal"], batch["mask"]

@@ -1,4 +1,4 @@
-"""Gallery rows out of batches: the same few samples whenever they are asked for."""
+"""Gallery rows from batches."""
 
 import torch
 from torch import Tensor
@@ -15,9 +15,9 @@ def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor, of_pairs: 
     Args:
         batch: N samples.
         index: which of them.
-        hints: (N, 4, H, W) the generator was given.
-        preds: (N, 3, H, W) it painted.
-        of_pairs: whether samples are pairs on disk, which have a name and no number of a view.
+        hints: (N, 4, H, W), the generator's hints.
+        preds: (N, 3, H, W), its predictions.
+        of_pairs: whether samples are pairs on disk, which have a name but no view number.
     """
 
     def array(tensor: Tensor) -> Tensor:

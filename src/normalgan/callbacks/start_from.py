@@ -1,12 +1,15 @@
-"""A run that begins with what another one has learnt."""
+"""StartFrom: a run that starts with the weights of another one."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from lightning.pytorch import Callback, LightningModule, Trainer
+from torch import Tensor
 from torch.nn import Module
 
 from normalgan.errors import InputError
+from normalgan.files.addresses import is_address
 from normalgan.models import ResidualUNetGenerator
 from normalgan.models.growth import grow
 from normalgan.weights.checkpoint import read_checkpoint
@@ -16,28 +19,36 @@ __all__ = ["StartFrom"]
 
 
 class StartFrom(Callback):
-    """Gives a new run the generator's weights of another run; all else, the optimiser too, begins anew.
+    """Gives a new run the generator's weights of another run; the optimisers begin again.
 
-    A run that is resumed has its own weights and is left as it is.
+    A resumed run keeps its own weights. Use this to continue training with other learning rates; a resumed
+    checkpoint determines them.
 
     Args:
         weights: a file of safetensors, a checkpoint, or ``shipped`` for what comes with the package; its
             generator is of the same class and settings as the run's.
-        grow: whether it is a smaller one, of half the resolution or fewer channels or blocks, which the run's
-            begins by painting like; see `normalgan.models.growth`.
+        grow: whether the weights are of a smaller network, with half the resolution, fewer channels or fewer
+            blocks; see `normalgan.models.growth`.
+        discriminator: whether to take the discriminator's weights too, from a checkpoint.
+
+    Raises:
+        InputError: if both ``grow`` and ``discriminator`` are given.
     """
 
-    def __init__(self, weights: str = SHIPPED_NAME, grow: bool = False) -> None:
+    def __init__(self, weights: str = SHIPPED_NAME, grow: bool = False, discriminator: bool = False) -> None:
+        if grow and discriminator:
+            raise InputError("StartFrom takes grow or discriminator, not both: only generators grow.")
         self.weights = weights
         self.grow = grow
+        self.discriminator = discriminator
         self._resumed = False
 
     def state_dict(self) -> dict[str, Any]:
-        """Return that the run has begun, for its checkpoints."""
+        """Return a mark that the run has started, for its checkpoints."""
         return {"begun": True}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Take note that the run is resumed."""
+        """Note that the run is resumed."""
         self._resumed = bool(state_dict["begun"])
 
     def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
@@ -48,20 +59,33 @@ class StartFrom(Callback):
         """
         if self._resumed:
             return
+        if is_address(self.weights):  # a configuration does not decide what is fetched
+            raise InputError(f"StartFrom takes a file, not the address {self.weights}; fetch it first.")
         path = find_weights(self.weights)
         if self.grow:
             _grow(path, pl_module.get_submodule("generator"))
             return
         saved = path.suffix.lower() == SUFFIX
-        tensors = read_weights(path).tensors if saved else read_checkpoint(path).generator_tensors()
-        network = pl_module.get_submodule("generator")
-        own = {name: tensor.shape for name, tensor in network.state_dict().items()}
-        if {name: tensor.shape for name, tensor in tensors.items()} != own:
+        if self.discriminator and saved:
             raise InputError(
-                f"StartFrom was given {path}, whose generator is another one than the run's; give both the "
-                "same class and settings."
+                f"{path} holds a generator alone; StartFrom takes a discriminator of a checkpoint."
             )
-        network.load_state_dict(dict(tensors))
+        checkpoint = None if saved else read_checkpoint(path)
+        tensors = checkpoint.tensors_of("generator") if checkpoint else read_weights(path).tensors
+        _load(path, "generator", tensors, pl_module)
+        if self.discriminator and checkpoint:
+            _load(path, "discriminator", checkpoint.tensors_of("discriminator"), pl_module)
+
+
+def _load(path: Path, name: str, tensors: Mapping[str, Tensor], model: LightningModule) -> None:
+    network: Module | None = getattr(model, name)
+    own = {key: tensor.shape for key, tensor in network.state_dict().items()} if network else None
+    if network is None or {key: tensor.shape for key, tensor in tensors.items()} != own:
+        raise InputError(
+            f"StartFrom was given {path}, whose {name} is another one than the run's; give both the same "
+            "class and settings."
+        )
+    network.load_state_dict(dict(tensors))
 
 
 def _grow(path: Path, network: Module) -> None:

@@ -1,4 +1,4 @@
-"""StoppedCheckpoint: what was learnt until a run was stopped in the middle of an epoch."""
+"""StoppedCheckpoint: the checkpoint of a run that is stopped within an epoch."""
 
 import signal
 import sys
@@ -18,21 +18,21 @@ __all__ = ["StoppedCheckpoint"]
 class StoppedCheckpoint(Callback):
     """Saves ``stopped.ckpt`` where a job is preempted (SIGTERM) or a loss is no longer finite.
 
-    ``last.ckpt`` stays that of the last whole epoch: from there a run goes on as if it had never been
-    stopped. After SIGTERM it can go on from this one too, with what was learnt since, but need not end in the
-    same weights. After a loss that is not finite the weights in it are sound, but the running statistics of
-    batch norm have seen the batch: it is there to be looked at.
+    ``last.ckpt`` stays that of the last whole epoch; a run resumed from it ends as if it had never stopped.
+    After SIGTERM a run can resume from ``stopped.ckpt`` too, and loses nothing, but may end in other weights.
+    After a loss that is not finite its weights are sound, but batch norm's running statistics have seen the
+    batch: use it to look for the cause.
 
-    Where several processes train, Lightning answers SIGTERM with a message to the others from within the
-    handler. It may come between two parts of another exchange, of which the others are at the first, and all
-    then wait for one another. Here the handler takes a note alone, and before each batch the processes agree.
+    With several processes, Lightning answers SIGTERM by a message to the others from within the handler. In
+    the middle of another exchange this makes all processes wait for one another. Here the handler only sets a
+    flag, and the processes agree before each batch.
     """
 
     def __init__(self) -> None:
         self._asked = False
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Take the place of Lightning's handler, which restores the one before it when training ends."""
+        """Replace Lightning's handler, which restores the earlier one when training ends."""
         if trainer.world_size > 1 and current_thread() is main_thread():
             signal.signal(signal.SIGTERM, self._note)
 
@@ -53,7 +53,7 @@ class StoppedCheckpoint(Callback):
         batch_idx: int,
         dataloader_idx: int = 0,
     ) -> None:
-        """Stop all processes if one was asked to; all measure as many batches."""
+        """Stop all processes if one was asked to; all validate equally many batches."""
         if trainer.state.fn == TrainerFn.FITTING and not trainer.sanity_checking:
             self._agree(trainer)
 
@@ -62,7 +62,7 @@ class StoppedCheckpoint(Callback):
             raise SIGTERMException
 
     def on_exception(self, trainer: Trainer, pl_module: LightningModule, exception: BaseException) -> None:
-        """Save, and say where."""
+        """Save the checkpoint and say where."""
         if not isinstance(exception, SIGTERMException | LossError):
             return
         if trainer.sanity_checking or trainer.fast_dev_run:  # type: ignore[attr-defined]  # set from outside

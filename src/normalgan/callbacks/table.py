@@ -1,4 +1,4 @@
-"""The table that `normalgan test` prints: a line for each figure, a column for each thing measured."""
+"""The table of `normalgan test`: a row for each metric, a column for each method."""
 
 from collections.abc import Mapping, Sequence
 from io import StringIO
@@ -42,7 +42,7 @@ hinted pixels left out."""
 
 
 def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) -> str:
-    """Return the table of results as text of at most 80 columns, in a terminal as in a file.
+    """Return the table of results as text of at most 80 columns.
 
     Args:
         results: any of the columns; those missing are left out. All figures of each.

@@ -1,4 +1,4 @@
-"""WallClockSchedule: learning rates that fall with the clock, for runs that may take so long only."""
+"""WallClockSchedule: a cosine schedule over a time budget."""
 
 import math
 from time import monotonic
@@ -14,10 +14,10 @@ __all__ = ["WallClockSchedule", "cosine_factor"]
 
 
 def cosine_factor(progress: float, warmup: float) -> float:
-    """Return what a learning rate is multiplied by: up a straight line, then down half a cosine to 0.
+    """Return the factor of a learning rate: a linear rise, then half a cosine down to 0.
 
     Args:
-        progress: share of the budget that is spent, 0 or more; beyond 1 nothing is left.
+        progress: share of the budget that is spent, 0 or more; 0 is returned beyond 1.
         warmup: share of the budget in which the rate rises, at least 0 and below 1.
 
     >>> [round(cosine_factor(p, warmup=0.2), 3) for p in (0.0, 0.1, 0.2, 0.6, 1.0, 1.5)]
@@ -30,18 +30,17 @@ def cosine_factor(progress: float, warmup: float) -> float:
 
 
 class WallClockSchedule(Callback):
-    """Spreads the learning rates of all optimisers over a span of time, and stops training at its end.
+    """Schedules all learning rates over a time budget, and stops training at its end.
 
-    The rates are set at every batch; the time is that since training began, validation included. What is
-    spent lies in the checkpoint: a run that is resumed has the rest. Lightning's ``max_epochs`` has to be
-    -1, or large enough not to be reached before.
+    The rates are set at every batch. Time includes validation. The checkpoint stores the time spent, so a
+    resumed run has the rest. Set ``max_epochs`` to -1, or large enough not to end the run first.
 
     Args:
         seconds: the budget.
         warmup: share of it in which the rates rise from 0.
 
     Raises:
-        InputError: if one of them cannot be used.
+        InputError: if ``seconds`` or ``warmup`` is out of range.
     """
 
     def __init__(self, seconds: float, warmup: float = 0.03) -> None:
@@ -70,7 +69,7 @@ class WallClockSchedule(Callback):
             raise InputError(
                 "WallClockSchedule sets the learning rates itself; give model.lr_scheduler null."
             )
-        if not self._rates:  # in a checkpoint's optimisers they are scaled already
+        if not self._rates:  # the optimisers of a checkpoint hold scaled rates
             self._rates = base_rates(trainer)
         self._start = monotonic()
         self._stop_when_spent(trainer)
@@ -85,19 +84,19 @@ class WallClockSchedule(Callback):
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: object, batch: Batch, batch_idx: int
     ) -> None:
-        """Stop when the time is spent."""
+        """Stop when the budget is spent."""
         self._stop_when_spent(trainer)
 
     def _stop_when_spent(self, trainer: Trainer) -> None:
-        # Clocks of several processes differ; one that stopped alone would leave the others waiting for it.
+        # Clocks differ between processes; if one stopped alone, the others would wait for it.
         spent = trainer.strategy.reduce_boolean_decision(self.elapsed >= self.seconds, all=False)
         trainer.should_stop = trainer.should_stop or spent
 
     def state_dict(self) -> dict[str, Any]:
-        """Return what the checkpoint keeps: the time that is spent, and the rates that are scaled."""
+        """Return the time spent and the unscaled rates."""
         return {"elapsed": self.elapsed, "rates": self._rates}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Take up the clock of the run that is resumed."""
+        """Continue the clock of the resumed run."""
         self._before = float(state_dict["elapsed"])
         self._rates = state_dict["rates"]

@@ -1,4 +1,4 @@
-"""An average of the weights over the last steps, which is measured and saved in their place."""
+"""WarmAverage: an exponential moving average of the weights."""
 
 from typing import Any
 
@@ -17,16 +17,16 @@ __all__ = ["WarmAverage"]
 class WarmAverage(WeightAveraging):
     """Measures and saves an exponential moving average of the weights in their place.
 
-    An average that is slow from the first step on keeps the untrained weights in it for hundreds of steps,
-    which is worse than none in a short run. This one forgets fast at first: after n steps the former average
-    counts ``min(decay, (1 + n) / (10 + n))``, so that it reaches over about the last ninth of the run until
-    ``decay`` holds it (the schedule of TensorFlow's ``ExponentialMovingAverage`` with ``num_updates``).
+    With a constant decay the untrained weights stay in the average for hundreds of steps, which harms short
+    runs. Here the decay after n steps is ``min(decay, (1 + n) / (10 + n))``, so that the average covers about
+    the last ninth of the run until ``decay`` is reached (as TensorFlow's ``ExponentialMovingAverage`` does
+    with ``num_updates``).
 
-    It lies on the device of the weights. The running statistics of batch norm are averaged with them, and
-    over the processes before anything is measured or saved.
+    The average is on the device of the weights. Batch norm's running statistics are averaged too, and over
+    the processes before anything is measured or saved.
 
     Args:
-        decay: share that the former average keeps at a step in the end, in [0, 1).
+        decay: final decay, in [0, 1).
 
     Raises:
         InputError: if the decay is not in [0, 1).
@@ -42,7 +42,7 @@ class WarmAverage(WeightAveraging):
         self._counts: list[tuple[Tensor, Tensor]] = []
 
     def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Take the average to the device, where the weights have come since it was made."""
+        """Move the average to the device of the weights."""
         average = self._average()
         average.to(pl_module.device)
         self._steps = int(average.n_averaged)
@@ -61,7 +61,7 @@ class WarmAverage(WeightAveraging):
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: Any, batch: Any, batch_idx: int
     ) -> None:
-        """Take the weights in after a step, all tensors at once; no value leaves the device."""
+        """Update the average after a step; no value leaves the device."""
         if trainer.global_step <= self._latest_update_step:
             return
         share = min(self.decay, (1 + self._steps) / (10 + self._steps)) if self._steps else 0.0
@@ -73,7 +73,7 @@ class WarmAverage(WeightAveraging):
         self._latest_update_step = trainer.global_step
 
     def on_validation_epoch_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Put the average in the place of the weights, the same in every process."""
+        """Replace the weights by the average, the same in every process."""
         self._share_statistics(trainer)
         super().on_validation_epoch_start(trainer, pl_module)
 

@@ -20,6 +20,7 @@ Commands:
   studio     draw, pin normals, light and export in the browser, with an exported model
   export     write a checkpoint as a file for elsewhere: ONNX, safetensors, TorchScript
   benchmark  train and measure the methods of a plan on one split, or a model of yours
+  models     list the models that can be loaded by name
   plugins    list the samplers, networks, losses, renderers and line styles there are
   completion print a script by which a shell completes commands and settings
 
@@ -32,6 +33,7 @@ OTHERS = {
     "studio": "normalgan.studio.command",
     "export": "normalgan.exporting.command",
     "benchmark": "normalgan.benchmark.command",
+    "models": "normalgan.cli.models",
     "plugins": "normalgan.cli.plugins",
     "completion": "normalgan.cli.completion",
 }

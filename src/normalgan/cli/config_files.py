@@ -1,5 +1,7 @@
 """Configuration files: looked at before the parser reads them."""
 
+import os
+import re
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
@@ -10,7 +12,9 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.files.shipped_configs import shipped_folder, shipped_names
 
-__all__ = ["check_config", "load_bounded"]
+__all__ = ["check_config", "load_bounded", "with_environment"]
+
+_VARIABLE = re.compile(r"\$\{([^{}]*)\}")
 
 
 def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
@@ -36,15 +40,16 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
             raise InputError(f'"{section}" in the configuration {path} {is_now}; it must hold settings.')
 
 
-def load_bounded(text: str, load: Callable[[str], Any]) -> Any:
+def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> Any:
     """Return what a text in YAML says, wherever the parser meets one: in a file, or as an argument.
 
     Args:
         text: what to load.
         load: the parser's own way of loading, which knows its numbers.
+        safe: whether it may not read the environment, which may hold secrets.
 
     Raises:
-        InputError: if it stands for too much.
+        InputError: if it stands for too much, or names a variable that cannot be read.
     """
     # Most are a word or a number; less than a line without an anchor cannot stand for much.
     if "&" in text or len(text) > 100:
@@ -52,7 +57,41 @@ def load_bounded(text: str, load: Callable[[str], Any]) -> Any:
             raise InputError(f"a setting has more than {MOST_SETTINGS} bytes; no settings need as many.")
         if excess := yaml_limit_error(text):
             raise InputError(f"a setting {excess}; settings need no such thing.")
-    return load(text)
+    loaded = load(text)
+    return with_environment(loaded, safe) if "${" in text else loaded
+
+
+def with_environment(value: Any, safe: bool = False) -> Any:
+    """Return settings with ``${NAME}`` replaced by the environment variable of that name.
+
+    ``${oc.env:NAME}`` and ``${oc.env:NAME,default}``, as OmegaConf writes them, mean the same.
+
+    Args:
+        value: settings, with lists and mappings in one another.
+        safe: whether to refuse to read the environment.
+
+    Raises:
+        InputError: if a variable is not set, or something else stands in the braces.
+    """
+    if isinstance(value, dict):
+        return {key: with_environment(item, safe) for key, item in value.items()}
+    if isinstance(value, list):
+        return [with_environment(item, safe) for item in value]
+    return _VARIABLE.sub(lambda found: _variable(found, safe), value) if isinstance(value, str) else value
+
+
+def _variable(found: re.Match[str], safe: bool) -> str:
+    if safe:
+        raise InputError(f"a configuration names {found[0][:60]}, and --safe-config reads no environment.")
+    named = re.fullmatch(r"(oc\.env:)?\s*([A-Za-z_]\w*)\s*(?:,(.*))?", found[1])
+    if named is None or (named[3] is not None and not named[1]):
+        raise InputError(
+            f"{found[0][:60]} is not an environment variable; write ${{NAME}} or ${{oc.env:NAME,default}}."
+        )
+    value = os.environ.get(named[2], named[3])
+    if value is None:
+        raise InputError(f"a configuration names {found[0][:60]}, and the environment has no {named[2]}.")
+    return value
 
 
 def _read(path: Path) -> Any:

@@ -12,6 +12,7 @@ from normalgan.data.augmentation import AUGMENTATIONS
 from normalgan.data.sources import DATA_SOURCES
 from normalgan.errors import did_you_mean
 from normalgan.hints import HINT_SAMPLERS
+from normalgan.inference.outputs import OUTPUTS
 from normalgan.losses import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.metrics import METRICS
 from normalgan.models import DISCRIMINATORS, GENERATORS
@@ -40,15 +41,16 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "source": DATA_SOURCES,
     "augmentation": AUGMENTATIONS,
     "metrics": METRICS,
+    "output": OUTPUTS,
 }
-"""The registry behind each setting that names a plug-in."""
+"""The registry of each kind of plug-ins: that of the setting that names one, and that of the outputs."""
 
 _SECTIONS = {
     **dict.fromkeys(("renderer", "lines", "source", "augmentation"), "data"),
     "metrics": "report",
 }
-SETTINGS = {kind: f"{_SECTIONS.get(kind, 'model')}.{kind}" for kind in REGISTRIES}
-"""The setting that names a plug-in of each kind."""
+SETTINGS = {kind: f"{_SECTIONS.get(kind, 'model')}.{kind}" for kind in REGISTRIES if kind != "output"}
+"""The setting that names a plug-in of each kind; an output has an option of its own."""
 
 
 def load_plugins() -> None:
@@ -150,10 +152,11 @@ def described(section: str = "") -> str:
         section: ``model`` or ``data`` gives those of its settings alone; empty if there are none.
     """
     parts = []
-    for kind, registry in REGISTRIES.items():
-        if not SETTINGS[kind].startswith(section):
+    for kind, setting in SETTINGS.items():
+        if not setting.startswith(section):
             continue
-        parts.append(f"\n  --{SETTINGS[kind]}")
+        registry = REGISTRIES[kind]
+        parts.append(f"\n  --{setting}")
         width = max(map(len, registry.names()))
         parts += [f"    {cls.__name__:{width}}  {summary(cls)}".rstrip() for cls in registry]
     opening = "plug-ins by setting; normalgan plugins tells which package each is from:"

@@ -3,11 +3,8 @@
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import redirect_stdout
-from dataclasses import dataclass, fields
-from io import StringIO
+from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from jsonargparse import Namespace
 
@@ -31,8 +28,9 @@ from normalgan.inference.jobs.plan import (
     plan_file,
 )
 from normalgan.inference.jobs.watching import Watcher
+from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
-from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.inference.outputs.outputs import Outputs, outputs_of
 from normalgan.inference.parallel import stream
 from normalgan.inference.predict_job import JobPredictor, target_of, written_for
 from normalgan.inference.predictor import Predictor
@@ -63,20 +61,11 @@ def generate(settings: Namespace) -> int:
         InputError: if nothing can be done: a setting or the only drawing cannot be used.
     """
     decoding.start()  # while the model is loaded
-    check_size(settings.size)
-    if settings.tile and (settings.sheet or settings.split or settings.atlas or settings.layers):
-        raise InputError("--tile repeats a whole drawing; leave --sheet, --split, --atlas and --layers out.")
-    if settings.tile and settings.frame == "shared":
-        raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
-    packing = Packing(settings.sheet, settings.split, settings.atlas)
-    if settings.layers and packing.given:
-        raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
+    packing = _packing(settings)
+    _check_explained(settings, packing)
     outputs = _outputs(settings)
-    if settings.watch and outputs.height_scale == "batch":
-        raise InputError("--height-scale batch needs all drawings, and --watch never has them; give pixels.")
     flat_map((8, 8)).stronger(settings.strength)  # refuses what is none
-    if settings.output == STDOUT:
-        return _to_standard_output(settings, outputs)
+    piped = _Piped() if settings.output == STDOUT else None
     content = (
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
     )
@@ -88,12 +77,18 @@ def generate(settings: Namespace) -> int:
     jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
         raise wrong[0]
+    if piped is not None and len(jobs) > 1:  # told before they are painted
+        raise _not_one(len(jobs))
+    if settings.hole and len(jobs) > 1:
+        raise InputError(f"a hole is a point of one drawing, but there are {len(jobs)}; name one.")
     path = find_model(settings.model)
-    check_writable(jobs)
-    batch = _Batch(settings, outputs, packing, wrong, found.left_out)
+    if piped is None:
+        check_writable(jobs)
+    writer = Writer(outputs) if piped is None else Writer(outputs, piped)
+    batch = _Batch(settings, writer, packing, wrong, found.left_out)
     # Before anything is painted: what is saved meanwhile is painted anew.
     watcher = Watcher(batch.read(jobs) if settings.watch else {})
-    if settings.skip_existing:
+    if settings.skip_existing and piped is None:
         jobs = batch.without_existing(jobs)
     if settings.dry_run:
         return batch.tell(jobs)
@@ -102,7 +97,68 @@ def generate(settings: Namespace) -> int:
     batch.predict(predictor, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
     if settings.watch:
         batch.watch(predictor, watcher, find, found)
+    if piped is not None:
+        piped.release()
     return batch.code(len(jobs) + len(wrong))
+
+
+def _packing(settings: Namespace) -> Packing:
+    """Return how drawings are found in a file.
+
+    Raises:
+        InputError: if the settings of it do not go together.
+    """
+    check_size(settings.size)
+    if settings.tile and (settings.sheet or settings.split or settings.atlas or settings.layers):
+        raise InputError("--tile repeats a whole drawing; leave --sheet, --split, --atlas and --layers out.")
+    if settings.tile and settings.frame == "shared":
+        raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
+    packing = Packing(settings.sheet, settings.split, settings.atlas)
+    if settings.layers and packing.given:
+        raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
+    return packing
+
+
+def _points(given: Sequence[str]) -> list[tuple[float, float]]:
+    """Return x and y of each point.
+
+    Raises:
+        InputError: if one is not a point.
+
+    >>> _points(["12,40.5"])
+    [(12.0, 40.5)]
+    """
+    points = []
+    for each in given:
+        try:
+            x, y = map(float, each.split(","))
+        except ValueError:
+            raise InputError(
+                f"--hole {each} is not a point; give x,y in pixels of the drawing, such as --hole 120,80."
+            ) from None
+        points.append((x, y))
+    return points
+
+
+def _check_explained(settings: Namespace, packing: Packing) -> None:
+    """Raise `InputError` if options on the mask of a drawing do not go with the others."""
+    given = [
+        option
+        for option, value in (
+            ("--hole", settings.hole),
+            ("--explain", settings.explain),
+            ("--single", settings.single),
+        )
+        if value
+    ]
+    if given and (packing.given or settings.layers or settings.tile or settings.frame == "shared"):
+        raise InputError(
+            f"{given[0]} is about the mask of a single drawing; leave --sheet, --split, --atlas, --layers, "
+            "--tile and --frame shared out."
+        )
+    _points(settings.hole or ())
+    if settings.explain is not None and Path(settings.explain).is_file():
+        raise InputError(f"--explain {settings.explain} is a file; name a folder.")
 
 
 def _outputs(settings: Namespace) -> Outputs:
@@ -111,10 +167,16 @@ def _outputs(settings: Namespace) -> Outputs:
     Raises:
         InputError: if the settings of it do not go together.
     """
-    given = {field.name: getattr(settings, field.name) for field in fields(Outputs)}
     output = Path(settings.output)
     form = format_of(output, settings.format) if is_file_name(output) else settings.format
-    return Outputs(**given | {"format": form or "png"})
+    outputs = outputs_of({**settings.as_dict(), "format": form or "png"})
+    if settings.watch and outputs.whole_batch:
+        raise InputError("--height-scale batch needs all drawings, and --watch never has them; give pixels.")
+    if settings.output == STDOUT and outputs.beside:
+        raise InputError("standard output holds the map alone; give -o a folder for the rest.")
+    if settings.output == STDOUT and (settings.watch or settings.dry_run):
+        raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
+    return outputs
 
 
 class _Batch:
@@ -123,14 +185,15 @@ class _Batch:
     def __init__(
         self,
         settings: Namespace,
-        outputs: Outputs,
+        writer: Writer,
         packing: Packing,
         wrong: Sequence[InputError],
         left_out: Sequence[str],
     ) -> None:
-        self._settings, self._outputs, self._packing = settings, outputs, packing
+        self._settings, self._writer, self._packing = settings, writer, packing
+        self._outputs = writer.outputs
         self._failed = len(wrong)
-        self._heights: Heights = []
+        self._held: list[Held] = []
         for each in (*left_out, *wrong):
             print(f"normalgan: {one_line(str(each))}", file=sys.stderr)
 
@@ -166,13 +229,16 @@ class _Batch:
         settings = self._settings
         work = JobPredictor(
             predictor,
-            self._outputs,
+            self._writer,
             settings.size,
             self._packing,
             settings.frame,
             settings.strength,
             settings.layers,
             settings.tile,
+            settings.single,
+            _points(settings.hole or ()),
+            None if settings.explain is None else Path(settings.explain),
         )
         written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()
@@ -186,11 +252,14 @@ class _Batch:
                     self._failed += 1
                     print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
                     continue
-                self._heights += outcome.heights
+                self._held += outcome.held
                 if outcome.warning:
                     told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
                     print(one_line(told), file=sys.stderr)
-                print(outcome.target, flush=self._settings.watch)
+                if outcome.note:
+                    print(one_line(f"normalgan: {job.files.drawing}: {outcome.note}."), file=sys.stderr)
+                if settings.output != STDOUT:
+                    print(outcome.target, flush=self._settings.watch)
 
     def watch(
         self,
@@ -247,9 +316,8 @@ class _Batch:
         return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
 
     def code(self, total: int) -> int:
-        """Say how many failed, and return the exit code."""
-        if self._outputs.height_scale == "batch":
-            level_heights(self._heights)
+        """Write what waited for all drawings, say how many failed, and return the exit code."""
+        self._writer.write_held(self._held)
         if self._failed:
             print(f"normalgan: {self._failed} of {total} sketches could not be used.", file=sys.stderr)
         return 1 if self._failed else 0
@@ -300,7 +368,7 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
         may_be_empty=settings.watch,
     )
     files, left_out = without_twins(files, settings.layers)
-    others = list(outputs.others())
+    others = outputs.beside
     if is_file_name(folder):
         jobs = [plan_file(files, folder, others)] if files else []
         return _Found(jobs, missing, [], left_out)
@@ -311,30 +379,26 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
     return _Found(jobs, missing, clashing, left_out)
 
 
-def _to_standard_output(settings: Namespace, outputs: Outputs) -> int:
-    """Paint one drawing and write its map to standard output; return the exit code.
+class _Piped:
+    """Standard output as the place where the one map goes, once it is known to be one."""
 
-    Raises:
-        InputError: if there are several, or more is to be written than a map.
-    """
-    if list(outputs.others()):
-        raise InputError("standard output holds the map alone; give -o a folder for the rest.")
-    if settings.watch or settings.dry_run:
-        raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
-    packing = Packing(settings.sheet, settings.split, settings.atlas)
-    found = _find(settings, outputs, packing, b"")
-    if len(found.jobs) > 1:  # told before they are painted
-        raise _not_one(len(found.jobs))
-    with TemporaryDirectory() as folder:
-        settings.output, settings.skip_existing = folder, False
-        with redirect_stdout(StringIO()):  # where the map lies for now is of no use to anybody
-            code = generate(settings)
-        written = sorted(Path(folder).rglob("*.*"))
-        if len(written) != 1:
-            raise _not_one(len(written))
-        sys.stdout.buffer.write(written[0].read_bytes())
+    def __init__(self) -> None:
+        self._files: list[bytes] = []
+
+    def __call__(self, _: Path, content: bytes) -> None:
+        """Take a file."""
+        self._files.append(content)
+
+    def release(self) -> None:
+        """Write the map.
+
+        Raises:
+            InputError: if there is none, or more than one.
+        """
+        if len(self._files) != 1:
+            raise _not_one(len(self._files))
+        sys.stdout.buffer.write(self._files[0])
         sys.stdout.flush()
-    return code
 
 
 def _not_one(maps: int) -> InputError:

@@ -6,20 +6,13 @@ from pathlib import Path
 from typing import Literal
 
 from normalgan.cli.light_parser import LightParser
+from normalgan.cli.output_options import add_output_options
 from normalgan.inference.network.tile import Tile
-from normalgan.inference.normal_map import Format
+from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
-from normalgan.inference.outputs.outputs import Outputs, engine_defaults
+from normalgan.inference.outputs.normal import engine_defaults
 
 __all__ = ["as_shell_means", "build_parser", "engine_of"]
-
-_FLAGS = {
-    "alpha": "write the object's mask as alpha channel",
-    "show_input": "write what the model saw, <sketch>_input.png",
-    "ao": "write the ambient occlusion, <sketch>_ao.png",
-    "curvature": "write the curvature, ridges light and hollows dark, <sketch>_curvature.png",
-    "specular": "write how much each place reflects, ridges polished and hollows dull, <sketch>_specular.png",
-}
 
 
 def engine_of(arguments: Sequence[str]) -> Engine | None:
@@ -67,8 +60,23 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     drawing.add_argument(
         "--mask",
         type=str | None,
-        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill the drawing's own, "
-        "or model to leave it to the model; null is its opacity if that tells, else outline",
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill what lines "
+        "enclose, reader to let a small network vote on that, or model to leave it to the model; null is its "
+        "opacity if that tells, else reader",
+    )
+    drawing.add_argument(
+        "--hole",
+        type=str,
+        action="append",
+        metavar="X,Y",
+        help="a point of the drawing; the region that lines enclose there becomes a hole, or object if it is "
+        "a hole; may be given several times",
+    )
+    drawing.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
+    drawing.add_argument(
+        "--explain",
+        type=str | None,
+        help="a folder for pictures of how each mask was found: ink, outline, votes on regions, presence",
     )
     drawing.add_argument(
         "--size",
@@ -85,19 +93,8 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     )
     _add_folders(parser.add_argument_group("Folders"))
     _add_sheets(parser.add_argument_group("Several drawings in one file"))
-    parser.add_argument(
-        "--format",
-        type=Format | None,
-        help="of the map; exr and tiff hold floats; null is that of the file that -o names, png of a folder",
-    )
-    parser.add_class_arguments(Outputs, skip={*_FLAGS, "format", "height_scale"})
-    parser.add_argument(
-        "--height-scale",
-        type=float | Literal["batch"] | None,
-        help="pixels from black to white of a height png; batch takes those of the highest drawing",
-    )
-    for name, words in _FLAGS.items():
-        parser.add_argument(f"--{name.replace('_', '-')}", action="store_true", help=words)
+    OUTPUTS.load_entry_points()
+    add_output_options(parser, parser.add_argument_group("What is written"), form=None)
     if engine is not None:
         parser.set_defaults(engine_defaults(engine))
     return parser

@@ -4,7 +4,6 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Literal
 
 import torch
 from lightning.pytorch import LightningModule, Trainer
@@ -17,12 +16,11 @@ from normalgan.errors import InputError, RunError, one_line, unwritable, with_su
 from normalgan.gan import NormalGAN
 from normalgan.inference.composites.series import flat_map
 from normalgan.inference.jobs.plan import Job, plan
+from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.network.torch_backend import channels_last
 from normalgan.inference.network.upsampling import enlarge, upsampler
-from normalgan.inference.normal_map import Format
-from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.pipeline import finish
-from normalgan.normals import Bits, Green
 
 __all__ = ["NormalMapWriter"]
 
@@ -32,65 +30,22 @@ class NormalMapWriter(BasePredictionWriter):
 
     Args:
         folder: where the maps go.
-        bits: of each channel of a PNG, 8 or 16.
-        format: of the map; exr and tiff hold floats.
-        y: up is green as in OpenGL, down as in DirectX.
-        alpha: write the object's mask as alpha channel.
-        suffix: of the map's name, after the drawing's.
-        show_input: write what the model saw.
-        preview: write the map under a lamp that goes around it.
-        height: write a height map: png is 16 bits from the lowest to the highest, tiff floats in pixels.
-        relief: write a relief mesh.
-        height_scale: pixels from black to white of a height png; batch takes those of the highest drawing.
-        faces: triangles of the relief at most; null is four for each pixel.
-        ao: write the ambient occlusion.
-        curvature: write the curvature, ridges light and hollows dark.
-        specular: write how much each place reflects, ridges polished and hollows dull.
+        outputs: what is written; None is the map as PNG.
         strength: what the slopes of the map are multiplied by.
     """
 
     def __init__(
-        self,
-        folder: str = "normals",
-        bits: Bits = 8,
-        format: Format = "png",
-        y: Green = "up",
-        alpha: bool = False,
-        suffix: str = "_normal",
-        show_input: bool = False,
-        preview: Literal["png", "gif"] | None = None,
-        height: Literal["png", "tiff"] | None = None,
-        relief: Literal["glb", "obj"] | None = None,
-        height_scale: float | Literal["batch"] | None = None,
-        faces: int | None = None,
-        ao: bool = False,
-        curvature: bool = False,
-        specular: bool = False,
-        strength: float = 1.0,
+        self, folder: str | Path = "normals", outputs: Outputs | None = None, strength: float = 1.0
     ) -> None:
         super().__init__(write_interval="batch")
         self.folder = Path(folder)
-        self.outputs = Outputs(
-            suffix=suffix,
-            format=format,
-            bits=bits,
-            y=y,
-            alpha=alpha,
-            show_input=show_input,
-            preview=preview,
-            height=height,
-            relief=relief,
-            height_scale=height_scale,
-            faces=faces,
-            ao=ao,
-            curvature=curvature,
-            specular=specular,
-        )
+        self.outputs = outputs or Outputs()
+        self._writer = Writer(self.outputs)
         flat_map((8, 8)).stronger(strength)  # refuses what is none
         self.strength = strength
         self._jobs: dict[str, Job] = {}
         self._failed = self._total = 0
-        self._heights: Heights = []
+        self._held: list[Held] = []
         self._upsample = enlarge
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
@@ -105,8 +60,8 @@ class NormalMapWriter(BasePredictionWriter):
         refined = isinstance(pl_module, NormalGAN) and pl_module.refined
         self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         drawings = _data_of(trainer).drawings
-        jobs = plan(drawings.files, self.folder, self.outputs.ending, list(self.outputs.others()))
-        self._jobs, self._heights = {job.files.drawing.stem: job for job in jobs}, []
+        jobs = plan(drawings.files, self.folder, self.outputs.ending, self.outputs.beside)
+        self._jobs, self._held = {job.files.drawing.stem: job for job in jobs}, []
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -150,7 +105,7 @@ class NormalMapWriter(BasePredictionWriter):
                     raise sentence from error
                 self._leave_out(sentence)
                 continue
-            self._heights += self.outputs.write(job, predicted.stronger(self.strength))
+            self._held += self._writer.write(job, predicted.stronger(self.strength))
             if predicted.warning:
                 print(
                     one_line(f"normalgan: warning: {job.files.drawing}: {predicted.warning}."),
@@ -163,8 +118,7 @@ class NormalMapWriter(BasePredictionWriter):
         Raises:
             RunError: if some of several drawings could not be used.
         """
-        if self.outputs.height_scale == "batch":
-            level_heights(self._heights)
+        self._writer.write_held(self._held)
         if trainer.is_global_zero:
             print(f"Normal maps: {self.folder.resolve()}")
         if self._failed:

@@ -23,6 +23,7 @@ Kind = Literal[
     "source",
     "augmentation",
     "metrics",
+    "output",
 ]
 """The kinds of plug-ins, by the last part of the setting that names one."""
 
@@ -69,7 +70,8 @@ def _as_text(
     for kind, registry in chosen.items():
         rows = [(cls.__name__, registry.package(cls.__name__), summary(cls)) for cls in registry]
         name, package = (max(len(row[i]) for row in rows) for i in (0, 1))
-        lines += [f"{kind}  (--{settings[kind]} NAME)"]
+        how = f"--{settings[kind]} NAME" if kind in settings else "options of generate and predict"
+        lines += [f"{kind}  ({how})"]
         lines += [f"  {row[0]:{name}}  {row[1]:{package}}  {row[2]}".rstrip() for row in rows]
         lines += [""]
     lines += ["left out:" if left_out else "Nothing was left out."]
@@ -86,7 +88,7 @@ def _as_json(
         {
             "kind": kind,
             "name": cls.__name__,
-            "setting": settings[kind],
+            "setting": settings.get(kind),
             "class_path": f"{cls.__module__}.{cls.__qualname__}",
             "package": registry.package(cls.__name__),
             "summary": summary(cls),

@@ -25,7 +25,7 @@ from normalgan.rendering.media import Medium
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.renderers import RENDERERS
-from normalgan.rendering.samples import draw_ink, draw_strokes
+from normalgan.rendering.samples import draw_ink, draw_strokes, no_lines
 from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
@@ -111,6 +111,9 @@ def draw(settings: Namespace) -> None:
     steps = ("lines", "hand", "medium")
     rngs = dict(zip(steps, np.random.default_rng(settings.seed).spawn(len(steps)), strict=True))
     strokes, maps = draw_strokes(view, settings.lines, settings.hand, rngs.__getitem__)
+    if not strokes:
+        where = f"{settings.mesh} at azimuth {settings.azimuth:g} and elevation {settings.elevation:g}"
+        raise no_lines(settings.lines, where, settings.size)
     try:
         if kind == ".svg":
             write_bytes(settings.output, to_svg(strokes, settings.size).encode())

@@ -16,7 +16,13 @@ from jsonargparse import get_loader, set_loader, set_parsing_settings
 from lightning.fabric.utilities.cloud_io import get_filesystem
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
-from lightning.pytorch.callbacks import ModelCheckpoint
+from lightning.pytorch.callbacks import (
+    Callback,
+    EarlyStopping,
+    ModelCheckpoint,
+    RichModelSummary,
+    RichProgressBar,
+)
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
 from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
@@ -32,20 +38,25 @@ from normalgan.callbacks.checkpoints import (
     named_checkpoint,
     run_folder,
 )
+from normalgan.callbacks.display import NetworkSummary, WideProgressBar
 from normalgan.cli.config_files import check_config, load_bounded
 from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.cli.output_options import add_output_options
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
 from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
+from normalgan.files.addresses import is_address
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
+from normalgan.inference.outputs.outputs import outputs_of
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
+from normalgan.weights.local_classes import no_local_classes
 
 __all__ = [
     "INSTEAD",
@@ -86,7 +97,9 @@ def check_trainer(settings: Mapping[str, Any]) -> None:
     """
     for name, instead in INSTEAD.items():
         if settings[name] not in {None, 1 if name == "accumulate_grad_batches" else None}:
-            raise InputError(f"trainer.{name} cannot be used with two optimisers; use {instead}.")
+            raise InputError(
+                f"trainer.{name} cannot be used, because optimisers are stepped by hand; use {instead}."
+            )
 
 
 class RenderingTrainer(Trainer):
@@ -185,6 +198,18 @@ class NormalGANCLI(LightningCLI):
         """Do what the command is for."""
         options = {name: self.config_init[name] for name in self._options}
         getattr(self.trainer, self.command)(model=self.model, datamodule=self.datamodule, **options)
+        if self.command == "fit" and self.trainer.is_global_zero:
+            self._tell_how_it_ended()
+
+    def _tell_how_it_ended(self) -> None:
+        """Print why training stopped early, if it did, and which checkpoint is best."""
+        for stopping in self.trainer.early_stopping_callbacks:
+            if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
+                print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
+        for callback in self.trainer.checkpoint_callbacks:
+            if isinstance(callback, ModelCheckpoint) and callback.monitor and callback.best_model_path:
+                score = f"{callback.monitor} {float(callback.best_model_score or 0):.4g}"
+                print(f"The best checkpoint is {callback.best_model_path} ({score}).")
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Set the defaults, and the links that keep settings in step."""
@@ -193,7 +218,12 @@ class NormalGANCLI(LightningCLI):
         parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
         parser.add_lightning_class_args(PictureLogger, "pictures")
         parser.add_lightning_class_args(TestReport, "report")
-        parser.add_lightning_class_args(NormalMapWriter, "output")
+        group = parser.add_argument_group("What predict writes for each drawing")
+        group.add_argument("--output.folder", type=str, default="normals", help="where the maps go")
+        group.add_argument(
+            "--output.strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+        )
+        add_output_options(parser, group, "output.")
         parser.set_defaults(
             {
                 "model.generator": {"class_path": "normalgan.models.UNetGenerator"},
@@ -236,6 +266,8 @@ class NormalGANCLI(LightningCLI):
                         f"a configuration sets {name}, and {SAFE_CONFIG} takes it from the command line "
                         f"alone: give --{name}."
                     )
+            if own.get("ckpt_path") != (given := config.get("ckpt_path")) and is_address(str(given)):
+                raise InputError(f"{SAFE_CONFIG} fetches no address that a configuration names: {given}.")
         given = None if command == "render" else config["ckpt_path"]
         if given is None and command in {"fit", "render"}:
             return
@@ -288,6 +320,24 @@ class NormalGANCLI(LightningCLI):
             root = self.config["trainer"]["default_root_dir"]
             check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
 
+    def instantiate_trainer(self, **kwargs: Any) -> Trainer:
+        """Build the trainer, with our progress bar and summary, and what writes the maps of predict."""
+        own: dict[type[Callback], type[Callback]] = {
+            RichProgressBar: WideProgressBar,
+            RichModelSummary: NetworkSummary,
+        }
+        callbacks = self.config_init["trainer"]["callbacks"]
+        # A copy: the trainer adds its own to the list.
+        given = list(callbacks) if isinstance(callbacks, list) else [callbacks]
+        trainer = super().instantiate_trainer(**kwargs)
+        used: list[Callback] = trainer.callbacks  # type: ignore[attr-defined]  # public, not typed
+        for number, callback in enumerate(used):
+            if type(callback) in own and not any(callback is one for one in given):
+                used[number] = own[type(callback)]()
+        output = self.config_init["output"].as_dict()
+        used.append(NormalMapWriter(output["folder"], outputs_of(output), output["strength"]))
+        return trainer
+
     def _resume(self, path: Path) -> None:
         """Read a checkpoint's settings over the configuration's."""
         checkpoint = read_checkpoint(path)
@@ -324,7 +374,10 @@ class NormalGANCLI(LightningCLI):
         )
 
     def _predict_with(self, path: Path, command: str, weights: Weights) -> None:
-        saved = weights.notes.settings()
+        try:
+            saved = weights.notes.settings(measured=command != "predict")
+        except InputError as error:
+            raise InputError(f"the model in {path} cannot be built here: {error}") from error
         self._warn_of_overruled(path, command, saved)
         changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
         self.config = self.parser.parse_object(changes, self.config)
@@ -398,6 +451,7 @@ def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
         # Lightning lets jsonargparse read any URL, data: and http: too, that stands where settings may.
         set_parsing_settings(config_read_mode_fsspec_enabled=False)
         if safe:
+            held.enter_context(no_local_classes())
             set_parsing_settings(
                 import_path_denylist=["*"],
                 import_path_allowlist=safe_imports(),
@@ -406,7 +460,7 @@ def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
             )
         load = get_loader("yaml")
         held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
-        set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
+        set_loader("yaml", lambda text: load_bounded(text, load, safe), (yaml.YAMLError,))
         yield held
 
 

@@ -1,4 +1,4 @@
-"""Augmentation: moves whole samples about, turning their normals along, and roughens the lines."""
+"""Augmentation: moves whole samples, turns their normals accordingly, and roughens the lines."""
 
 import dataclasses
 import functools
@@ -30,11 +30,11 @@ class BatchAugmentation(ABC):
 
     @abstractmethod
     def __call__(self, batch: Batch, seed: int) -> Batch:
-        """Return an augmented batch with all that the given one has; that is left as it is.
+        """Return an augmented copy of a batch.
 
         Args:
             batch: on any device.
-            seed: of all randomness: the same seed makes the same changes, so that a resumed run repeats.
+            seed: of all randomness; the same seed makes the same changes, so that a resumed run repeats them.
         """
 
     def describe(self) -> dict[str, Any]:
@@ -74,11 +74,11 @@ __all__ = [
 
 
 def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch:
-    """Return a batch that an augmentation has changed.
+    """Apply an augmentation to a batch.
 
     Raises:
-        InputError: if it gave no batch with the same parts of the same sizes back: Lightning would pass over
-            None, and train on nothing.
+        InputError: if it did not return a batch with the same parts of the same sizes. Lightning would skip
+            None and train on nothing.
     """
     given: object = augmentation(batch, seed)
     asked = "an augmentation gives a batch with all that it was given"
@@ -97,12 +97,11 @@ def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch
 
 
 def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
-    """Turn the vectors of a normal map as its pixels were moved.
+    """Turn the vectors of a normal map whose pixels were moved.
 
-    To move pixels leaves what they hold alone; but a picture that is turned shows an object that is
-    turned, mirrored, an object that is mirrored, and stretched, one that is stretched. Normals are
-    carried by the inverse transpose of what carries points; depth is taken to grow as the picture does,
-    by the root of the growth of areas. The outline of the one is then that of the other.
+    A turned, mirrored or stretched picture shows a turned, mirrored or stretched object, so the normals must
+    change too: by the inverse transpose of the points' transform. Depth scales with the root of the change of
+    areas. The moved normals then agree with the moved outline.
 
     Args:
         normal: (N, 3, H, W) normals whose pixels have been moved already.
@@ -111,7 +110,7 @@ def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
     Returns:
         (N, 3, H, W) in their new directions; of the same lengths if ``transform`` is a similarity.
     """
-    # By hand: torch.linalg.inv brings word from the device whether there is an inverse.
+    # By hand: torch.linalg.inv waits for the device to learn whether the matrix is invertible.
     (a, b), (c, d) = transform[:, 0, :2].unbind(1), transform[:, 1, :2].unbind(1)
     determinant = a * d - b * c
     inverse_transposed = torch.stack([d, -c, -b, a], dim=1).view(-1, 2, 2) / determinant[:, None, None]
@@ -122,7 +121,7 @@ def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
 
 
 def sampling_grid(transform: Tensor, side: int) -> Tensor:
-    """Return where in a picture each pixel of the moved one comes from.
+    """Return the source of each pixel of a moved picture.
 
     Args:
         transform: (N, 3, 3) that moves the picture, (x, y) in pixels, y down, pixel (0, 0) at the origin.
@@ -143,15 +142,15 @@ def sampling_grid(transform: Tensor, side: int) -> Tensor:
 
 @functools.lru_cache(maxsize=16)
 def _weights(points: int, side: int, mode: str, device: torch.device) -> Tensor:
-    """Return how much each of some points, spread from end to end, counts at each pixel, (side, points)."""
+    """Return the weights (side, points) of evenly spread points at each pixel."""
     each = torch.eye(points, device=device)[:, None, :, None]  # of picture i, 1 at point i alone
     return F.interpolate(each, size=(side, 1), mode=mode, align_corners=True)[:, 0, :, 0].T.contiguous()
 
 
 def smooth_noise(values: Tensor, side: int, mode: str) -> Tensor:
-    """Return few values (N, C, P, P) spread over pictures (N, C, H, W), smoothly between them.
+    """Interpolate few values (N, C, P, P) smoothly over pictures (N, C, H, W).
 
-    Two products of small matrices do it faster than `torch.nn.functional.interpolate` does on a processor.
+    On a CPU two small matrix products are faster than `torch.nn.functional.interpolate`.
 
     Args:
         values: (N, C, P, P), of which the outermost lie on the rim.
@@ -174,10 +173,10 @@ def sample_at(picture: Tensor, grid: Tensor) -> Tensor:
 
 
 def move_hints(hints: Tensor, transform: Tensor) -> Tensor:
-    """Return hints as the pixels that they lie on were moved, their normals turned along.
+    """Move hints with their pixels and turn their normals.
 
-    Each stays one pixel: interpolated, a hint would fade away. Those that leave the picture are gone; of two
-    that meet, one stays.
+    Each hint stays one pixel, because interpolation would fade it. Hints outside the picture are dropped; of
+    two on one pixel, one stays.
 
     Args:
         hints: (N, 4, H, W) normals at the hints, then 1 where they are.
@@ -196,7 +195,7 @@ def move_hints(hints: Tensor, transform: Tensor) -> Tensor:
 
 
 def wobble(sketch: Tensor, strength: float) -> Tensor:
-    """Move the lines about smoothly, each pixel by ``strength`` pixels or so (standard deviation)."""
+    """Move the lines smoothly, each pixel by about ``strength`` pixels (standard deviation)."""
     count, side = len(sketch), sketch.shape[-1]
     still = torch.eye(3, device=sketch.device).expand(count, 3, 3)
     shift = smooth_shifts(count, side, strength * 2 / side, sketch.device)  # of a grid, 2 from rim to rim
@@ -204,10 +203,10 @@ def wobble(sketch: Tensor, strength: float) -> Tensor:
 
 
 def drop_lines(sketch: Tensor, share: float) -> Tensor:
-    """Leave gaps: of each sketch erase blots that cover up to ``share`` of the paper."""
+    """Erase blots that cover up to ``share`` of each sketch, which leaves gaps in its lines."""
     n, side = len(sketch), sketch.shape[-1]
     noise = smooth_noise(torch.rand(n, 1, 17, 17, device=sketch.device), side, "bilinear")
-    # Of every fourth pixel the lowest are put in order: of all it would take longer than all else here.
+    # Every fourth pixel is sorted; sorting all would take longer than everything else here.
     some = noise[:, :, ::2, ::2].flatten(1)
     most = share * (some.shape[1] - 1)
     erased = (torch.rand(n, device=sketch.device) * most).long()
@@ -231,18 +230,17 @@ def change_width(sketch: Tensor, strength: float) -> Tensor:
 class Augmentation(BatchAugmentation):
     """Random changes of training samples, batched on their device.
 
-    The whole sample is mirrored, turned, scaled, stretched and moved; the sketch alone is roughened.
+    Whole samples are mirrored, turned, scaled, stretched and moved; only the sketch is roughened.
 
     Args:
         flip: probability of mirroring left and right.
         rotation: largest turn in degrees, either way.
         scale: least and largest scale.
-        stretch: whether width and height are scaled each by a factor of its own, drawn from ``scale``: an
-            animal becomes a longer or a taller one, which few meshes can make many.
+        stretch: whether width and height get separate factors from ``scale``, so that a few meshes become
+            many longer and taller ones.
         shear: largest slant in degrees, either way.
-        distractor_strokes: probability of each of two short strokes on the object that say nothing of its
-            form.
-        fills: probability that areas of the drawing are filled black, with white lines in them or none.
+        distractor_strokes: probability of each of two short strokes on the object that carry no form.
+        fills: probability that areas of the drawing are filled black, with or without white lines.
         decals: probability of text, a logo, windows, spots or stripes on the object.
         hatching: probability that the object's side away from a light is hatched.
         translation: largest move along each axis, as a share of the side.
@@ -307,12 +305,11 @@ class Augmentation(BatchAugmentation):
         self.marks = (fills, decals, hatching)
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
-        """Return an augmented batch; the same for the same seed.
+        """Return an augmented batch; equal for equal seeds.
 
-        The normals of an object that is turned or stretched in the picture plane are those of the object so
-        turned or stretched. Under perspective that holds but for the slight change of the direction of view
-        at a moved pixel. Outlines stay outlines; folds inside a stretched object would be drawn slightly
-        otherwise.
+        The normals are exact for an object turned or stretched in the picture plane. Under perspective the
+        viewing direction of a moved pixel changes slightly, which is ignored. Outlines stay outlines, but
+        folds inside a stretched object would be drawn slightly differently.
         """
         sketch, normal, mask = batch["sketch"], batch["normal"], batch["mask"]
         device, (count, _, _, side) = sketch.device, sketch.shape
@@ -320,7 +317,7 @@ class Augmentation(BatchAugmentation):
             seed_torch(seed, device)
             transform = self.draw_transform(count, side, device)
             grid = sampling_grid(transform, side)
-            # Lines are moved and made to wobble in one step: two interpolations would blur them twice.
+            # Moved and wobbled in one step, because two interpolations would blur lines twice.
             shift = smooth_shifts(count, side, self.jitter * 2 / 256, device) if self.jitter else 0.0
             sketch = self.roughen(sample_at(sketch, grid + shift))
             moved = sample_at(torch.cat([normal, mask], dim=1), grid)
@@ -341,9 +338,9 @@ class Augmentation(BatchAugmentation):
         return self.settings
 
     def draw_transform(self, count: int, side: int, device: torch.device) -> Tensor:
-        """Return how each of ``count`` pictures is moved, (N, 3, 3) for (x, y) in pixels, y down.
+        """Draw a transform for each of ``count`` pictures, (N, 3, 3) for (x, y) in pixels, y down.
 
-        All numbers are drawn on the device, for which the processor need not wait.
+        All numbers are drawn on the device, so that the CPU does not wait.
         """
         from kornia.geometry.transform import get_affine_matrix2d  # late, as above
 
@@ -365,7 +362,7 @@ class Augmentation(BatchAugmentation):
         )
 
     def roughen(self, sketch: Tensor) -> Tensor:
-        """Return sketches (N, 1, H, W) with lines that have gaps and vary in width."""
+        """Add gaps and varying widths to the lines of sketches (N, 1, H, W)."""
         if self.dropout:
             sketch = drop_lines(sketch, self.dropout)
         if self.width:

@@ -44,7 +44,7 @@ __all__ = ["MeshDataModule"]
 
 
 class MeshDataModule(LightningDataModule):
-    """Makes sketches, normal maps and masks of meshes, or reads pairs; serves them, and drawings to predict.
+    """Makes or reads sketches, normal maps and masks, and serves them and drawings to predict in batches.
 
     Args:
         meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
@@ -93,8 +93,8 @@ class MeshDataModule(LightningDataModule):
         sketches: a folder, a glob or a list of drawings, for predict.
         hints: hints for the drawings: a file, or a folder of ``<sketch>_hints.png`` or ``.json``.
         mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
-            fill the drawing's own, or ``model`` to leave it to the model; None is its opacity if that tells,
-            else its outline.
+            fill what lines enclose, ``reader`` to let a small network vote on that, or ``model`` to leave it
+            to the model; None is its opacity if that tells, else the reader.
         map_size: longer side of the maps in pixels; None is the drawing's, 1024 of an SVG.
     """
 

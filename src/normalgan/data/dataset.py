@@ -17,10 +17,9 @@ __all__ = ["SampleDataset", "bytes_per_sample"]
 
 
 class SampleDataset(Dataset[Item]):
-    """Samples of one split, from memory if they fit, else from the store one by one.
+    """Samples of one split, from memory if they fit, otherwise from the store one by one.
 
-    Works in DataLoader workers, forked or spawned: the samples in memory are shared, not copied, and
-    a store is opened by each process for itself.
+    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself.
 
     Args:
         store: where they lie.

@@ -1,4 +1,4 @@
-"""The mean normal map of a split: what can be said of a pixel before any sketch is seen."""
+"""The mean normal map of a split, a baseline that sees no sketch."""
 
 from collections.abc import Iterable
 

@@ -1,4 +1,4 @@
-"""What any data set is made of: things that can be loaded, and a recipe that makes samples of them."""
+"""The two interfaces of a data set: things that can be loaded, and a recipe that makes samples of them."""
 
 from typing import Any, Protocol
 
@@ -9,11 +9,11 @@ __all__ = ["Loadable", "SampleRecipe", "fingerprint"]
 
 
 class Loadable(Protocol):
-    """A mesh, a pair, or anything else that samples are made of; cheap to hold and to hand to a worker."""
+    """A source of samples, such as a mesh or a pair; cheap to keep and to send to a worker."""
 
     @property
     def name(self) -> str:
-        """What the user calls it; no other one of the data set has this name."""
+        """Its name, unique in the data set."""
 
     def fingerprint(self) -> str:
         """Return a hash of everything that `load` depends on: bytes of files, settings, a version.
@@ -31,11 +31,11 @@ class Loadable(Protocol):
 
 
 class SampleRecipe(Protocol):
-    """How samples are made of what was loaded: the same recipe makes the same samples, in any order."""
+    """How to make samples of what was loaded; a recipe makes equal samples in any order."""
 
     @property
     def noun(self) -> str:
-        """What messages call a thing that is loaded: ``mesh`` or ``pair``."""
+        """The word for a loaded thing in messages: ``mesh`` or ``pair``."""
 
     @property
     def size(self) -> int:

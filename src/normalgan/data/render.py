@@ -1,4 +1,4 @@
-"""Rendering a data set: once, side by side, on one machine or many, going on where it was interrupted."""
+"""Render a data set once, in parallel, on one machine or many; an interrupted rendering continues."""
 
 import warnings
 from collections.abc import Mapping
@@ -31,11 +31,10 @@ def render_samples(
     thorough: bool = False,
     per_shard: int = 32,
 ) -> dict[str, ShardedSamples]:
-    """Return the samples of every split, after rendering those that are not there or are damaged.
+    """Render missing and damaged samples, and return the samples of every split.
 
-    The bytes are the same whoever renders them and however often it was interrupted. A mesh that cannot be
-    used, or fails while it is rendered, is left out, with a warning that says why; a damaged shard is named
-    in a warning.
+    The bytes do not depend on the machine or on interruptions. A mesh that cannot be used or rendered is left
+    out with a warning that says why. A damaged shard is named in a warning.
 
     Args:
         cache: folder of all data sets, a path or a URL; this one lies in it under its key.
@@ -91,7 +90,7 @@ def open_samples(
     recipe: SampleRecipe,
     local_cache: LocalCache | None = None,
 ) -> dict[str, ShardedSamples]:
-    """Return the samples that `render_samples` has made of the same request; writes nothing there.
+    """Return the samples that `render_samples` has made for the same request; writes nothing.
 
     Args:
         cache: as it was given to `render_samples`, as are the next three.
@@ -102,7 +101,7 @@ def open_samples(
             needs none, and gets none.
 
     Raises:
-        InputError: if they are not there, or not all of them.
+        InputError: if some are missing.
     """
     folder, _, _ = locate(cache, sources, views_per_mesh, recipe)
     manifest = Manifest.read(folder)

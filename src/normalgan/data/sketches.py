@@ -123,5 +123,5 @@ def collate_sketches(samples: Sequence[SketchSample]) -> Sketches:
 
 
 def _bytes(prepared: Prepared) -> int:
-    arrays = (prepared.ink, prepared.mask, prepared.alpha, prepared.seen, prepared.hints)
-    return sum(array.nbytes for array in arrays if array is not None)
+    kept = (prepared.ink, prepared.mask, prepared.coverage, prepared.alpha, prepared.seen, prepared.hints)
+    return sum(array.nbytes for array in kept if array is not None)

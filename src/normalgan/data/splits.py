@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from normalgan.errors import InputError, brief
+from normalgan.files.limits import read_bounded
 from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["SPLITS", "Split", "plural", "split_by_file", "split_by_fractions"]
@@ -23,7 +24,7 @@ Split = dict[str, list[str]]
 def split_by_fractions(
     names: Sequence[str], fractions: tuple[float, float, float], seed: int = 0, noun: str = "mesh"
 ) -> Split:
-    """Deal the meshes out at random in the given proportions; names keep their order within a split.
+    """Split meshes at random in given proportions; names keep their order within a split.
 
     The counts are the fractions of the whole by largest remainder, but every fraction above 0 gets at
     least one mesh. Which mesh goes where depends on the set of names and the seed, not on their order.
@@ -31,7 +32,7 @@ def split_by_fractions(
     Args:
         names: the meshes.
         fractions: shares of training, validation and testing, summing to 1.
-        seed: another seed deals them out otherwise.
+        seed: another seed gives another split.
         noun: what messages call one of them.
 
     Returns:
@@ -67,7 +68,7 @@ def split_by_fractions(
 
 
 def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split:
-    """Return the split that a JSON file fixes: ``{"train": ["381", …], "val": […], "test": […]}``.
+    """Return the split in a JSON file: ``{"train": ["381", …], "val": […], "test": […]}``.
 
     Meshes the file does not name are left out, with a warning.
 
@@ -99,7 +100,9 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
 def _read(path: Path) -> Split:
     right = 'it must be like {"train": ["a", "b"], "val": ["c"], "test": ["d"]}.'
     try:
-        content: Any = json.loads(path.read_text(encoding="utf-8"))
+        content: Any = json.loads(read_bounded(path))
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(
             f"the split file {path} cannot be read: {error.strerror or brief(error)}."

@@ -1,4 +1,4 @@
-"""Marks that drawings have and that say nothing of the form: filled areas, decals, hatching for shade.
+"""Surface marks that carry no form: filled areas, decals, hatching for shade.
 
 All are drawn on single sketches with numpy and OpenCV: ink (H, W) in [0, 1], ink 1; normals (H, W, 3), x
 right, y up, z to the viewer; a mask (H, W), True on the object. Lengths are in pixels of a sketch of 256.

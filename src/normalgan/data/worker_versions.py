@@ -1,4 +1,4 @@
-"""What the bytes of a sample depend on besides the request: versions of this package and others."""
+"""The versions of packages that the bytes of samples depend on."""
 
 import platform
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex"
 
 @cache
 def worker_versions() -> dict[str, str]:
-    """Return the versions that must be the same on every machine that renders a data set.
+    """Return the versions that must be equal on all machines that render a data set.
 
     >>> sorted(worker_versions())[:3]
     ['Python', 'embreex', 'normalgan']
@@ -26,7 +26,7 @@ def worker_versions() -> dict[str, str]:
 
 
 def difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str | None:
-    """Return what another machine has otherwise, or None if nothing.
+    """Return what differs on another machine, or None.
 
     >>> difference({"numpy": "2.0"}, {"numpy": "2.4", "zarr": "3.1"})
     'numpy 2.0, not 2.4; no zarr, not 3.1'

@@ -437,7 +437,7 @@ class _Pool:
 
 def _folders() -> list[str]:
     """Return where the libraries that decode lie; the child sees no other packages."""
-    found = [find_spec(name) for name in ("PIL", "resvg_py", "cv2", "numpy")]
+    found = [find_spec(name) for name in ("PIL", "resvg_py", "cv2", "numpy", "pillow_heif")]
     origins = [spec.origin for spec in found if spec is not None and spec.origin is not None]
     return list(dict.fromkeys(str(Path(origin).parents[1]) for origin in origins))
 

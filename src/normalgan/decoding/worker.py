@@ -21,6 +21,12 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+if TYPE_CHECKING or __package__:
+    from normalgan.decoding.formats import ENDINGS, format_of
+else:  # as a program, which has no package
+    sys.path.append(os.path.dirname(os.path.abspath(__file__)))  # noqa: PTH100, PTH120
+    from formats import ENDINGS, format_of
+
 __all__ = [
     "DURATION",
     "EXACT",
@@ -40,10 +46,13 @@ __all__ = [
     "REFUSED",
     "REPLY",
     "REQUEST",
+    "DamagedError",
     "RefusedError",
+    "UnknownTiffError",
     "decode",
     "draw_svg",
     "exact_levels",
+    "float_white",
     "is_svg",
     "limit",
     "limit_time",
@@ -56,6 +65,8 @@ __all__ = [
     "send_frames",
     "send_layers",
     "send_levels",
+    "turned_upright",
+    "viewed",
 ]
 
 REQUEST = struct.Struct("<QIIIIBB")
@@ -88,19 +99,9 @@ MOST_DEPTH = 128
 MOST_TEXT = 2**26
 """Characters of an SVG with its entities written out."""
 
-_PLUGINS = {
-    b"\x89PNG": "Png",
-    b"\xff\xd8\xff": "Jpeg",
-    b"RIFF": "WebP",
-    b"GIF8": "Gif",
-    b"BM": "Bmp",
-    b"II*\0": "Tiff",
-    b"MM\0*": "Tiff",
-    b"II+\0": "Tiff",
-    b"MM\0+": "Tiff",
-}
-"""What files begin with, and Pillow's module for them; it has forty more, one of which starts Ghostscript."""
-_KNOWN = ".png .jpg .jpeg .webp .bmp .tif .tiff .gif .svg .psd .kra .ora .ase .aseprite"
+_KNOWN = " ".join(ENDINGS)
+_SUBFILE, _NO_PAGE = 254, 1 | 4
+"""A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
 _STRIP = 2**22
 _MOST_NOTES = 4000
 """Bytes of the words that are sent about a picture."""
@@ -109,6 +110,14 @@ _LONGEST_NAME, _DEEPEST = 255, 32
 _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
 _EMBEDDED = re.compile(r"data:image/(?:png|jpe?g|gif|webp);base64,", re.IGNORECASE)
+
+
+class UnknownTiffError(Exception):
+    """A TIFF that Pillow does not know, such as one of floats with colours; OpenCV may."""
+
+
+class DamagedError(OSError):
+    """A picture of a known format that its decoder does not know."""
 
 
 class RefusedError(Exception):
@@ -128,7 +137,7 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
     replies = open(os.dup(1), "wb", buffering=0)  # noqa: PTH123, SIM115 -- a number, and to the end
     with open(os.devnull, "wb") as nowhere:  # noqa: PTH123 -- what a library prints is no reply
         os.dup2(nowhere.fileno(), 1)
-    sys.path.extend([*folders, os.path.dirname(os.path.abspath(__file__))])  # noqa: PTH100, PTH120
+    sys.path.extend(folders)
     try:
         _import_all()
         limit(memory)
@@ -151,10 +160,14 @@ def main(seconds: int, memory: int, folders: list[str]) -> None:
                 send_levels(exact_levels(content, least, most), replies)
             else:
                 notes: list[str] = []
-                image, full = decode(content, least, most, svg_side, longest, bool(grey), notes)
-                _send_notes(replies, "; ".join(notes))
-                send(image, full, replies)
-                del image
+                try:
+                    image, full = decode(content, least, most, svg_side, longest, bool(grey), notes)
+                except UnknownTiffError:
+                    send_levels(viewed(exact_levels(content, least, most), longest, bool(grey)), replies)
+                else:
+                    _send_notes(replies, "; ".join(notes))
+                    send(image, full, replies)
+                    del image
         except RefusedError as refusal:
             _refuse(replies, str(refusal))
         except MemoryError:
@@ -282,6 +295,9 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
             _send_aseprite(reader, content, least, most, replies)
             return
         with _opened(content) as image:
+            if image.format == "TIFF":
+                _send_pages(image, least, most, seconds, replies)
+                return
             _check_sides(image.width, image.height, least, most)
             # A PNG may begin with a picture for those who know no animations.
             first = 1 if getattr(image, "default_image", False) else 0
@@ -307,6 +323,31 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
         raise
     except Exception as error:  # as in `decode`
         raise RefusedError(f"cannot be read from its frame {number + 1} on: {_brief(error)}") from None
+
+
+def _send_pages(image: Any, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
+    """Write the pages of a TIFF, which may differ in size."""
+    pages, pixels = [], 0
+    for number in range(min(image.n_frames, MOST_PARTS + 1)):
+        image.seek(number)
+        if not image.tag_v2.get(_SUBFILE, 0) & _NO_PAGE:
+            _check_sides(image.width, image.height, least, most)
+            pages.append(number)
+            pixels += image.width * image.height
+    _check_parts(len(pages), pixels, "pages")
+    _write(replies, REPLY.pack(PARTS, *image.size, 0, 0, len(pages)))
+    for place, number in enumerate(pages, 1):
+        limit_time(seconds)
+        try:
+            image.seek(number)
+            image.load()
+            shown = plain(turned_upright(image.copy()))
+        except MemoryError:
+            raise
+        except Exception as error:  # as in `decode`
+            raise RefusedError(f"cannot be read from its page {place} on: {_brief(error)}") from None
+        send(shown, shown.size, replies)
+        _write(replies, DURATION.pack(0))
 
 
 def send_layers(content: bytes, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
@@ -367,7 +408,12 @@ def loses_levels(content: bytes) -> bool:
     """
     if content.startswith(b"\x89PNG"):
         return content[24:25] == b"\x10" and content[25:26] in {b"\x02", b"\x06"}
-    return _PLUGINS.get(content[:4]) == "Tiff"
+    return _is_tiff(content)
+
+
+def _is_tiff(content: bytes) -> bool:
+    found = format_of(content[:64])
+    return found is not None and found.name == "TIFF"
 
 
 def exact_levels(content: bytes, least: int, most: int) -> Any:
@@ -384,13 +430,46 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
     except cv2.error as error:
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
     if levels is None:
-        raise RefusedError("cannot be read as an image: it is damaged, or of a kind that is not known")
+        raise RefusedError(
+            "cannot be read as an image: it is damaged, or of a kind that is not known; save it as PNG"
+        )
+    if levels.dtype in {np.dtype(np.float64), np.dtype(np.float16)}:
+        levels = levels.astype(np.float32)
     _check_sides(levels.shape[1], levels.shape[0], least, most)
     if levels.ndim == 3:
         levels = levels[..., [2, 1, 0, 3][: levels.shape[2]]]
     if (levels.dtype.name, levels.size // levels.shape[0] // levels.shape[1]) not in _KIND_OF:
         raise RefusedError(f"holds {levels.dtype.name}; levels are of 8 or 16 bits, or floats of 32")
     return np.ascontiguousarray(levels)
+
+
+def float_white(most: float) -> float:
+    """Return what white is in a picture of floats, for which no range is agreed on.
+
+    Args:
+        most: its largest value: up to 16 the range is 0 to 1, with lights beyond; else that of integers.
+    """
+    return 1.0 if most <= 16 else 255.0 if most <= 255 else 65535.0
+
+
+def viewed(levels: Any, longest: int, grey: bool) -> Any:
+    """Return levels (h, w) or (h, w, C), reduced and grey on white as `decode` does it."""
+    import cv2
+    import numpy as np
+
+    if longest and max(levels.shape[:2]) > longest:
+        scale = longest / max(levels.shape[:2])
+        size = (max(round(levels.shape[1] * scale), 1), max(round(levels.shape[0] * scale), 1))
+        levels = cv2.resize(levels, size, interpolation=cv2.INTER_AREA)
+    if not grey or levels.ndim == 2:
+        return np.ascontiguousarray(levels)
+    floats = levels.dtype == np.float32
+    top = float_white(float(np.nan_to_num(levels).max())) if floats else float(np.iinfo(levels.dtype).max)
+    brightness = levels[..., :3].astype(np.float32) @ np.array([0.299, 0.587, 0.114], np.float32)
+    if levels.shape[2] == 4:
+        opacity = levels[..., 3].astype(np.float32) / top
+        brightness = brightness * opacity + top * (1 - opacity)
+    return np.ascontiguousarray(brightness.astype(levels.dtype))
 
 
 def send_levels(levels: Any, replies: "BinaryIO | io.FileIO") -> None:
@@ -424,7 +503,7 @@ def decode(
     Raises:
         RefusedError: if it cannot be decoded.
     """
-    from PIL import ImageOps, UnidentifiedImageError
+    from PIL import UnidentifiedImageError
 
     if is_svg(content):
         content = draw_svg(content, svg_side, most)
@@ -432,22 +511,40 @@ def decode(
         if (reader := _layered(content)) is not None:
             upright = _composite(reader, content, least, most, notes)
         else:
-            with _opened(content) as image:
+            try:
+                image = _opened(content)
+            except DamagedError:
+                if _is_tiff(content):
+                    raise UnknownTiffError from None
+                raise
+            with image:
                 _check_sides(image.width, image.height, least, most)
                 image.load()
-                upright = ImageOps.exif_transpose(image)
+                upright = turned_upright(image)
             del image
         upright, full = plain(upright), upright.size
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
         return _grey(upright) if grey else upright, full
-    except (RefusedError, MemoryError):
+    except (RefusedError, UnknownTiffError, MemoryError):
         raise
     except UnidentifiedImageError:
         _refuse_foreign(content)
         raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
+
+
+def turned_upright(image: "Image") -> "Image":
+    """Return an image turned as its camera says; as it lies, if what the camera wrote is damaged."""
+    from PIL import ImageOps
+
+    try:
+        return ImageOps.exif_transpose(image)
+    except MemoryError:
+        raise
+    except Exception:  # notes about a picture, which is sound without them
+        return image
 
 
 def _send_aseprite(
@@ -521,14 +618,35 @@ def _opened(content: bytes) -> "Image":
     from PIL import Image, UnidentifiedImageError
 
     Image.MAX_IMAGE_PIXELS = None  # ours are lower
-    plugin = next((name for start, name in _PLUGINS.items() if content.startswith(start)), None)
-    if plugin is None:
+    found = format_of(content[:64])
+    if found is None or found.plugin is None:
         raise UnidentifiedImageError
-    __import__(f"PIL.{plugin}ImagePlugin")
     try:
-        return Image.open(io.BytesIO(content), formats=(plugin.upper(),))
+        _import_plugin(found.plugin)
+    except ImportError:
+        raise RefusedError(
+            f"is a {found.name}; run `pip install 'normalgan[{found.name.lower()}]'` to read it, or save it "
+            "as PNG or JPEG"
+        ) from None
+    try:
+        return Image.open(io.BytesIO(content), formats=(found.plugin,))
     except UnidentifiedImageError:
-        raise OSError(f"it begins as a {plugin.upper()} and is cut short or damaged") from None
+        raise DamagedError(f"it begins as a {found.name} and is cut short or damaged") from None
+
+
+def _import_plugin(plugin: str) -> None:
+    """Import what decodes a format; Pillow brings all but one.
+
+    Raises:
+        ImportError: if it is not installed.
+    """
+    if plugin == "HEIF":
+        __import__("pillow_heif").register_heif_opener(thumbnails=False)
+        return
+    module = {"WEBP": "WebP"}.get(plugin, plugin.capitalize())
+    found = __import__(f"PIL.{module}ImagePlugin", fromlist=["SUPPORTED"])
+    if not getattr(found, "SUPPORTED", True):
+        raise ImportError
 
 
 def _check_sides(width: int, height: int, least: int, most: int) -> None:
@@ -538,15 +656,46 @@ def _check_sides(width: int, height: int, least: int, most: int) -> None:
 
 def plain(image: "Image") -> "Image":
     """Return an image of any mode in one of `MODES`."""
+    if image.mode.startswith("I"):
+        return _deep(image)
     if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
         if image.mode == "La":
             image = image.convert("LA")
+        clear = image.info.get("transparency")
+        if isinstance(clear, tuple) and max(clear) > 255:  # of 16 bits, of which Pillow keeps 8
+            image.info["transparency"] = tuple(each >> 8 for each in clear)
         return image.convert("RGBA")
     if image.mode in {"1", "L"}:
         return image.convert("L")
-    if image.mode in {"I", "F"} or image.mode.startswith("I;"):
-        return image if image.mode in MODES else image.convert("I")
-    return image.convert("RGB")
+    return image if image.mode == "F" else image.convert("RGB")
+
+
+_TOPS = (255, 1023, 4095, 16383, 65535, 2**24 - 1, 2**31 - 1)
+"""White of greys of 8, 10, 12, 14, 16, 24 and 31 bits, which programs store in 16 or 32."""
+
+
+def _deep(image: "Image") -> "Image":
+    """Return a grey image of 16 or 32 bits with white at 65535.
+
+    One that has no level in the upper three quarters of its bits has fewer of them than its file. If one of
+    its greys is transparent, it comes with opacity and 8 bits.
+    """
+    import numpy as np
+    from PIL import Image
+
+    levels = np.asarray(image if image.mode in {"I", "I;16"} else image.convert("I"))
+    most, clear = int(levels.max()), image.info.get("transparency")
+    top = next((each for each in _TOPS if most <= each), _TOPS[-1])
+    scaled: Any = np.clip(levels, 0, top)
+    if top != 65535:
+        scaled = np.rint(np.multiply(scaled, np.float32(65535 / top), dtype=np.float32))
+    scaled = scaled.astype(np.uint16)
+    hidden = levels == clear if isinstance(clear, int) else None
+    if hidden is None or not hidden.any():
+        return Image.fromarray(scaled)
+    grey = np.rint(scaled / np.float32(257)).astype(np.uint8)
+    opacity = np.where(hidden, np.uint8(0), np.uint8(255))
+    return Image.merge("RGBA", [Image.fromarray(each) for each in (grey, grey, grey, opacity)])
 
 
 def reduced(image: "Image", longest: int) -> "Image":

@@ -1,3 +1,3 @@
-"""From a checkpoint to a file that other programs run: ONNX, TorchScript, torch.export."""
+"""Export a checkpoint for other programs: ONNX, TorchScript, torch.export."""
 
 __all__ = []

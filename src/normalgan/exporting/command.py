@@ -106,8 +106,10 @@ def _check(options: Namespace) -> Path:
         raise InputError(f"there is no format {options.format!r}; it is one of {', '.join(SUFFIXES)}.")
     suffix = SUFFIXES[options.format]
     if Path(options.output).suffix.lower() != suffix:
+        fits = [f"--format {name}" for name, ending in SUFFIXES.items() if options.output.endswith(ending)]
+        other = f", or pass {fits[0]}" if fits else ""
         raise InputError(
-            f"the model {options.output} is to be a {suffix}, as --format {options.format} writes."
+            f"--output {options.output} must end in {suffix}, which --format {options.format} writes{other}."
         )
     if options.half and options.format not in HALVED:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Comparison: whether an exported model paints what torch paints, and by how much half precision turns it."""
+"""Compare an exported model with torch, also in half precision."""
 
 import numpy as np
 import torch
@@ -38,13 +38,13 @@ def examples(count: int, size: int, seed: int = 0) -> tuple[Floats, Floats]:
 
 
 def predict(model: Deployed, sketch: Floats, hints: Floats) -> list[Floats]:
-    """Return what torch makes of sketches and hints."""
+    """Return torch's prediction for sketches and hints."""
     with torch.no_grad():
         return [output.numpy() for output in model(torch.from_numpy(sketch), torch.from_numpy(hints))]
 
 
 def largest_difference(model: Deployed, run: Run) -> float:
-    """Return by how much an exported model differs from torch at worst, with hints and without.
+    """Return the largest difference of an exported model from torch, with hints and without.
 
     One picture a batch and three: a batch whose size was fixed by mistake fails here. The confidence has
     no upper bound, so that its difference counts as a share of it where it is above 1.
@@ -61,9 +61,9 @@ def largest_difference(model: Deployed, run: Run) -> float:
 
 
 def turn_in_degrees(model: Deployed, run: Run) -> tuple[float, float]:
-    """Return by how many degrees, in the mean and at most, an exported model turns the normals of objects.
+    """Return the mean and largest angle in degrees between an exported model's normals and torch's.
 
-    Where torch sees no object at all in the scribbles, every pixel counts.
+    If torch predicts no object in the scribbles, every pixel counts.
     """
     sketch, hints = examples(4, model.size)
     wanted = predict(model, sketch, hints)[0].astype(np.float64)

@@ -16,7 +16,7 @@ __all__ = ["Deployed", "load"]
 
 
 class Deployed(nn.Module):
-    """Sketch and hints in, normals and perhaps their confidence out; dropout off, statistics fixed.
+    """Takes sketch and hints, returns normals and optional confidence; dropout off, statistics fixed.
 
     Args:
         generator: what paints.

@@ -1,4 +1,4 @@
-"""Formats: an exported model as bytes, and how such bytes are run."""
+"""Export formats: writing a model as bytes, and running such bytes."""
 
 import json
 import logging
@@ -85,7 +85,7 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 
 def read_onnx(content: bytes) -> Run:
-    """Return what ONNX Runtime makes of a model, on the processor."""
+    """Return a model run by ONNX Runtime on the CPU."""
     import onnxruntime
 
     session = onnxruntime.InferenceSession(content, providers=["CPUExecutionProvider"])
@@ -113,7 +113,7 @@ def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 
 def read_torchscript(content: bytes) -> Run:
-    """Return what TorchScript makes of a model."""
+    """Return a model run by TorchScript."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return _tensors(torch.jit.load(BytesIO(content), map_location="cpu"))
@@ -130,7 +130,7 @@ def write_program(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 
 def read_program(content: bytes) -> Run:
-    """Return what ``torch.export`` makes of a model."""
+    """Return a model run by ``torch.export``."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return _tensors(torch.export.load(BytesIO(content)).module())
@@ -146,7 +146,7 @@ def write_safetensors(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 
 def read_safetensors(content: bytes) -> Run:
-    """Return what a generator paints that is built from such a file alone."""
+    """Return a generator built from such a file alone."""
     weights = parse_weights(content)
     return _tensors(Deployed(weights.generator(), weights.notes.size))
 

@@ -1,4 +1,4 @@
-"""What an ONNX file of ours says besides the network, and its weights in half precision."""
+"""Metadata of our ONNX files, and their weights in half precision."""
 
 from collections.abc import Mapping
 

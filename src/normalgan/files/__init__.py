@@ -1,4 +1,4 @@
-"""Files of any kind: written whole or not at all, read within limits, looked at before they are loaded."""
+"""Files: atomic writing, reading within limits, checks before loading."""
 
 from normalgan.files.writing import write_bytes
 

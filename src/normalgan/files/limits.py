@@ -1,4 +1,4 @@
-"""Limits: how much is read of what comes from outside, so that no file takes all memory or all time."""
+"""Limits of reading, so that no file takes all memory or time."""
 
 import os
 import stat
@@ -16,6 +16,7 @@ __all__ = [
     "MOST_SETTINGS",
     "load_yaml",
     "read_bounded",
+    "refuse_pointer",
     "yaml_limit_error",
 ]
 
@@ -27,14 +28,16 @@ MOST_DEPTH = 50
 """More lists and mappings in one another than any settings need."""
 MOST_NODES = 100_000
 """More values than any settings need, those counted again that an alias repeats."""
+_POINTER = b"version https://git-lfs.github.com/spec/"
+"""What a pointer of Git LFS begins with."""
 
 
 def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
-    """Return the bytes of a file, if they are not too many.
+    """Return the bytes of a file within a limit.
 
     Raises:
         InputError: if there are more than ``most``, or it is a pipe, which may never end or never begin, or
-            a device.
+            a device, or a pointer of Git LFS.
         OSError: if it cannot be read.
     """
     with open(path, "rb", opener=_without_waiting) as file:
@@ -45,18 +48,35 @@ def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
         data = b"" if status.st_size > most else file.read(most + 1)
     if status.st_size > most or len(data) > most:
         raise InputError(f"{path} has more than {most} bytes; no file of its kind is that large.")
+    refuse_pointer(path, data)
     return data
 
 
+def refuse_pointer(path: Path | str, data: bytes) -> None:
+    """Refuse what Git keeps in place of a large file that was not fetched.
+
+    Args:
+        path: the file, or what to call it.
+        data: what it holds, or how that begins.
+
+    Raises:
+        InputError: if it is a pointer of Git LFS.
+    """
+    if data.startswith(_POINTER):
+        raise InputError(
+            f"{path} is a Git LFS pointer and not the file itself; run `git lfs pull` in its repository."
+        )
+
+
 def _without_waiting(path: str, flags: int) -> int:
-    """Open a file; a pipe too, which would else be waited for until somebody writes to it."""
+    """Open a file without waiting for the writer of a pipe."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def yaml_limit_error(text: str) -> str | None:
-    r"""Return what is too much in a YAML text, as the end of a sentence; None if it may be loaded.
+    r"""Return which limit a YAML text exceeds, as the end of a sentence; None if it may be loaded.
 
-    Its aliases are counted as if they were written out: ten lines can stand for billions of values.
+    Aliases count as if they were expanded, because ten lines can stand for billions of values.
 
     Raises:
         yaml.YAMLError: if it is not YAML.

@@ -1,4 +1,4 @@
-"""Lock of a run: one run at a time trains in a folder, which can be written to."""
+"""A lock, so that only one run at a time trains in a folder."""
 
 import os
 from collections.abc import Iterator
@@ -16,9 +16,9 @@ NAME = ".running"
 
 @contextmanager
 def one_run_in(folder: Path) -> Iterator[None]:
-    """Hold a run's folder, so that no other run can write its checkpoints among those of this one.
+    """Lock a run's folder, so that no other run writes checkpoints into it.
 
-    The system lets go of it when the process ends, however it ends; a file left behind stops nobody.
+    The system releases the lock when the process ends, however it ends; a file left behind blocks nobody.
 
     Args:
         folder: of the run; made if it is not there, and removed if nothing was put into it.
@@ -54,7 +54,7 @@ def one_run_in(folder: Path) -> Iterator[None]:
 
 
 def check_writable(folder: Path) -> None:
-    """Make sure that a folder can be made and written to, and make none.
+    """Check that a folder can be made and written to, without making it.
 
     Raises:
         InputError: if it cannot.

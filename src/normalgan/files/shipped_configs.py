@@ -6,13 +6,13 @@ __all__ = ["find_beside", "find_config", "shipped_folder", "shipped_names"]
 
 
 def shipped_folder() -> Path:
-    """Return where the configurations of this package lie: in the package, or in the clone it runs from."""
+    """Return the folder of the shipped configurations: in the package, or in the clone it runs from."""
     packed = Path(__file__).parents[1] / "configs"
     return packed if packed.is_dir() else Path(__file__).parents[3] / "configs"
 
 
 def shipped_names() -> list[str]:
-    """Return what configurations there are, such as ``paper`` and ``fourleg/meshes``."""
+    """Return the names of the shipped configurations, such as ``paper`` and ``fourleg/meshes``."""
     folder = shipped_folder()
     return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
 

@@ -1,4 +1,4 @@
-"""What `torch.save` wrote, looked at before it is loaded: data, and no more of it than the file is long."""
+"""Safe loading of files by `torch.save`: data only, and no more than the file's length."""
 
 import io
 import pickletools
@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from normalgan.errors import InputError
+from normalgan.files.limits import refuse_pointer
 
 __all__ = ["MOST_OBJECTS", "MOST_PARTS", "load_torch_file"]
 
@@ -40,9 +41,9 @@ _END64 = struct.Struct("<4sQ2H2L4Q")
 
 
 def load_torch_file(path: Path) -> Any:
-    """Return what is in a file that `torch.save` wrote; tensors are mapped, and read where they are used.
+    """Load a file of `torch.save`; tensors are memory-mapped.
 
-    Nothing in it is run, and nothing is imported or allocated before it is seen what it would be.
+    Nothing in it is run, and nothing is imported or allocated before it is checked.
 
     Raises:
         InputError: if it is missing, damaged, or holds anything but data.
@@ -55,6 +56,8 @@ def load_torch_file(path: Path) -> Any:
         _check_tensors(content, path.stat().st_size)
     except PermissionError:
         raise InputError(f"the checkpoint {path} may not be read; change its permissions.") from None
+    except InputError:
+        raise
     except _RefusedError as error:
         raise InputError(
             f"{path} is damaged or no checkpoint: {error}; give one that `normalgan fit` saved."
@@ -67,12 +70,13 @@ def load_torch_file(path: Path) -> Any:
 
 
 class _RefusedError(Exception):
-    """Why a file is not loaded, as part of a sentence."""
+    """The reason why a file is not loaded, as part of a sentence."""
 
 
 def _read_pickle(path: Path) -> bytes:
     """Return the objects of an archive, once it is sure that it holds no more bytes than the file has."""
     with path.open("rb") as file:
+        refuse_pointer(path, file.read(64))
         directory = _directory(file)
         with zipfile.ZipFile(file) as archive:
             # zipfile makes up for bytes before the archive, torch does not: they would read two files.
@@ -111,7 +115,7 @@ def _directory(file: io.BufferedIOBase | Any) -> int:
 
 
 def _check_pickle(content: bytes) -> None:
-    """Make sure that a pickle names nothing but what data is made of.
+    """Check that a pickle names only the classes of plain data.
 
     Raises:
         _RefusedError: with the name, if it names anything else.
@@ -127,7 +131,7 @@ def _check_pickle(content: bytes) -> None:
 
 
 def _check_tensors(content: Any, most: int) -> None:
-    """Make sure that tensors do not stand for more bytes than there are: a view can repeat one number."""
+    """Check that tensors are not larger than the file, because a view can repeat one number."""
     taken = 0
     for tensor in _tensors(content):
         taken += tensor.numel() * tensor.element_size()

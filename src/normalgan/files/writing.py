@@ -1,4 +1,4 @@
-"""Files: written whole or not at all."""
+"""Atomic writing of files."""
 
 import os
 from pathlib import Path
@@ -9,7 +9,7 @@ __all__ = ["write_bytes"]
 def write_bytes(
     path: str | Path, content: bytes | memoryview, partial: Path | None = None, durable: bool = True
 ) -> None:
-    """Write a file whole or not at all, making its folder where missing.
+    """Write a file atomically, and make its folder if missing.
 
     Args:
         path: of the file.

@@ -1,4 +1,4 @@
-"""Where the true normal is given away: hint samplers, each a plug-in, and hints as tensors."""
+"""Hints: samplers that choose where the true normal is given (plug-ins), and hints as tensors."""
 
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler, HintSampler
 from normalgan.hints.curvature import CurvatureHints

@@ -1,4 +1,4 @@
-"""HintSampler: chooses the pixels at which the true normal is given away."""
+"""HintSampler: chooses the pixels at which the true normal is given."""
 
 from abc import ABC, abstractmethod
 
@@ -11,11 +11,11 @@ __all__ = ["HINT_SAMPLERS", "ErrorHintSampler", "HintSampler"]
 
 
 class HintSampler(ABC):
-    """Base of the hint samplers, which play the designer in training and testing."""
+    """Base of the hint samplers, which stand in for the designer in training and testing."""
 
     @abstractmethod
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are: (N, 1, H, W), 1 at a hinted pixel and 0 elsewhere.
+        """Return the hint mask, (N, 1, H, W): 1 at a hinted pixel, 0 elsewhere.
 
         Hints lie on the object; a sample may get none.
 
@@ -27,20 +27,20 @@ class HintSampler(ABC):
 
 
 class ErrorHintSampler(HintSampler):
-    """Base of the samplers that look at what the generator gets wrong without hints."""
+    """Base of the samplers that use the generator's error without hints."""
 
     @abstractmethod
     def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are: (N, 1, H, W) of the error's type, 1 at a hinted pixel and 0 elsewhere.
+        """Return the hint mask, (N, 1, H, W) of the error's type: 1 at a hinted pixel, 0 elsewhere.
 
         Args:
-            error: (N, 1, H, W), 0 or more, larger where the painted normal is farther off.
+            error: (N, 1, H, W), 0 or more, larger where the predicted normal is farther off.
             mask: (N, 1, H, W), 1 on the object.
             rng: source of all randomness, on the device of ``error``.
         """
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are, as if what faces the viewer everywhere had been painted.
+        """Return the hint mask for a prediction that faces the viewer everywhere.
 
         So it is where there is no generator, as in a picture of the sampler; in training and testing
         `sample_by_error` is asked.

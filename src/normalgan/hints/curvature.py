@@ -25,20 +25,19 @@ _FLAT = 1e-5
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class CurvatureHints(HintSampler):
-    """Give points of mild concavity: two thresholds of the curvature map, exclusive or, most dropped.
+    """Sample points of mild concavity: two thresholds of the curvature map, exclusive or, dropout.
 
     After He et al., "Sketch-based Normal Map Generation with Geometric Sampling" (arXiv 2104.11554),
     section 4: the grey curvature map is cut at 127 and at 126, the exclusive or of the two binary images
     is kept, and each of its points is dropped with probability 0.95. The paper does not say how normals
     become grey. The defaults are the reading that fits its text: flat is 128, concave darker, low contrast.
-    One threshold alone then gives mostly the outline, and the exclusive or the single level 127: the mild
-    concavities, such as where limbs go over into the body; a crease is several levels darker and is left out.
-    At 256 × 256, 20 to 275 points are left of a view of the paper's FourLegs (median 90), 8 to 274 of the
-    embedded animals (median 55), the more the finer the surface; a convex object gets none. With `rounding`
-    ``floor`` flat is 127, and the same rule selects all that is flat: with `object_only` off, the whole
-    background.
+    A single threshold then selects mostly the outline. The exclusive or selects level 127: mild
+    concavities, such as where a limb meets the body. A crease is several levels darker and is left out.
+    At 256 × 256, a view of the paper's FourLegs keeps 20 to 275 points (median 90), an embedded animal 8 to
+    274 (median 55); finer surfaces keep more, and a convex object keeps none. With `rounding` ``floor``,
+    flat is 127 and the rule selects everything flat, including the background if `object_only` is off.
 
-    Only the curvature is quantised to 8 bit, never the normals.
+    Only the curvature is quantised to 8 bits, never the normals.
 
     Args:
         estimator: derivative of the normals: ``central`` differences or ``sobel``.
@@ -53,9 +52,9 @@ class CurvatureHints(HintSampler):
         comparison: a level passes a threshold if ``greater`` or if ``greater_equal``.
         object_only: keep only points on the object; off it, hints would give away the zero normal.
         dropout: probability that a selected point is dropped, 0…1; not used with a count.
-        count: so many points are kept of each sample, in place of the drop-out, at random among the selected;
-            where these are too few, points of the nearest grey levels follow. For comparing where hints lie
-            at equal numbers.
+        count: number of points to keep of each sample, chosen at random from the selected ones, instead of
+            dropout. If too few are selected, points of the nearest grey levels are added. Use it to compare
+            samplers at equal numbers of hints.
     """
 
     estimator: Estimator = "central"
@@ -106,7 +105,7 @@ class CurvatureHints(HintSampler):
         return (selected & kept).to(normal.dtype)
 
     def _nearest(self, normal: Tensor, mask: Tensor, rng: torch.Generator, count: int) -> Tensor:
-        """Return ``count`` points, of the levels nearest to the selected ones, at random among equals."""
+        """Return ``count`` points of the levels nearest to the selected ones; ties are broken at random."""
         low, high = sorted(self.thresholds)
         first, last = (low + 1, high) if self.comparison == "greater" else (low, high - 1)
         levels = self.levels(normal)

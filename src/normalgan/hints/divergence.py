@@ -1,4 +1,4 @@
-"""The curvature of a surface, read off its normal map."""
+"""The curvature of a surface, computed from its normal map."""
 
 from typing import Literal
 
@@ -22,7 +22,7 @@ def curvature_map(
     (n + 1) / 2, the difference of the two neighbours of a pixel has the same value; tools that make a
     "curvature map" from a normal map compute this sum of red by columns and green by rows.
 
-    The picture is continued by its border pixels. A normal of 0 off the object counts as facing the viewer
+    Border pixels are repeated outside the picture. A normal of 0 off the object counts as facing the viewer
     in the signed form, so a convex object has a strong negative outline.
 
     Args:

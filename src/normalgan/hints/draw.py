@@ -17,24 +17,24 @@ __all__ = ["draw_hints", "draw_hints_by_name"]
 def draw_hints(
     sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, error: Tensor | None = None
 ) -> Tensor:
-    """Return the hints (N, 4, H, W) that a sampler gives a batch under a seed.
+    """Return the hints (N, 4, H, W) that a sampler draws for a batch with a seed.
 
     Args:
         sampler: chooses the points.
         normal: (N, 3, H, W) true unit normals, 0 off the object.
         mask: (N, 1, H, W), 1 on the object.
         seed: of all randomness.
-        error: (N, 1, H, W), for an `ErrorHintSampler`, of what the generator paints without hints.
+        error: (N, 1, H, W), for an `ErrorHintSampler`, of the generator's prediction without hints.
 
     Raises:
-        InputError: if the sampler gives anything but a tensor of the mask's shape. Its values are not looked
-            at, as that would wait for the device: `draw_hints_by_name` does, in validation.
+        InputError: if the sampler does not return a tensor of the mask's shape. Its values are not checked
+            here, because that would wait for the device; `draw_hints_by_name` checks them in validation.
     """
     return hints_at(normal, _sampled(sampler, normal, mask, seed, error))
 
 
 def _sampled(sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, error: Tensor | None) -> Tensor:
-    """Return (N, 1, H, W), where a sampler puts hints."""
+    """Return a sampler's hint mask, (N, 1, H, W)."""
     rng = torch.Generator(device=normal.device).manual_seed(seed)
     if error is not None and isinstance(sampler, ErrorHintSampler):
         where = sampler.sample_by_error(error.to(normal.dtype), mask, rng)
@@ -45,7 +45,7 @@ def _sampled(sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, erro
 
 
 def _check_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
-    """Raise `InputError` if a sampler gave anything but a tensor of the mask's shape, on its device."""
+    """Raise `InputError` unless a sampler returned a tensor of the mask's shape, on its device."""
     if not isinstance(where, Tensor) or where.shape != mask.shape:
         raise refused(sampler, where, _asked(mask))
     if where.device != mask.device:
@@ -56,7 +56,7 @@ def _check_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
 
 
 def _check_values(sampler: HintSampler, where: Tensor, mask: Tensor) -> None:
-    """Raise `InputError` if a sampler gave anything but 1 and 0, or a hint off the object."""
+    """Raise `InputError` if a sampler returned values other than 1 and 0, or a hint off the object."""
     odd = where[(where != 0) & (where != 1)]
     if len(odd):
         raise InputError(
@@ -82,7 +82,7 @@ def draw_hints_by_name(
     seed: int,
     error: Tensor | None = None,
 ) -> Tensor:
-    """Return the hints (N, 4, H, W) of samples by name: the same in whatever batch, process and device.
+    """Return the hints (N, 4, H, W) of samples by name, independent of batch, process and device.
 
     Args:
         sampler: chooses the points.
@@ -93,7 +93,7 @@ def draw_hints_by_name(
         error: as in `draw_hints`.
 
     Raises:
-        InputError: if the sampler gives anything but 1 and 0 on the object, in the mask's shape.
+        InputError: if the sampler does not return 1 and 0 on the object, in the mask's shape.
     """
     # On the CPU, whatever the device: a GPU draws other numbers from the same seed.
     errors = [None] * len(names) if error is None else error.cpu().split(1)

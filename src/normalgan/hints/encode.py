@@ -7,7 +7,7 @@ __all__ = ["hints_at"]
 
 
 def hints_at(normal: Tensor, where: Tensor) -> Tensor:
-    """Return the hints that give away ``normal`` at the pixels ``where``.
+    """Return hints of ``normal`` at the pixels ``where``.
 
     Args:
         normal: (N, 3, H, W) unit normals.

@@ -1,4 +1,4 @@
-"""FarthestPointHints: points that lie as far apart as they can."""
+"""FarthestPointHints: points as far apart as possible."""
 
 from dataclasses import dataclass
 
@@ -14,9 +14,9 @@ __all__ = ["FarthestPointHints"]
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class FarthestPointHints(HintSampler):
-    """Give a number of points, the first anywhere on the object, each next farthest from those before.
+    """Sample ``count`` points: the first at random on the object, each next farthest from the earlier ones.
 
-    Distances are straight in the picture. An object of fewer pixels than the number is hinted everywhere.
+    Distances are straight lines in the picture. A smaller object is hinted at every pixel.
 
     Args:
         count: points of each sample.

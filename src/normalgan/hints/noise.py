@@ -1,4 +1,4 @@
-"""Noise in hints: a person pins a normal about right, not exactly."""
+"""Noise in hints, because people pin normals only roughly."""
 
 import math
 
@@ -11,10 +11,10 @@ __all__ = ["turn_hints"]
 
 
 def turn_hints(hints: Tensor, degrees: float, seed: int) -> Tensor:
-    """Return hints (N, 4, H, W) whose normals are each turned at random; where they are stays.
+    """Return hints (N, 4, H, W) with each normal turned at random; positions stay.
 
-    A sample's hints are off by between nothing and ``degrees`` on average (a level a sample, evenly drawn),
-    so that a network learns both to take a hint at its word and not to trust it blindly.
+    Each sample gets its own noise level, uniform between 0 and ``degrees``, so that a network learns both to
+    follow exact hints and to doubt rough ones.
 
     Args:
         hints: unit normals at the hints, 0 elsewhere, and where they are.

@@ -13,10 +13,10 @@ __all__ = ["NoHints"]
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class NoHints(HintSampler):
-    """Give no hints at all.
+    """Sample no hints, as for pix2pix or a network for bare sketches.
 
-    So are pix2pix (Isola et al., "Image-to-Image Translation with Conditional Adversarial Networks",
-    CVPR 2017) and a network for bare sketches trained and tested.
+    References:
+        Isola et al. 2017, "Image-to-Image Translation with Conditional Adversarial Networks".
     """
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:

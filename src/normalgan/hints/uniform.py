@@ -16,20 +16,19 @@ __all__ = ["UniformHints"]
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class UniformHints(HintSampler):
-    """Give a random number of points, each pixel of the object with equal chance.
+    """Sample a random number of points, uniform on the object.
 
     After Su et al., "Interactive Sketch-Based Normal Map Generation with Deep Neural Networks" (I3D 2018),
-    who place hints at random; how many they used in training is not published. `CurvatureHints` leaves
-    another number of points at each size and on each surface: to compare where hints lie, not how many, give
-    both the same number.
-    An object of fewer pixels than the number drawn is hinted everywhere.
+    who place hints at random and do not publish how many. `CurvatureHints` keeps a different number of points
+    at each size and on each surface; to compare positions alone, give both the same number.
+    A small object with fewer pixels than points is hinted everywhere.
 
     Args:
-        minimum: fewest hints a sample gets.
-        maximum: most hints a sample gets.
-        numbers: how the number is drawn between them: ``even``, every one equally likely, or ``log``, every
-            doubling equally likely, so that few hints are as usual as many.
-        none: share of the samples that get no hint at all, for a generator that is to do without them too.
+        minimum: smallest number of hints.
+        maximum: largest number of hints.
+        numbers: distribution of the number: ``even`` (uniform) or ``log`` (log-uniform, so that few hints are
+            as likely as many).
+        none: share of samples without any hint, so that a generator learns to work without them.
     """
 
     minimum: int = 10

@@ -1,4 +1,4 @@
-"""WorstErrorHints: points where the generator is most wrong, as only an oracle knows."""
+"""WorstErrorHints: points of the largest error, an oracle to compare other samplers with."""
 
 import math
 from dataclasses import dataclass
@@ -17,15 +17,15 @@ _CROWDED = 1e4  # more than any error
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class WorstErrorHints(ErrorHintSampler):
-    """Give a number of points, each where the error is greatest of what is not near to one before.
+    """Sample points greedily where the generator's error without hints is largest.
 
-    The error is that of what the generator paints without hints. No user knows it: it is an oracle to compare
-    others with. Points keep a distance, as the pixels next to the worst are nearly as bad and a hint mends
-    them too. An object on which they find no more room gets the rest where the error is greatest.
+    No user knows this error; the sampler is an upper bound for others. Points keep their distance, because
+    the neighbours of the worst pixel are nearly as wrong and one hint corrects them too. When no room is
+    left, the remaining points go where the error is largest.
 
     Args:
         count: points of each sample.
-        spacing: least distance of two points, in sides of the square that is a point's share of the object.
+        spacing: smallest distance of two points, in sides of the square that has a point's share of the area.
     """
 
     count: int = 15

@@ -1,6 +1,7 @@
 """Edits: a painted map held to what a hand says of it: exact normals at pins, directions of areas."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -9,7 +10,17 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.normals import normalize
 
-__all__ = ["MOST_PINS", "REACH", "brush", "enforce_pins", "paint_mask", "polygon", "stroke", "tilt"]
+__all__ = [
+    "MOST_PINS",
+    "REACH",
+    "MaskStroke",
+    "brush",
+    "enforce_pins",
+    "paint_mask",
+    "polygon",
+    "stroke",
+    "tilt",
+]
 
 REACH = 0.05
 """How far a pin has an effect that says nothing else, as a share of the map's longer side."""
@@ -140,21 +151,54 @@ def stroke(shape: tuple[int, int], points: Floats, width: float) -> Floats:
     return _softened(area, 0.3 * width)
 
 
-def paint_mask(shape: tuple[int, int], strokes: Iterable[tuple[Floats, float, bool]]) -> NDArray[np.int8]:
+@dataclass(frozen=True)
+class MaskStroke:
+    """A stroke of the mask brush, or a click into an area between lines.
+
+    Args:
+        points: (K, 2), x and y in pixels; of a click only the first counts.
+        width: of the brush in pixels.
+        adds: whether it adds to the object, or cuts from it.
+        fills: whether it is a click, for all of the area about it.
+    """
+
+    points: Floats
+    width: float
+    adds: bool
+    fills: bool = False
+
+
+def paint_mask(inked: NDArray[np.bool_], strokes: Iterable[MaskStroke]) -> NDArray[np.int8]:
     """Return 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; the last one counts.
 
     Args:
-        shape: (H, W).
-        strokes: of each its points (K, 2), x and y in pixels, its width, and whether it adds.
+        inked: (H, W), the lines that part one area from another.
+        strokes: in their order.
+
+    Example:
+        A click between two lines:
+
+        >>> inked = np.zeros((5, 7), bool)
+        >>> inked[:, [2, 5]] = True
+        >>> paint_mask(inked, [MaskStroke(np.array([[3.5, 2.5]]), 1, True, True)])[0].tolist()
+        [0, 0, 0, 1, 1, 0, 0]
     """
-    painted = np.zeros(shape, np.int8)
-    for points, width, adds in strokes:
-        area = np.zeros(shape, np.uint8)
-        line = np.rint(points * 16 - 8).astype(np.int32)
+    painted = np.zeros(inked.shape, np.int8)
+    areas = None
+    for each in strokes:
+        if each.fills:
+            if areas is None:
+                areas = cv2.connectedComponents((~inked).view(np.uint8), connectivity=4)[1]
+            column, row = np.clip(each.points[0].astype(int), 0, np.array(inked.shape[::-1]) - 1)
+            if not inked[row, column]:
+                painted[areas == areas[row, column]] = 1 if each.adds else -1
+            continue
+        area = np.zeros(inked.shape, np.uint8)
+        line = np.rint(each.points * 16 - 8).astype(np.int32)
         cv2.polylines(
-            area, [np.concatenate([line, line[-1:]])], False, 1, max(round(width), 1), cv2.LINE_8, 4
+            area, [np.concatenate([line, line[-1:]])], False, 1, max(round(each.width), 1), cv2.LINE_8, 4
         )
-        painted[area > 0] = 1 if adds else -1
+        painted[area > 0] = 1 if each.adds else -1
     return painted
 
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
+from PIL import Image
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
-from normalgan.decoding.worker import plain, reduced
+from normalgan.decoding.worker import plain, reduced, turned_upright
 from normalgan.errors import InputError, brief
 from normalgan.inference.jobs.plan import MODEL, OUTLINE, READER
 from normalgan.inference.mask.masks import load_mask, mask_of
@@ -50,6 +50,7 @@ def prepare_any(
     mask: AnyMask = None,
     size: int | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
+    flips: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
     """Return a drawing as far as it gets without the network.
 
@@ -60,18 +61,21 @@ def prepare_any(
         hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels of the drawing from
             its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
         mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
-            black; ``outline`` fills the drawing's own, ``model`` leaves it to the network, ``reader`` lets
-            the reader network vote on what lines enclose; None takes the drawing's opacity if that tells,
-            else its outline.
+            black; ``outline`` fills what lines enclose, ``reader`` lets a small network vote on that,
+            ``model`` leaves it to the network of normals; None takes the drawing's opacity if that tells,
+            else the reader.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
         line_widths: of the lines that the network is shown as they were drawn, in its pixels.
+        flips: x and y of points whose regions become holes, or object if they are holes.
 
     Raises:
         InputError: if something cannot be used.
     """
     given = check_any(image, hints, mask, size)
     return prepare(
-        given.picture, network_size, given.mask, given.hints, size, given.source, line_widths=line_widths
+        *(given.picture, network_size, given.mask, given.hints, size, given.source),
+        line_widths=line_widths,
+        flips=flips,
     )
 
 
@@ -134,7 +138,7 @@ def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the 
         case Image.Image():
             _check_sides(name, image.height, image.width)
             try:
-                return _decoded(ImageOps.exif_transpose(image))
+                return _decoded(turned_upright(image))
             except (OSError, SyntaxError) as error:  # Pillow reads the pixels when they are asked for
                 raise InputError(f"{name} cannot be read: {brief(error)}.") from None
         case np.ndarray():

@@ -3,14 +3,12 @@
 from pathlib import Path
 
 from normalgan.errors import InputError
+from normalgan.files.addresses import local_file
 from normalgan.inference.network.backend import Backend
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import SHIPPED_NAME, OnnxBackend, find_model
 from normalgan.inference.predictor import Predictor
 
 __all__ = ["SHIPPED_NAME", "load"]
-
-SHIPPED_NAME = "shipped"
-"""What the model that comes with the package is called."""
 
 
 def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Predictor:
@@ -20,7 +18,9 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
 
     Args:
         path_or_name: ``shipped``, or a file: ``.onnx`` or ``.safetensors`` that `normalgan export` wrote, or
-            a checkpoint that `normalgan fit` saved.
+            a checkpoint that `normalgan fit` saved; or the address of such a file with its hash,
+            ``https://host/file#sha256=…`` or ``hf://owner/name[@revision][/file]#sha256=…``. It is fetched
+            once.
         size: side in pixels of the pictures of a checkpoint's training; None where it says so itself.
 
     Raises:
@@ -38,11 +38,11 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
 def _backend(name: str, size: int | None) -> Backend:
     if name == SHIPPED_NAME:
         return OnnxBackend(find_model())
-    path = Path(name)
+    path = local_file(name)
     if not path.is_file():
         raise InputError(
-            f"there is no model {name}; give a file (.onnx, .safetensors, .ckpt), or {SHIPPED_NAME!r} for "
-            "the one that comes with the package."
+            f"there is no model {name}; give a file (.onnx, .safetensors, .ckpt), an address (https://…, "
+            f"hf://owner/name), or {SHIPPED_NAME!r} for the one that comes with the package."
         )
     if path.suffix.lower() == ".onnx":
         return OnnxBackend(path)

@@ -92,6 +92,10 @@ class NormalMap:
         It has a mean of zero over each connected part and is zero off the object; see
         `normalgan.inference.heights.height.integrate`.
         """
+        return self._height.copy()
+
+    @cached_property
+    def _height(self) -> Floats:
         from normalgan.inference.heights.height import integrate  # here: its solver takes a while to import
 
         if not self.cells:

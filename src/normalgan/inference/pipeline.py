@@ -11,6 +11,8 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.edits import MOST_PINS, REACH, enforce_pins
 from normalgan.inference.histogram import ranked
+from normalgan.inference.mask.decision import CLOSED
+from normalgan.inference.mask.edge import soft_edge
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.upsampling import Coarse, Upsampler
 from normalgan.inference.normal_map import NormalMap
@@ -19,14 +21,12 @@ from normalgan.inference.reading.picture import resize
 from normalgan.inference.vectors import lengths, unit
 from normalgan.normals import strips
 
-__all__ = ["CLOSED", "coarse_of", "finish", "hints_off", "predict"]
+__all__ = ["coarse_of", "finish", "hints_off", "predict"]
 
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
 _LEAST = 0.02
 """Painted vectors that are shorter have no direction."""
-CLOSED = 0.8
-"""Share of the ink that must enclose something for the outline to be believed."""
 
 _BESIDE = 0.005
 """How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
@@ -36,11 +36,6 @@ _FEW = 3
 _STRAIGHT = (
     "its outline has a wide gap, which was closed by a straight line; "
     "draw on there, or give --mask, if the object goes on"
-)
-
-_SCENERY = (
-    "its ground is painted too, and what is drawn there is taken for a part of the object; "
-    "draw it on plain paper or on nothing, or give --mask"
 )
 
 _HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
@@ -74,13 +69,14 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     if not mask.any():
         raise InputError("its mask is empty; paint the object white.")
     normals = upsample(coarse, prepared, mask)
-    edge = _soft_edge(mask, prepared.shape)
+    covered = _covered(prepared, mask)
     shown = None
     if confidence is not None:
         shown = frame.restore(confidence[..., None]).reshape(mask.shape)
     enlarged = prepared.shape != mask.shape
     if enlarged:
-        mask = resize(mask.astype(np.float32), prepared.shape) > 0.5
+        covered = _enlarged(covered, prepared.shape)
+        mask = covered > 0.5
         normals = resize(normals, prepared.shape)
         shown = None if shown is None else resize(shown, prepared.shape)
     # Some have no direction: between opposite ones, and beyond the frame.
@@ -92,6 +88,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     if pins is not None and prepared.given is not None:
         off = hints_off(prepared.given.points, pins.points, mask)
         warning = "; ".join(filter(None, [warning, off]))
+    edge = np.rint(covered * 255) / np.float32(255)
     alpha = edge if prepared.alpha is None else np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
     if prepared.alpha is not None and prepared.painted is not None:
         by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
@@ -123,20 +120,32 @@ def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> str:
     )
 
 
-def _soft_edge(mask: BoolMask, shape: tuple[int, int]) -> Floats:
-    """Return a mask as opacity (H, W) at a picture's size: its staircase becomes an edge of a pixel."""
-    soft = np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 1.0), np.float32)
-    sharper = np.float32(1.6 * max(shape[1] / mask.shape[1], 1.0))
-    edge = soft if shape == soft.shape else resize(soft, shape)
+def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
+    """Return how much of each pixel (h, w) the object covers.
+
+    Where the mask is still that of the outline, its ink has told; elsewhere the edge is a pixel wide.
+
+    Args:
+        prepared: as `prepare` gives it.
+        mask: (h, w), the object as it is now.
+    """
+    soft = soft_edge(mask)
+    if prepared.coverage is None:
+        return soft
+    changed = (mask != (prepared.coverage > 0.5)).astype(np.uint8)
+    return np.where(cv2.dilate(changed, np.ones((5, 5), np.uint8)) > 0, soft, prepared.coverage)
+
+
+def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:
+    """Return coverage at a larger size (H, W), where an edge is a pixel wide again."""
+    edge = resize(covered, shape)
+    sharper = np.float32(shape[1] / covered.shape[1])
     for strip in strips(shape):
         steep = edge[strip]  # in place: at each step a copy would take longer than the step
         steep -= 0.5
         steep *= sharper
         steep += 0.5
         np.clip(steep, 0, 1, out=steep)
-        steep *= 255
-        np.rint(steep, out=steep)
-        steep /= 255
     return edge
 
 
@@ -185,8 +194,6 @@ def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
         return present, ""
     if prepared.held:
         return prepared.mask, _HELD
-    if prepared.scenery:
-        return prepared.mask if prepared.closed >= CLOSED else prepared.mask | present, _SCENERY
     if prepared.closed >= CLOSED:
         return prepared.mask, _STRAIGHT if prepared.guessed else prepared.unsure
     return prepared.mask | present, (

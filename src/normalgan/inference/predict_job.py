@@ -13,21 +13,28 @@ from normalgan.arrays import BoolMask
 from normalgan.decoding import decode_frames
 from normalgan.decoding.worker import is_svg
 from normalgan.errors import InputError
-from normalgan.files.writing import write_bytes
-from normalgan.inference.composites.animation import encode_animation, kind_of, moving_kind
+from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of, moving_kind
+from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.figures import alike, find_figures
+from normalgan.inference.composites.islands import find_islands
 from normalgan.inference.composites.layered_job import LayeredJob, layered_target
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.composites.sheets import predict_sheet
-from normalgan.inference.inputs import as_hints
-from normalgan.inference.jobs.plan import DrawingFiles, Job
+from normalgan.inference.inputs import as_hints, prepare_any
+from normalgan.inference.jobs.plan import READER, DrawingFiles, Job
+from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.mask.masks import load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.outputs.outputs import Heights, Outputs, level_heights
+from normalgan.inference.outputs.explanation import write_explanation
+from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
+from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
-from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture
+from normalgan.inference.reading.hint_files import Hints
+from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
 from normalgan.inference.reading.svg_size import svg_size
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "written_for"]
@@ -35,13 +42,6 @@ __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "wri
 Framing = Literal["own", "shared"]
 MOST_TOGETHER = 2**26
 """Pixels of all drawings that share a frame: they are in memory together."""
-
-_SHEET = 4
-"""Objects of like size from which a picture is a sheet: three may be a scene of one's own."""
-_ALIKE = 0.3
-"""Share of the largest one's area that makes one alike."""
-_LOOKED = 512
-"""Longest side at which they are counted."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,14 @@ class Done:
     Args:
         target: where the map is.
         warning: what is to be said of it, a part of a sentence; empty if nothing is.
-        heights: the height maps as PNG.
+        held: the files that wait for the other drawings of a command.
+        note: what was done that the user may not expect, a part of a sentence; empty if nothing was.
     """
 
     target: Path
     warning: str = ""
-    heights: Heights = field(default_factory=list)
+    held: list[Held] = field(default_factory=list)
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class JobPredictor:
 
     Args:
         predictor: the network.
-        outputs: what is written.
+        writer: writes what comes of it.
         size: longer side of the maps in pixels; None is the drawing's.
         packing: how the drawings of a sheet are found.
         frame: whether the network is shown the same square of all drawings that belong together; None is
@@ -73,16 +75,22 @@ class JobPredictor:
         strength: what the slopes of all maps are multiplied by.
         layers: whether each visible layer of a layered file is painted for itself.
         tile: the ways in which each drawing is repeated, and its map can be; None is not at all.
+        single: whether a page is one object, whatever it shows; else its figures are predicted separately.
+        holes: x and y in pixels of a drawing, as `prepare` has its flips.
+        explain: folder for pictures of how each mask was found; None writes none.
     """
 
     predictor: Predictor
-    outputs: Outputs = field(default_factory=Outputs)
+    writer: Writer = field(default_factory=Writer)
     size: int | None = None
     packing: Packing = field(default_factory=Packing)
     frame: Framing | None = None
     strength: float = 1.0
     layers: bool = False
     tile: Tile | None = None
+    single: bool = False
+    holes: Sequence[tuple[float, float]] = ()
+    explain: Path | None = None
 
     def __call__(self, job: Job) -> Done:
         """Paint and write one job.
@@ -93,21 +101,27 @@ class JobPredictor:
         """
         if self.layers:
             shared = self.frame != "own"
-            predict = LayeredJob(self.predictor, self.outputs, self.size, shared, self.strength)
+            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength)
             return Done(self._target(job), *predict(job))
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
+        several = "has several pages" if kind == PAGES else "is an animation"
         if kind is not None and self.packing.given:
-            raise InputError(f"{files.drawing} is an animation; a sheet is a still picture.")
+            raise InputError(f"{files.drawing} {several}; a sheet is a still picture.")
         if kind is not None and self.tile is not None:
-            raise InputError(f"{files.drawing} is an animation; --tile repeats a still picture.")
+            raise InputError(f"{files.drawing} {several}; --tile repeats a still picture.")
+        if kind is not None and (self.holes or self.explain is not None):
+            option = "--hole" if self.holes else "--explain"
+            raise InputError(f"{files.drawing} {several}; {option} is for a single picture.")
         if kind is not None:
-            return self._animation(job)
+            return self._animation(job, kind == PAGES)
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
-        preds = self._sheet(files) if self.packing.given else self._drawing(files)
-        if not self.packing.given and self.tile is None and files.mask is None:
-            preds = replace(preds, warning="; ".join(filter(None, [preds.warning, _several(preds.mask)])))
-        return self._written(job, preds)
+        if self.packing.given:
+            return self._written(job, self._sheet(files))
+        preds = self._drawing(job)
+        figures = len(preds.cells)
+        note = f"it shows {figures} separate figures, each predicted separately; --single predicts one object"
+        return replace(self._written(job, preds), note=note if figures else "")
 
     def together(self, jobs: Sequence[Job]) -> Iterator[tuple[Job, Done | Exception]]:
         """Yield what came of drawings in files of their own that share a frame, in order.
@@ -142,12 +156,53 @@ class JobPredictor:
                 yield job, error
 
     def _written(self, job: Job, preds: NormalMap) -> Done:
-        heights = self.outputs.write(job, preds.stronger(self.strength))
-        return Done(job.target, preds.warning, heights)
+        held = self.writer.write(job, preds.stronger(self.strength))
+        return Done(job.target, preds.warning, held)
 
-    def _drawing(self, files: DrawingFiles) -> NormalMap:
+    def _drawing(self, job: Job) -> NormalMap:
+        files = job.files
         picture = read_picture(files.drawing, files.content, self.size)
-        return _noted(self.predictor(picture, files.hints, files.mask, self.size, self.tile), picture.note)
+        if self.tile is not None:
+            tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
+            return _noted(tiled, picture.note)
+        predictor = self.predictor
+        prepared = prepare_any(
+            *(picture, predictor.size, files.hints, files.mask, self.size, predictor.backend.line_widths),
+            flips=self.holes,
+        )
+        cells = [] if self.single or files.mask not in {None, READER} else self._figures(files, prepared)
+        if cells:
+            preds = self._page(files, picture, cells)
+        else:
+            preds = predict(predictor.backend, prepared, predictor.upsample)
+        if self.explain is not None:
+            write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
+        return _noted(preds, picture.note)
+
+    def _figures(self, files: DrawingFiles, prepared: Prepared) -> list[Cell]:
+        """Return where the figures of a page lie, in pixels of its map; none if it shows one object."""
+        if prepared.alpha is not None and prepared.mask is not None:
+            if cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3 or self.size is not None:
+                return []
+            islands = find_islands(read_pixels(files.drawing, files.content))
+            return islands if alike(islands) else []
+        if prepared.decision is None or prepared.reading is None:
+            return []
+        return find_figures(prepared.decision, prepared.reading, prepared.shape)
+
+    def _page(self, files: DrawingFiles, picture: Picture, cells: Sequence[Cell]) -> NormalMap:
+        """Return the map of a page, each of whose figures is predicted separately."""
+        hints = as_hints(files.hints, picture.shape)
+        if self.size is None:
+            sheet = read_pixels(files.drawing, files.content)
+            return predict_sheet(self.predictor, sheet, cells, hints, _source(files), False, self.holes)
+        shape = fitted(picture.shape, self.size)
+        scale = shape[1] / picture.shape[1]
+        if hints is not None:
+            hints = Hints(hints.points * np.float32(scale), hints.normals)
+        holes = [(x * scale, y * scale) for x, y in self.holes]
+        sheet = to_pixels(picture.resized(shape))
+        return predict_sheet(self.predictor, sheet, cells, hints, _source(files), False, holes)
 
     def _sheet(self, files: DrawingFiles) -> NormalMap:
         content = read_content(files.drawing, files.content)
@@ -160,45 +215,54 @@ class JobPredictor:
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         mask = _mask(files, sheet.shape)
         shared = self.frame == "shared"
-        return predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, found.warnings)
+        return predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
 
-    def _animation(self, job: Job) -> Done:
+    def _animation(self, job: Job, pages: bool) -> Done:
+        """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
         path, content = job.files.drawing, job.files.content
         found = decode_frames(str(path), read_content(path, content), (SMALLEST, LARGEST))
         members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
-        shared = self.frame != "own"
+        shared = self.frame == "shared" if pages else self.frame != "own"
+        moves, part = _moves(self.writer.outputs) and not pages, "page" if pages else "frame"
         pixels: list[NDArray[np.uint8]] = []
         said: list[str] = []
         failed: list[InputError] = []
-        heights: Heights = []
-        for number, each in enumerate(predict_series(self.predictor, members, shared, shared, self.size), 1):
+        held: list[Held] = []
+        outputs = self.writer.outputs
+        steady = shared and not pages
+        predicted = predict_series(self.predictor, members, shared, steady, self.size)
+        for number, each in enumerate(predicted, 1):
             if isinstance(each, InputError):
                 preds = flat_map(members[number - 1].picture.shape, self.size)
                 failed.append(each)
-                said.append(f"frame {number}: {left_flat(each)}")
+                said.append(f"{part} {number}: {left_flat(each)}")
             else:
                 preds = each
-                said += [f"frame {number}: {each.warning}"] if each.warning else []
-            own = job.numbered(number, self.outputs.ending)
+                said += [f"{part} {number}: {each.warning}"] if each.warning else []
+            own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
-            heights += self.outputs.write_others(own, preds)
-            if _moves(self.outputs):
-                pixels.append(preds.pixels(self.outputs.y, self.outputs.alpha))
+            # One scale for all frames: else a body would rise and sink with what it holds up.
+            held += self.writer.write_others(own, preds, hold=not pages)
+            if moves:
+                pixels.append(preds.pixels(outputs.normal.y, outputs.normal.alpha))
             else:
-                self.outputs.write_map(own, preds)
+                self.writer.write_map(own, preds)
         if len(failed) == len(members):
             raise failed[0]
         target = self._target(job)
-        if _moves(self.outputs):
-            self.outputs.write_sidecar(target)
+        if not outputs.whole_batch:
+            self.writer.write_held(held)
+            held = []
+        if moves:
+            self.writer.write_sidecar(target)
             durations = [each.duration for each in found.parts]
-            write_bytes(target, encode_animation(kind_of(target), pixels, durations, found.loop))
-        level_heights(heights)  # else a body would rise and sink with what it holds up
-        more = f"; and so on, in {len(said)} of its {len(members)} frames" if len(said) > 1 else ""
-        return Done(target, "; ".join(filter(None, [found.note, said[0] + more if said else ""])), heights)
+            self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
+        more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
+        warning = "; ".join(filter(None, [found.note, said[0] + more if said else ""]))
+        return Done(target, warning, held)
 
     def _target(self, job: Job) -> Path:
-        return target_of(job, self.outputs, self.packing, self.layers)
+        return target_of(job, self.writer.outputs, self.packing, self.layers)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
@@ -215,7 +279,7 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False
     kind = None if packing.given else moving_kind(job.files.drawing, job.files.content)
     if kind is None:
         return job.target
-    if not _moves(outputs):
+    if kind == PAGES or not _moves(outputs):
         return job.numbered(1, outputs.ending).target
     target = job.target if job.exact else job.target.with_suffix(f".{kind}")
     if target.resolve() == job.files.drawing.resolve():
@@ -233,25 +297,17 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
     yield target
     if not layers:
         first = job.numbered(1, outputs.ending) if moves else job
-        yield from (first.beside(ending) for ending in outputs.others())
+        yield from (first.beside(ending) for ending in outputs.beside)
 
 
 def _moves(outputs: Outputs) -> bool:
     """Return whether the maps of an animation go into one: it has 8 bits."""
-    return outputs.format == "png" and outputs.bits == 8
+    return outputs.normal.format == "png" and outputs.normal.bits == 8
 
 
-def _several(mask: BoolMask) -> str:
-    """Return what is to be said of a picture whose objects (H, W) look like a sheet; empty if they do not."""
-    shape = mask.shape[0], mask.shape[1]
-    small = mask if max(shape) <= _LOOKED else resize(mask.astype(np.float32), fitted(shape, _LOOKED)) > 0.5
-    areas = cv2.connectedComponentsWithStats(small.astype(np.uint8))[2][1:, cv2.CC_STAT_AREA]
-    alike = int((areas > _ALIKE * areas.max(initial=0)).sum())
-    if alike < _SHEET:
-        return ""
-    return (
-        f"it holds {alike} separate objects, painted as one; --split auto or --sheet paints each for itself"
-    )
+def _source(files: DrawingFiles) -> str | None:
+    """Return how the masks of a page's figures are found."""
+    return files.mask if isinstance(files.mask, str) else None
 
 
 def _noted(preds: NormalMap, note: str) -> NormalMap:

@@ -1,5 +1,6 @@
 """Preparation: a drawing as far as it gets without the model: cleaned, framed, its mask found."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -11,8 +12,8 @@ from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import Cleaned, clean
 from normalgan.inference.cleaning.silhouette import contour
 from normalgan.inference.jobs.plan import MODEL, READER
-from normalgan.inference.mask.outline_mask import fill_outline
-from normalgan.inference.mask.reader import Reading, drop_ground, read, vote
+from normalgan.inference.mask.decision import Decision, decide
+from normalgan.inference.mask.reader import Reading, drop_ground, lines_of, read
 from normalgan.inference.network.framing import Bounds, Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
@@ -38,14 +39,16 @@ class Prepared:
         seen: (S, S), what it is shown.
         hints: (4, S, S), or None.
         closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
-        guessed: whether that closed a gap so wide that it may have been meant.
+        guessed: whether that closed a gap so wide that it may have been meant, and the reader was not asked.
         pins: the hints in pixels of the map to be, or None.
         painted: (h, w), 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere; or None.
         held: whether the outline is open and the mask is the one before it was.
-        scenery: whether the mask comes from the outline, and what is behind the object is painted too.
         line_widths: of the lines that the model is shown as they were drawn.
         given: the hints in pixels of the drawing, if they are to be looked for on the object; or None.
-        unsure: what is to be said of regions of which the reader is unsure.
+        unsure: the warning about regions of which the reader is unsure, a part of a sentence; or empty.
+        decision: how the mask was found in the lines, if it was.
+        reading: what the reader sees in the drawing, if it was asked.
+        coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
     """
 
     shape: tuple[int, int]
@@ -60,10 +63,12 @@ class Prepared:
     pins: Hints | None = None
     painted: NDArray[np.int8] | None = None
     held: bool = False
-    scenery: bool = False
     line_widths: LineWidths = USUAL_WIDTHS
     given: Hints | None = None
     unsure: str = ""
+    decision: Decision | None = None
+    reading: Reading | None = None
+    coverage: Floats | None = None
 
 
 def prepare(
@@ -75,30 +80,33 @@ def prepare(
     source: str | None = None,
     painted: NDArray[np.int8] | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
+    flips: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
     """Clean and frame a picture.
 
     Args:
         picture: the drawing.
         size: side of the model's pictures.
-        mask: (h, w), the object, of any size; None takes the drawing's opacity or fills its outline.
+        mask: (h, w), the object, of any size; None finds it in the drawing.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
-        source: where the mask comes from if it is not given: `OUTLINE`, `MODEL`, `READER`, or None for the
-            drawing's opacity if that tells, else its outline.
+        source: where the mask comes from if it is not given: `OUTLINE` fills what lines enclose, `MODEL`
+            leaves it to the model, `READER` lets the reader vote on what lines enclose; None is the drawing's
+            opacity if that tells, else the reader.
         painted: (H, W) of any size, 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere.
             What was added closes the gaps that it covers in an outline.
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
+        flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
+            if it is a hole.
 
     Raises:
-        InputError: if there is no line in it.
+        InputError: if there is no line in it, or no region where one is to be flipped.
     """
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
-    shown_whole = picture.resized(worked)
-    unknown = mask is None and source in {None, READER}
-    cleaned, reading = _clean_and_read(shown_whole, unknown, votes=unknown and source == READER)
-    alpha, closed, guessed, from_outline, unsure = None, 1.0, False, False, ""
+    asked = mask is None and source in {None, READER}
+    cleaned, reading = _clean_and_read(picture, picture.resized(worked), asked, source == READER)
+    alpha, decision = None, None
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
@@ -109,13 +117,11 @@ def prepare(
     elif source is None and cleaned.silhouette is not None:
         mask, alpha = cleaned.silhouette, picture.alpha
     elif source != MODEL:
-        outline = fill_outline(walls)
-        mask, closed, guessed = outline.mask, outline.closed, outline.guessed
-        from_outline = True
-        if reading is not None:
-            voted = vote(walls, mask, reading.presence)
-            if voted.mask.any():
-                mask, closed, guessed, unsure = voted.mask, 1.0, False, voted.unsure
+        scale = worked[1] / picture.shape[1]
+        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
+        mask = decision.mask
+    if flips and decision is None:
+        raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     prepared = Prepared(
         shape=shape,
         ink=cleaned.ink,
@@ -124,41 +130,46 @@ def prepare(
         frame=frame,
         seen=render_model_input(cleaned.ink, frame, line_widths),
         hints=None,
-        closed=closed,
-        guessed=guessed,
+        closed=1.0 if decision is None else decision.closed,
+        guessed=decision is not None and decision.guessed,
         painted=painted,
-        scenery=from_outline and cleaned.scenery,
         line_widths=line_widths,
-        unsure=unsure,
+        unsure="" if decision is None else decision.unsure,
+        decision=decision,
+        reading=reading,
+        coverage=None if decision is None else decision.coverage,
     )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
-def _clean_and_read(picture: Picture, unknown: bool, votes: bool) -> tuple[Cleaned, Reading | None]:
-    """Return a picture's ink and, if the reader votes on its object, what that sees in it.
+def _clean_and_read(
+    picture: Picture, shown: Picture, asked: bool, always: bool
+) -> tuple[Cleaned, Reading | None]:
+    """Return a picture's ink and, if the reader is to vote on its object, what that sees in it.
 
     Where cleaning finds no line, as in a sprite on a flat ground, the rim of the reader's object is its line.
 
     Args:
-        picture: of the drawing.
-        unknown: whether nothing but the picture tells the object.
-        votes: whether the reader is asked in any case.
+        picture: the drawing.
+        shown: the same at the size that it is worked on.
+        asked: whether the reader is asked at all.
+        always: whether it is asked also where the opacity tells the object.
 
     Raises:
         InputError: if neither finds anything.
     """
     try:
-        cleaned = clean(picture)
+        cleaned = clean(shown)
     except InputError:
-        if not unknown or picture.alpha is not None:
+        if not asked or picture.alpha is not None:
             raise
         reading = read(picture)
-        silhouette = reading.presence > 0.5
+        silhouette = reading.presence_at(shown.size) > 0.5
         if not _LEAST <= silhouette.mean() <= 1 - _LEAST:
             raise
-        lines = np.where(silhouette, reading.ink, 0)
+        lines = np.where(silhouette, lines_of(reading, shown.size), 0)
         return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
-    if not votes:
+    if not asked or (cleaned.silhouette is not None and not always):
         return cleaned, None
     reading = read(picture)
     return replace(cleaned, ink=drop_ground(cleaned.ink, reading)), reading

@@ -10,6 +10,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
 from normalgan.inference.jobs.plan import MODEL, READER
+from normalgan.inference.mask.decision import CLOSED
 from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.framing import Frame
@@ -18,7 +19,7 @@ from normalgan.inference.network.tile import Tile, middle, repeats, resize_tile,
 from normalgan.inference.network.upsampling import Upsampler
 from normalgan.inference.network.windows import Window, predict_windows, repeated, windows
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.pipeline import CLOSED, finish, hints_off
+from normalgan.inference.pipeline import finish, hints_off
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
@@ -30,6 +31,8 @@ _BESIDE = 0.25
 """How much of its repeats is worked on around a drawing, as a share of its longer side."""
 MOST_TILED = int(MOST_WORKED / (1 + 2 * _BESIDE))
 """Longest side in pixels at which a drawing is worked on that is repeated."""
+_ALL = 0.9
+"""Share of a tile that lines enclose from which all of it is the object."""
 _SURE = 0.5
 """Vectors that are longer belong to the object."""
 _STEEPEST = 0.2
@@ -137,7 +140,9 @@ def _outlined(ink: Floats, tile: Tile) -> BoolMask:
     outline = fill_outline(wrapped(ink, tile, half))
     if outline.guessed or outline.closed < CLOSED:
         return np.ones(ink.shape, np.bool_)
-    return middle(outline.mask, tile, half)
+    mask = middle(outline.mask, tile, half)
+    # Cracks between what is enclosed are no air: stones lie on the ground of a texture.
+    return np.ones(ink.shape, np.bool_) if mask.mean() > _ALL else mask
 
 
 def _part(frame: Frame, origin: tuple[int, int], shape: tuple[int, int]) -> tuple[slice, slice]:

@@ -1,4 +1,4 @@
-"""AngularLikelihood: directions by their likelihood under the painted confidence, the object by its mask."""
+"""AngularLikelihood: likelihood of directions given the confidence, and cross-entropy of the mask."""
 
 import math
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ _TINY = 1e-6  # of a length or its square: at a right or an opposite direction t
 def angular_nll(angle: Tensor, confidence: Tensor) -> Tensor:
     """Return the negative log-likelihood of an angular error, up to a constant.
 
-    Of the angular von Mises-Fisher distribution, whose density falls by exp(-κ θ): unlike that of the plain
-    one its mode is sharp, so that it is the mean angle that is made small and not its square.
+    For the angular von Mises-Fisher distribution, with density proportional to exp(-κ θ). Its mode is sharp,
+    unlike that of the plain one, so it minimises the mean angle and not the squared angle.
 
     Args:
         angle: θ in radians, of any shape.
-        confidence: κ of the same shape, positive; the larger, the surer.
+        confidence: κ of the same shape, positive; larger means more certain.
 
     References:
         Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the Aleatoric Uncertainty in Surface Normal
@@ -44,7 +44,7 @@ def smooth_angle(one: Tensor, other: Tensor) -> Tensor:
 
 
 def relief_error(direction: Tensor, target: Tensor, mask: Tensor) -> Tensor:
-    """Return how far the mean n_z of parts of the object is off, a scalar; parts are cells of an 8 × 8 grid.
+    """Return the error of mean n_z over the cells of an 8 × 8 grid, a scalar.
 
     Args:
         direction: (N, 3, H, W) unit normals.
@@ -59,25 +59,24 @@ def relief_error(direction: Tensor, target: Tensor, mask: Tensor) -> Tensor:
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)
 class AngularLikelihood(Reconstruction):
-    """Likelihood of the true directions on the object, and cross-entropy of where the object is.
+    """Likelihood of the true directions on the object, and cross-entropy of its presence.
 
-    Needs a generator whose `Generator.predict` says the presence of an object and the confidence κ in its
-    direction.
+    Needs a generator whose `Generator.predict` returns presence and confidence κ.
 
     Args:
-        presence_weight: weight of the cross-entropy of the mask, a mean over all pixels.
-        angle_weight: weight of the mean angle in radians, from which alone directions learn, every pixel
-            alike; the likelihood then teaches the confidence alone. With 0 both learn from the likelihood, in
-            which a pixel that is unsure counts less.
-        relief_weight: weight of how far the mean n_z of a part of the object is off. Where a direction is
-            uncertain, the one of the least mean angle is nearer to the viewer than most of those possible;
-            this holds the surface to turning away as far as it does on average.
-        stride: of each square of pixels of this side only one is compared, drawn anew at each step;
-            neighbours say nearly the same, and whole pictures take long.
-        likelihood_weight: weight of the likelihood. With 0, and an ``angle_weight``, no confidence is learnt.
+        presence_weight: weight of the mask's cross-entropy, a mean over all pixels.
+        angle_weight: weight of the mean angle in radians. If positive, directions learn from the angle alone,
+            with equal weight for every pixel, and the likelihood trains only the confidence. With 0 both
+            learn from the likelihood, in which uncertain pixels count less.
+        relief_weight: weight of the error of mean n_z over parts of the object. Where a direction is
+            uncertain, the one with the smallest mean angle faces the viewer more than most possible ones;
+            this term keeps the surface from flattening.
+        stride: only one pixel of each square of this side is compared, another one at each step, because
+            neighbours are nearly equal and whole pictures are slow.
+        likelihood_weight: weight of the likelihood. With 0 and an ``angle_weight``, no confidence is learnt.
 
     Raises:
-        InputError: if a weight is negative, or, when training, the generator says no presence or confidence.
+        InputError: if a weight is negative or, in training, the generator has no presence or confidence.
     """
 
     presence_weight: float = 0.5

@@ -1,4 +1,4 @@
-"""AdversarialObjective: what the discriminator and the generator want of the scores."""
+"""AdversarialObjective: the losses of discriminator and generator, given the scores."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -22,31 +22,31 @@ class AdversarialObjective(ABC):
 
     @abstractmethod
     def discriminator_loss(self, real: Scores, fake: Scores) -> Tensor:
-        """Return the discriminator's loss, a scalar, for the scores of true and of painted maps."""
+        """Return the discriminator's loss, a scalar, for the scores of true and predicted maps."""
 
     @abstractmethod
     def generator_loss(self, fake: Scores) -> Tensor:
-        """Return the generator's adversarial loss, a scalar, for the scores of its painted maps."""
+        """Return the generator's adversarial loss, a scalar, for the scores of its predictions."""
 
     def penalty(self, critic: Critic, real: Tensor, fake: Tensor) -> Tensor:
-        """Return what is added to the discriminator's loss for the shape of the critic; 0 by default.
+        """Return a regulariser that is added to the discriminator's loss; 0 by default.
 
         Args:
             critic: the discriminator under its condition.
             real: true normals (N, 3, H, W).
-            fake: painted normals (N, 3, H, W), detached.
+            fake: predicted normals (N, 3, H, W), detached.
         """
         return real.new_zeros(())
 
     def after_discriminator_step(self, discriminator: nn.Module) -> None:
-        """Change the discriminator after its optimiser's step; nothing by default."""
+        """Change the discriminator after its optimiser's step; the default does nothing."""
 
     def check(self, discriminator: nn.Module) -> None:
         """Raise `InputError` if the objective cannot work with the discriminator."""
 
 
 def mean_over_heads(scores: Scores) -> Tensor:
-    """Return the mean score, a scalar; heads count equally, whatever their number of elements."""
+    """Return the mean score, a scalar; all heads have equal weight."""
     return torch.stack([score.float().mean() for score in scores]).mean()  # bfloat16 would round a mean
 
 

@@ -1,4 +1,4 @@
-"""Checks of what losses give: scalars that gradients lead back from."""
+"""Checks that losses return scalars with gradients."""
 
 from collections.abc import Mapping
 
@@ -13,10 +13,10 @@ __all__ = ["check_losses", "check_terms"]
 
 
 def check_losses(objective: AdversarialObjective, losses: Mapping[str, object]) -> None:
-    """Make sure that what an objective gave, by the names of its methods, is scalars.
+    """Check that an objective's losses, by method name, are scalars.
 
     Raises:
-        InputError: if something is none.
+        InputError: if one is not.
     """
     for name, value in losses.items():
         if not isinstance(value, Tensor) or value.ndim:
@@ -26,15 +26,15 @@ def check_losses(objective: AdversarialObjective, losses: Mapping[str, object]) 
 
 
 def check_terms(reconstruction: Reconstruction, terms: object, alone: bool) -> None:
-    """Make sure that what a reconstruction loss gave is terms, a scalar each.
+    """Check that a reconstruction loss returned scalar terms.
 
     Args:
-        reconstruction: that gave them.
-        terms: right is a `Term` by name.
-        alone: whether there is no other loss, so that none of them would be too few.
+        reconstruction: the loss.
+        terms: what it returned; `Term` by name is right.
+        alone: whether there is no other loss, so that at least one term is needed.
 
     Raises:
-        InputError: if they are none, or the generator would learn nothing from them.
+        InputError: if they are not, or the generator would learn nothing from them.
     """
     asked = "a reconstruction loss gives its terms by name, a Term of a scalar tensor and its weight each"
     if not isinstance(terms, dict) or (alone and not terms):

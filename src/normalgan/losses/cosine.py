@@ -1,4 +1,4 @@
-"""CosineAndL2: directions by their cosine on the object, vectors by their squared difference everywhere."""
+"""CosineAndL2: cosine of the directions on the object, squared difference of the vectors everywhere."""
 
 from dataclasses import dataclass
 
@@ -15,10 +15,10 @@ __all__ = ["CosineAndL2"]
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)
 class CosineAndL2(Reconstruction):
-    """One minus the cosine between the painted and the true normal, and their squared distance.
+    """One minus the cosine of predicted and true normals, and their squared distance.
 
-    The first is a mean over the object. The second is one over all pixels, of which the target is zero off
-    the object: from it the network learns where there is none.
+    The cosine is averaged over the object, the distance over all pixels. Off the object the target is zero,
+    which teaches the network where the object ends.
 
     Args:
         cosine_weight: weight of one minus the cosine.

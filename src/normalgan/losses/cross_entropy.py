@@ -20,7 +20,7 @@ def _cross_entropy(scores: Scores, target: float) -> Tensor:
 @ADVERSARIAL_OBJECTIVES.register
 @dataclass(frozen=True)
 class CrossEntropy(AdversarialObjective):
-    """Binary cross-entropy, not saturating for the generator, halved for the discriminator.
+    """Binary cross-entropy: non-saturating for the generator, halved for the discriminator.
 
     References:
         Isola et al. 2017, "Image-to-Image Translation with Conditional Adversarial Networks", 3.3.

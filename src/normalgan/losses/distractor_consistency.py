@@ -1,4 +1,4 @@
-"""Steadiness: strokes that say nothing of the form leave the map as it is."""
+"""Steadiness: strokes that carry no form should not change the map."""
 
 import math
 
@@ -10,14 +10,13 @@ from normalgan.losses.angular_likelihood import smooth_angle
 __all__ = ["SHARE_MARKED", "add_distractor_strokes", "distractor_inconsistency", "mark_some"]
 
 SHARE_MARKED = 1 / 4
-"""Of a batch, painted a second time with strokes that say nothing."""
+"""Share of a batch that is predicted a second time, with distractor strokes."""
 
 
 def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor:
-    """Draw short straight strokes on the object that say nothing of its form, at most two a sketch.
+    """Draw up to two short straight strokes on each object that carry no form, as hatching and slips do.
 
-    Hatching, spots and slips of the pen are such. They are 1/30 to 1/6 of the side long and 0.8 to 3 pixels
-    of a sketch of 256 wide.
+    They are 1/30 to 1/6 of the side long and, at 256 pixels, 0.8 to 3 pixels wide.
 
     Args:
         sketch: (N, 1, H, W) in [0, 1], ink 1.
@@ -45,20 +44,19 @@ def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor
 
 
 def mark_some(sketch: Tensor, mask: Tensor) -> Tensor:
-    """Return the first quarter of sketches (N, 1, H, W), at least one, with strokes that say nothing."""
+    """Return the first quarter of sketches (N, 1, H, W), at least one, with distractor strokes."""
     count = max(round(len(sketch) * SHARE_MARKED), 1)
     return add_distractor_strokes(sketch[:count], mask[:count], 1.0)
 
 
 def distractor_inconsistency(direction: Tensor, marked: Tensor, mask: Tensor) -> Tensor:
-    """Return by how many radians strokes that say nothing turn the normals of objects, a scalar.
+    """Return the mean angle in radians by which distractor strokes turn the normals, a scalar.
 
-    Both maps learn from it, each towards the other: with that without strokes held, small networks unlearnt
-    the form instead.
+    Gradients flow into both maps. When the map without strokes was detached, small networks lost form.
 
     Args:
-        direction: (N, 3, H, W) painted unit normals.
-        marked: (M, 3, H, W) those of the first M sketches with such strokes.
+        direction: (N, 3, H, W) predicted unit normals.
+        marked: (M, 3, H, W) those of the first M sketches with distractor strokes.
         mask: (N, 1, H, W), 1 on the object.
     """
     count = len(marked)

@@ -1,4 +1,4 @@
-"""Finite losses: a loss that is no number stops the run before it spoils the weights."""
+"""Finite losses: a loss that is NaN or infinite stops the run before it spoils the weights."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -27,10 +27,10 @@ class LossError(RunError):
 
 
 def async_to_cpu(values: Tensor) -> Callable[[], list[float]]:
-    """Begin to bring numbers (N,) to the CPU, and return what waits for them and returns them.
+    """Start copying numbers (N,) to the CPU and return a function that waits for them.
 
-    A GPU goes on meanwhile with what it is told next, such as the backward pass: the copy waits for nothing
-    that was asked for after it. ``tolist`` would wait for all, and leave the GPU idle until it is told more.
+    A GPU continues meanwhile with later work, such as the backward pass. ``tolist`` would wait for all work
+    in the queue and leave the GPU idle.
     """
     if values.device.type != "cuda":
         return values.tolist
@@ -66,10 +66,10 @@ def not_finite(losses: Mapping[Any, float]) -> list[str]:
 
 
 def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int) -> LossError:
-    """Return what to raise for losses that are not finite.
+    """Return the error for losses that are not finite.
 
     Args:
-        bad: what `not_finite` returned; empty where that happened in another process only.
+        bad: what `not_finite` returned; empty if only another process has such a loss.
         names: of the samples in the batch.
         epoch: counted from 0.
         batch: number of the batch in the epoch, from 0.
@@ -83,18 +83,18 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
 
 
 def watch(losses: Mapping[str, Tensor], processes: int) -> Callable[[Batch, int, int], dict[str, Tensor]]:
-    """Begin to read losses while backward is at work, and return what checks them before the weights change.
+    """Start reading losses during the backward pass and return a check to call before the weights change.
 
-    It takes the batch, the epoch and the number of the batch in it, and returns the losses on the CPU: to log
-    a figure that is on a GPU would wait for it.
+    The check takes the batch, the epoch and the batch's number, and returns the losses on the CPU, where
+    logging them does not wait for the GPU.
 
     Args:
         losses: scalars by name.
-        processes: how many train together. One that stopped alone would leave the others waiting, so the sum
-            of all is checked too.
+        processes: how many train together. If one stopped alone, the others would wait, so the sum over
+            all is checked too.
 
     Raises:
-        LossError: from what is returned, where the step would make all weights NaN; in every process.
+        LossError: by the returned check, in every process, if a loss is not finite.
     """
     values = torch.stack([value.detach().float() for value in losses.values()])
     if processes > 1:

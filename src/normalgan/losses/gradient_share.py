@@ -1,4 +1,4 @@
-"""How long the gradient of one loss is beside that of another."""
+"""The gradient length of one loss, relative to that of another."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,12 @@ __all__ = ["gradient_share"]
 
 
 def gradient_share(loss: Tensor, other: Tensor, inputs: Sequence[Tensor]) -> Tensor:
-    """Return the length of a loss's gradient divided by that of another loss; the graph is kept.
+    """Return the length of one loss's gradient divided by that of another; the graph is kept.
 
     Args:
         loss: a scalar.
         other: a scalar.
-        inputs: what the gradients are taken at, such as the weights of a network, together one vector.
+        inputs: tensors to differentiate by, such as the weights of a network, taken as one vector.
 
     >>> x = torch.tensor([3.0, 4.0], requires_grad=True)
     >>> float(gradient_share(x.sum(), (2 * x).sum(), [x]))

@@ -16,7 +16,7 @@ __all__ = ["L1AndHints"]
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)
 class L1AndHints(Reconstruction):
-    """The difference to the true map, and once more that at the hints (He et al. 2021, equations 5 and 6).
+    """L1 difference to the true map, and again at the hints (He et al. 2021, equations 5 and 6).
 
     Args:
         l1_weight: weight of the L1 loss (a mean over pixels and channels).

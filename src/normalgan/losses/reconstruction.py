@@ -1,4 +1,4 @@
-"""Reconstruction: what the generator is to be right about at every pixel, besides pleasing a critic."""
+"""Reconstruction: the base of the generator's per-pixel losses."""
 
 from abc import ABC, abstractmethod
 from typing import NamedTuple
@@ -21,14 +21,14 @@ class Term(NamedTuple):
 
 
 class Reconstruction(ABC):
-    """Base of the losses that compare a painted map with the true one."""
+    """Base of the losses that compare a predicted map with the true one."""
 
     @abstractmethod
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return the parts of the loss by name; their weighted sum is minimised.
 
         Args:
-            preds: what the generator says of every pixel, before the truth is pasted in at hints; in float32.
+            preds: the predictions of the generator, before the truth is pasted in at hints; float32.
                 ``preds.normal`` (N, 3, H, W) every generator has, presence and confidence only some.
             target: (N, 3, H, W) true unit normals, 0 off the object.
             mask: (N, 1, H, W), 1 on the object.

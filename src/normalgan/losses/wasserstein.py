@@ -1,4 +1,4 @@
-"""Wasserstein objectives: a critic held Lipschitz by clipping its weights, the paper's, or by a penalty."""
+"""Wasserstein objectives: the critic is kept Lipschitz by weight clipping (the paper's) or by a penalty."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ __all__ = ["Wasserstein", "WassersteinGradientPenalty"]
 
 
 class _DistanceObjective(AdversarialObjective):
-    """The losses of a critic that estimates the Wasserstein distance, however it is held Lipschitz."""
+    """The losses of a critic that estimates the Wasserstein distance."""
 
     def discriminator_loss(self, real: Scores, fake: Scores) -> Tensor:
         """Return E D(fake) - E D(real), minus the estimated Wasserstein distance."""
@@ -38,7 +38,8 @@ class Wasserstein(_DistanceObjective):
     with the code of Su et al.: L_D = E D(fake) - E D(real), L_G = -E D(fake).
 
     Args:
-        weight_clip: after each critic step every parameter, those of norms too, is clipped to ±weight_clip.
+        weight_clip: after each critic step every parameter, including those of norms, is clipped to
+            ±weight_clip.
 
     References:
         Arjovsky et al. 2017, "Wasserstein GAN", algorithm 1; He et al. 2021, equation 3.
@@ -60,7 +61,7 @@ class Wasserstein(_DistanceObjective):
 @ADVERSARIAL_OBJECTIVES.register
 @dataclass(frozen=True)
 class WassersteinGradientPenalty(_DistanceObjective):
-    """WGAN-GP. The penalty speaks of single inputs, so the discriminator must not use batch norm.
+    """WGAN-GP. The penalty is defined per sample, so the discriminator must not use batch norm.
 
     Args:
         gradient_penalty: weight of the penalty.
@@ -84,7 +85,7 @@ class WassersteinGradientPenalty(_DistanceObjective):
             )
 
     def penalty(self, critic: Critic, real: Tensor, fake: Tensor) -> Tensor:
-        """Return λ E (‖∇D(x)‖₂ - 1)², x drawn on the lines between true and painted maps."""
+        """Return λ E (‖∇D(x)‖₂ - 1)², x drawn on the lines between true and predicted maps."""
         share = torch.rand(len(real), 1, 1, 1, device=real.device, dtype=real.dtype)
         between = (share * real + (1 - share) * fake).requires_grad_()
         # A score a sample (the mean over its elements and heads), summed: samples do not share gradients.

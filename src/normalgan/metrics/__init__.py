@@ -1,4 +1,4 @@
-"""How good a painted normal map is: per-pixel errors, and metrics over data sets."""
+"""How good a predicted normal map is: per-pixel errors, and metrics over data sets."""
 
 from normalgan.metrics.angular import (
     MeanAngularError,

@@ -1,4 +1,4 @@
-"""Metrics of the angle between the painted and the true normal."""
+"""Metrics of the angle between the predicted and the true normal."""
 
 from typing import Any
 
@@ -41,7 +41,7 @@ class MeanAngularError(NormalMapMetric):
 
 @METRICS.register
 class MeanAngularErrorPerImage(NormalMapMetric):
-    """Mean over the images of an image's mean angle in degrees: a small object weighs like a large one."""
+    """Mean over images of each image's mean angle in degrees; small and large objects have equal weight."""
 
     higher_is_better = False
     label = "mean over images"
@@ -69,8 +69,8 @@ class RootMeanSquareAngularError(NormalMapMetric):
 class MedianAngularError(NormalMapMetric):
     """Median angle in degrees over all pixels in the masks, to within 0.005°.
 
-    It is read off a histogram, so memory does not grow with the number of pixels. Of an even number it is
-    the mean of the two in the middle. Perfection is 0.005°, the middle of the first bin.
+    It is computed from a histogram, so memory does not grow with the number of pixels. For an even number of
+    pixels it is the mean of the middle two. A perfect map has 0.005°, the middle of the first bin.
     """
 
     higher_is_better = False

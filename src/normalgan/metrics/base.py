@@ -1,4 +1,4 @@
-"""MapMetric, the base of all metrics, and NormalMapMetric: what ours count, so that it is counted once."""
+"""MapMetric, the base of all metrics, and NormalMapMetric, the shared counts of ours."""
 
 import re
 from abc import ABC, abstractmethod
@@ -24,14 +24,14 @@ _SQUARE_FRACTION = 2.0**-14
 
 
 class MapMetric(Metric, ABC):
-    """Base of the metrics of normal maps: a torchmetrics `Metric` that is one number of a data set.
+    """Base of the metrics of normal maps: a torchmetrics `Metric` that is one number for a data set.
 
-    Its states are added with ``add_state`` and a way to reduce them, so that several processes measure as one
-    does; see https://lightning.ai/docs/torchmetrics/stable/pages/implement.html.
+    Add states with ``add_state`` and a reduction, so that several processes measure the same as one; see
+    https://lightning.ai/docs/torchmetrics/stable/pages/implement.html.
 
     Attributes:
-        label: what tables call it; its `figure` if empty.
-        unit: that follows the number in tables, such as ``°``; ``%`` shows a share from 0 to 1.
+        label: its name in tables; its `figure` if empty.
+        unit: the unit after the number in tables, such as ``°``; ``%`` shows a share from 0 to 1.
     """
 
     full_state_update = False  # an update needs its own batch alone, and processes can be merged
@@ -44,7 +44,7 @@ class MapMetric(Metric, ABC):
 
     @property
     def figure(self) -> str:
-        """The name of its figure: that of the class in lower case, such as ``mean_angular_error``."""
+        """Its name in results: the class name in snake case, such as ``mean_angular_error``."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", type(self).__name__).lower()
 
     @abstractmethod
@@ -52,7 +52,7 @@ class MapMetric(Metric, ABC):
         """Count a batch.
 
         Args:
-            preds: (N, 3, H, W) painted normals, of any length.
+            preds: (N, 3, H, W) predicted normals, of any length.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 where to look.
         """
@@ -68,12 +68,12 @@ METRICS: Registry[MapMetric] = Registry(MapMetric, "normalgan.metrics")  # type:
 class NormalMapMetric(MapMetric):
     """Base of our metrics: errors on the object, pooled over the pixels of all images.
 
-    A metric over no pixel at all is nan; so is one over a prediction that is not finite on the object. An
-    image without a pixel in the mask changes nothing.
+    A metric is nan over no pixels, and over predictions that are not finite on the object. An image without
+    a pixel in the mask is ignored.
 
     Args:
-        normalize: scale the predictions to unit length before L1 and L2 are taken, as is right for a
-            normal map; angles do not depend on it. False measures what the network put out.
+        normalize: scale the predictions to unit length before L1 and L2, as is right for a normal map;
+            angles do not depend on it. False measures the network's raw output.
     """
 
     is_differentiable = False
@@ -104,7 +104,7 @@ class NormalMapMetric(MapMetric):
         """Count a batch.
 
         Args:
-            preds: (N, 3, H, W) painted normals.
+            preds: (N, 3, H, W) predicted normals.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 where to look: the object, perhaps `without_hints`.
 
@@ -149,7 +149,7 @@ class NormalMapMetric(MapMetric):
         """Return the metric, given that there are pixels and all are finite."""
 
     def mean(self, total: Tensor) -> Tensor:
-        """Return a sum of the state, in fractions, as a mean over the pixels."""
+        """Return a sum of the state, in fractions, as a mean over pixels."""
         return total.float() * _FRACTION / self.count
 
     def mean_square_angle(self) -> Tensor:

@@ -59,7 +59,7 @@ class Calibration:
         self.sums = self.sums.index_add(0, bins, values)
 
     def curve(self) -> list[dict[str, float]]:
-        """Return of each bin that is not empty ``pixels``, mean ``predicted`` and ``observed`` degrees."""
+        """Return ``pixels`` and mean ``predicted`` and ``observed`` degrees of each bin that is not empty."""
         return [
             {"pixels": int(count), "predicted": float(said / count), "observed": float(seen / count)}
             for count, said, seen in self.sums

@@ -29,7 +29,7 @@ FIGURES = (
 
 
 def check_names(more: Sequence[MapMetric]) -> None:
-    """Raise `InputError` if metrics that are measured beside ours have the name of one, or of one another."""
+    """Raise `InputError` if two metrics have the same name, among the extra ones or with ours."""
     seen = set(FIGURES)
     for metric in more:
         if metric.figure in seen:

@@ -1,4 +1,4 @@
-"""Errors by their distance from the contour of the object."""
+"""The distance of pixels from the object's contour."""
 
 import numpy as np
 import torch

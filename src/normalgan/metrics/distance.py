@@ -1,4 +1,4 @@
-"""Metrics of the distance between the painted and the true normal."""
+"""Metrics of the distance between the predicted and the true normal."""
 
 from torch import Tensor
 

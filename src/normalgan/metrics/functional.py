@@ -1,4 +1,4 @@
-"""How far a painted normal is from the true one, pixel by pixel."""
+"""How far a predicted normal is from the true one, pixel by pixel."""
 
 import torch
 from torch import Tensor
@@ -19,11 +19,11 @@ def angular_error(preds: Tensor, target: Tensor) -> Tensor:
     """Return the angle between two maps of vectors in degrees, 0…180.
 
     Computed as atan2(|p × t|, p · t): acos of the dot product is up to 0.028° off near 0° in float32. The
-    vectors need not be of unit length. A zero vector, which says nothing, is 90° from every other, as it is
-    where the error is taken from a cosine similarity (Bae and Davison, DSINE, CVPR 2024).
+    vectors need not be of unit length. A zero vector counts as 90° from every other, as with
+    cosine similarity (Bae and Davison, DSINE, CVPR 2024).
 
     Args:
-        preds: (N, 3, H, W) painted normals.
+        preds: (N, 3, H, W) predicted normals.
         target: (N, 3, H, W) true normals.
 
     Returns:
@@ -52,7 +52,7 @@ def l1_distance(preds: Tensor, target: Tensor) -> Tensor:
     published figures are too large for a mean over coordinates or a difference of colours in [0, 1].
 
     Args:
-        preds: (N, 3, H, W) painted normals.
+        preds: (N, 3, H, W) predicted normals.
         target: (N, 3, H, W) true normals.
 
     Returns:
@@ -73,7 +73,7 @@ def l2_distance(preds: Tensor, target: Tensor) -> Tensor:
     """Return the length of the difference of two vectors, ‖preds - target‖₂.
 
     Args:
-        preds: (N, 3, H, W) painted normals.
+        preds: (N, 3, H, W) predicted normals.
         target: (N, 3, H, W) true normals.
 
     Returns:
@@ -104,8 +104,8 @@ def unit_vectors(vectors: Tensor) -> Tensor:
 def unit_vectors_within(vectors: Tensor, mask: Tensor) -> Tensor:
     """Return (N, 3, H, W) vectors scaled to length 1 where the mask is 1, and 0 where it is 0.
 
-    For normals as they are stored or interpolated, whose squares are far from the limits of the type, and
-    faster than `unit_vectors`; those shorter than 1e-6 come out shorter than 1.
+    Faster than `unit_vectors`, for stored or interpolated normals, whose squares cannot overflow. Vectors
+    shorter than 1e-6 stay shorter than 1.
 
     Args:
         vectors: (N, 3, H, W) of float32 or float64.
@@ -122,7 +122,7 @@ def unit_vectors_within(vectors: Tensor, mask: Tensor) -> Tensor:
 
 
 def without_hints(mask: Tensor, where: Tensor) -> Tensor:
-    """Return the mask less the hinted pixels, whose normals were given away.
+    """Return the mask without the hinted pixels, whose normals were given.
 
     Args:
         mask: (N, 1, H, W), 1 on the object.

@@ -1,4 +1,4 @@
-"""Relief: whether what is painted turns away from the viewer as much as the truth does."""
+"""Relief: whether predicted normals turn away from the viewer as much as true ones."""
 
 import torch
 from torch import Tensor
@@ -9,10 +9,10 @@ __all__ = ["depth_difference", "total_variation"]
 
 
 def depth_difference(preds: Tensor, target: Tensor) -> Tensor:
-    """Return n_z painted - true, (N, 1, H, W): above 0 what is painted is too flat.
+    """Return predicted minus true n_z, (N, 1, H, W); positive where the prediction is too flat.
 
     Args:
-        preds: (N, 3, H, W) painted normals, of any length.
+        preds: (N, 3, H, W) predicted normals, of any length.
         target: (N, 3, H, W) true unit normals.
 
     Example:

@@ -1,4 +1,4 @@
-"""StageMetrics: all figures of a stage, for each way in which the generator is measured there."""
+"""StageMetrics: all metrics of a stage, such as validation, for each of its measurements."""
 
 from collections.abc import Sequence
 from typing import cast
@@ -20,7 +20,7 @@ class StageMetrics(nn.Module):
     Args:
         stage: first part of every figure's name.
         rows: what is measured; the figures are named ``<stage>/<row>/<figure>``.
-        only: metrics that are measured in place of ours; None measures ours.
+        only: metrics to use in place of ours; None uses ours.
 
     Raises:
         InputError: if two of these metrics have the same name.
@@ -47,17 +47,17 @@ class StageMetrics(nn.Module):
 
         Args:
             row: which one.
-            preds: (N, 3, H, W) painted normals, of any length.
+            preds: (N, 3, H, W) predicted normals, of any length.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 where pixels count.
         """
         cast(MetricCollection, self.rows[row]).update(preds, target, mask)
 
     def pop(self) -> dict[str, Tensor]:
-        """Return all figures, reduced over processes, and begin anew.
+        """Return all figures, reduced over processes, and reset.
 
         Raises:
-            InputError: if a metric gives anything but one number.
+            InputError: if a metric returns anything but one number.
         """
         figures: dict[str, Tensor] = {}
         for row, module in self.rows.items():

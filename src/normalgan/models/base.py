@@ -25,12 +25,12 @@ __all__ = [
 ]
 
 INPUT_CHANNELS = 4
-"""Sketch as RGB with the hint normals painted in, and the mask of the hints: the paper's "four-dimensional"
+"""Sketch as RGB with the hint normals pasted in, and the mask of the hints: the paper's "four-dimensional"
 input, in the reading of Su et al. 2018, Fig. 2."""
 
 
 class Network(nn.Module, ABC):
-    """Base of all networks: remembers what one was built with, so that a checkpoint can name it."""
+    """Base of all networks; stores constructor arguments for checkpoints."""
 
     built_with: dict[str, Any]
     """The arguments it was built with, defaults among them, by name."""
@@ -49,24 +49,24 @@ class Network(nn.Module, ABC):
 
 
 class Generator(Network):
-    """Base of the networks that paint a normal map."""
+    """Base of the networks that predict a normal map."""
 
     @abstractmethod
     def forward(self, condition: Tensor) -> Tensor:
-        """Return normals (N, 3, H, W) in [-1, 1], of any length; short vectors mean: no object here.
+        """Return normals (N, 3, H, W) in [-1, 1], of any length; a short vector means background.
 
-        A fourth channel, if any, is the confidence κ > 0 in their direction.
+        An optional fourth channel is the confidence κ > 0 in their direction.
 
         Args:
-            condition: (N, 4, H, W), the sketch in [-1, 1] (ink -1) with hint normals painted in, then the
+            condition: (N, 4, H, W), the sketch in [-1, 1] (ink -1) with hint normals pasted in, then the
                 mask of the hints.
         """
 
     def predict(self, condition: Tensor) -> Predictions:
-        """Return what the losses take in training; by default what `forward` returns, in float32.
+        """Return what the losses use in training; by default the output of `forward`, in float32.
 
-        A generator that predicts the presence of an object as a logit overrides it, as losses such as
-        `AngularLikelihood` need the logit. Its `forward` returns ``self.predict(condition).channels()``.
+        Override it in a generator that predicts presence as a logit, which losses such as
+        `AngularLikelihood` need. Its `forward` returns ``self.predict(condition).channels()``.
 
         Args:
             condition: (N, 4, H, W) as `forward` takes it.
@@ -91,15 +91,15 @@ class Generator(Network):
 
 
 def check_generated(generator: nn.Module, predicted: object, condition: Tensor) -> None:
-    """Make sure that a generator painted normals of the sketches' size, perhaps with their confidence.
+    """Check that a generator returned normals of the sketches' size, with or without confidence.
 
     Args:
-        generator: that painted it.
-        predicted: right is (N, 3, H, W), or (N, 4, H, W).
-        condition: (N, 4, H, W), what it was given.
+        generator: the generator.
+        predicted: its output; (N, 3, H, W) or (N, 4, H, W) is right.
+        condition: (N, 4, H, W), its input.
 
     Raises:
-        InputError: if it is anything else.
+        InputError: if the output is anything else.
     """
     count, _, height, width = condition.shape
     if not isinstance(predicted, Tensor) or predicted.ndim != 4 or len(predicted) != count:
@@ -108,20 +108,20 @@ def check_generated(generator: nn.Module, predicted: object, condition: Tensor) 
     channels = predicted.shape[1]
     if channels not in {3, 4}:
         raise InputError(
-            f"{class_name(generator)} paints {channels} channels; a model has 3, or 4 with the confidence."
+            f"{class_name(generator)} returns {channels} channels; a model has 3, or 4 with the confidence."
         )
     if predicted.shape[2:] != condition.shape[2:]:
         raise InputError(
-            f"{class_name(generator)} paints {predicted.shape[3]} × {predicted.shape[2]} pixels for a sketch "
-            f"of {width} × {height}; a map is as large as its sketch."
+            f"{class_name(generator)} returns {predicted.shape[3]} × {predicted.shape[2]} pixels for a "
+            f"sketch of {width} × {height}; a map is as large as its sketch."
         )
 
 
 def check_predictions(generator: nn.Module, preds: object, condition: Tensor) -> None:
-    """Make sure that what ``predict`` of a generator gave the losses is what they take.
+    """Check that a generator's ``predict`` returned what the losses accept.
 
     Raises:
-        InputError: if it is not, or lies on no path of gradients while these are wanted.
+        InputError: if it did not, or if the output has no gradient while gradients are enabled.
     """
     count, _, height, width = condition.shape
     name = f"{class_name(generator)}.predict"
@@ -135,39 +135,39 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
             raise InputError(f"{name} gave {describe(value)} as {part}; it is a tensor {wanted} here.")
     if torch.is_grad_enabled() and not preds.direction.requires_grad:
         raise InputError(
-            f"{class_name(generator)} paints maps that no gradient leads back from; do not detach them, and "
+            f"{class_name(generator)} returns maps that no gradient leads back from; do not detach them, and "
             "give it parameters to learn."
         )
 
 
 class Discriminator(Network):
-    """Base of the networks that tell painted maps from true ones (critics, if Wasserstein)."""
+    """Base of the networks that tell predicted maps from true ones (critics, for Wasserstein objectives)."""
 
     @abstractmethod
     def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
         """Return the raw scores of each head, of any shape (N, ...); high means true.
 
-        Heads count equally, whatever their number of elements.
+        All heads have equal weight.
 
         Args:
             condition: (N, 4, H, W) as the generator sees it.
-            normal: (N, 3, H, W) true or painted.
+            normal: (N, 3, H, W) true or predicted.
         """
 
 
 def check_scores(discriminator: nn.Module, scores: object, condition: Tensor) -> tuple[Tensor, ...]:
-    """Return what a discriminator said, if it is scores.
+    """Return a discriminator's scores after checking them.
 
     Args:
-        discriminator: that said it.
-        scores: right is a tuple or a list of tensors (N, …).
-        condition: (N, 4, H, W), what it was given.
+        discriminator: the discriminator.
+        scores: its output; a tuple or a list of tensors (N, …) is right.
+        condition: (N, 4, H, W), its input.
 
     Raises:
-        InputError: if they are none.
+        InputError: if the output is anything else.
     """
     asked = f"a discriminator gives a tuple of scores, a tensor ({len(condition)}, …) a head"
-    # A bare tensor can be iterated over as well: its samples would be taken for heads.
+    # A bare tensor is iterable too; its samples would be taken for heads.
     if not isinstance(scores, tuple | list) or not scores:
         raise refused(discriminator, scores, asked)
     for each in scores:

@@ -10,7 +10,7 @@ Norm = Literal["batch", "instance", "none"]
 
 
 def down(inputs: int, outputs: int, kernel: int, bias: bool, stride: int = 2) -> nn.Conv2d:
-    """Return a convolution that halves the sides (or, of stride 1, lessens them by one if even)."""
+    """Return a convolution that halves the sides; with stride 1 an even kernel shortens them by one."""
     return nn.Conv2d(inputs, outputs, kernel, stride, padding=(kernel - 1) // 2, bias=bias)
 
 
@@ -34,7 +34,7 @@ def norm_layer(norm: Norm, channels: int) -> nn.Module:
 
 
 def init_weights(module: nn.Module) -> None:
-    """Draw the weights of a layer as pix2pix does: N(0, 0.02), norms around 1; for `nn.Module.apply`."""
+    """Initialise a layer as pix2pix does: N(0, 0.02), norms around 1; for `nn.Module.apply`."""
     if isinstance(module, nn.Conv2d | nn.ConvTranspose2d | nn.Linear):
         nn.init.normal_(module.weight, 0.0, 0.02)
         if module.bias is not None:

@@ -1,4 +1,4 @@
-"""Growth: a larger generator that begins by painting what a smaller one has learnt to."""
+"""Growth: a larger generator that starts with the weights of a smaller one."""
 
 from typing import cast
 
@@ -15,18 +15,18 @@ __all__ = ["grow"]
 def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
     """Give a larger generator the weights of a smaller one, in place.
 
-    One of the same resolution then paints what the smaller one paints. One of twice the resolution, where no
-    hint is, paints a drawing enlarged to twice the size as the smaller one paints the drawing, each pixel
-    four times. Channels that only the larger one has begin at random and unheard: the weights by which
-    others listen to them are zero, and learn. So do further blocks, which at first add nothing.
+    At the same resolution the larger one then predicts exactly what the smaller one does. At twice the
+    resolution, without hints, it predicts for a drawing enlarged twice what the smaller one predicts for the
+    drawing, each pixel repeated. New channels start at random, and the weights that read them start at zero,
+    so that they change nothing at first. New blocks add nothing at first.
 
     Args:
-        small: folds squares of so many pixels.
-        large: folds squares of the same or of twice the side, in its detail layers too; as many levels, each
-            at least as wide and of at least as many blocks; of the same norm.
+        small: the trained generator.
+        large: has the same patch side or twice that, in its detail layers too; the same number of levels,
+            each at least as wide and with at least as many blocks; the same norm.
 
     Raises:
-        InputError: if they do not go together so.
+        InputError: if the two do not fit.
 
     References:
         Chen, Goodfellow, Shlens 2016, "Net2Net: Accelerating Learning via Knowledge Transfer".
@@ -65,7 +65,7 @@ def _put(
     bias: Tensor | None = None,
     columns: Tensor | None = None,
 ) -> None:
-    """Copy a layer into the first outputs of a larger one, which then hear of the first inputs alone.
+    """Copy a layer into the first outputs of a larger one, which then read the first inputs alone.
 
     Args:
         small: a convolution or a batch norm.
@@ -89,7 +89,7 @@ def _put(
 
 
 def _finer(weight: Tensor, side: int, scale: int, share: Tensor) -> Tensor:
-    """Return weights (O, 5 × side², k, k) for squares of ``scale`` × side that are folded, each its share."""
+    """Return weights (O, 5 × side², k, k) spread over folded squares of ``scale`` × side."""
     out, _, *kernel = weight.shape
     squares = weight.reshape(out, 5, side, side, *kernel) * share
     return _enlarged(squares, 2, scale).reshape(out, -1, *kernel)
@@ -106,7 +106,7 @@ def _enlarged(squares: Tensor, axis: int, scale: int) -> Tensor:
 
 
 def _places(counts: list[int], room: list[int]) -> Tensor:
-    """Return where each of several runs of channels lies, one behind the other in the room that each has."""
+    """Return the indices of several runs of channels, each at the start of its slot."""
     starts = torch.tensor([0, *room]).cumsum(0)
     return torch.cat([start + torch.arange(count) for start, count in zip(starts, counts, strict=False)])
 

@@ -1,4 +1,4 @@
-"""Predictions: what a generator says of every pixel, as the losses take it."""
+"""Predictions: a generator's output for every pixel, as the losses use it."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ __all__ = ["Predictions"]
 
 
 class Predictions(NamedTuple):
-    """What a generator says of every pixel, in float32 whatever the precision of the network."""
+    """A generator's output for every pixel, in float32 at any precision of the network."""
 
     direction: Tensor
     """(N, 3, H, W) unit normals; without `presence`, in [-1, 1] of any length: short ones mean no object."""
@@ -20,11 +20,11 @@ class Predictions(NamedTuple):
 
     @property
     def normal(self) -> Tensor:
-        """Normals (N, 3, H, W), as long as an object is probable; what `Generator.forward` returns first."""
+        """Normals (N, 3, H, W) whose length is the presence, as `Generator.forward` returns them."""
         return self.direction if self.presence is None else self.direction * torch.sigmoid(self.presence)
 
     def of(self, chosen: slice) -> "Predictions":
-        """Return those of some of the pictures."""
+        """Return the predictions of some of the pictures."""
         direction, presence, confidence = self
         return Predictions(
             direction[chosen],

@@ -1,4 +1,4 @@
-"""ResidualUNetGenerator: ours; unit normals, a presence and a confidence from a residual U-Net."""
+"""ResidualUNetGenerator: our network; a residual U-Net with unit normals, presence and confidence."""
 
 from itertools import pairwise
 from typing import Literal
@@ -28,29 +28,29 @@ _DETAIL = 16  # channels between the two last layers, which take up the lines' e
 
 @GENERATORS.register
 class ResidualUNetGenerator(Generator):
-    """A U-Net of residual blocks, most of whose work is done at a fraction of the resolution.
+    """A U-Net of residual blocks that works at a fraction of the drawing's resolution.
 
-    Squares of pixels are folded into channels, levels go down by halves and up again with skips, and the
-    hints enter at every level, so that few of them reach the whole object. It paints four channels: a normal
-    whose length is how surely there is an object, and the confidence in its direction.
+    Squares of pixels are folded into channels, each level halves the resolution, and skips join levels of one
+    size. Hints enter at every level, so that a few of them reach the whole object. The output has four
+    channels: a normal whose length is the presence, and the confidence in its direction.
 
     Args:
         widths: channels of each level, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
         patch: side of the squares of pixels that are folded into channels, a power of two.
-        norm: of the residual blocks. With batch norm it learns from fewer images; without, what is painted in
-            training too does not depend on the other pictures of a batch.
-        detail: side of the squares that are folded in the last two layers, which see the lines once more; a
-            power of two, at most ``patch``. Few channels on every pixel take as long as all other layers.
-        hint_levels: whether hints enter at every level; if not, only with the sketch, and as many weights
-            see nothing. To tell what they are worth.
-        deblock: whether directions are averaged over a patch where no line is near, but for training. Squares
-            that are folded and unfolded leave a faint grid, which light shows on smooth forms.
-        mirror: whether what is painted, but for training, is the mean of what it paints for a drawing and for
-            its mirror image, which takes twice as long.
+        norm: of the residual blocks. Batch norm learns from fewer images; without it, training does not mix
+            the pictures of a batch.
+        detail: side of the folded squares in the last two layers, which see the sketch again; a power of two,
+            at most ``patch``. With 1, these layers take as long as all others together.
+        hint_levels: whether hints enter at every level. If not, they enter with the sketch alone, at an equal
+            number of weights; an ablation.
+        deblock: whether to average directions over a patch far from lines, except in training. Folding leaves
+            a faint grid that shows on smooth forms under light.
+        mirror: whether to average predictions for a drawing and its mirror image, except in training; this
+            takes twice as long.
 
     Raises:
-        InputError: if widths and blocks are not as many, or a number cannot be used.
+        InputError: if ``widths`` and ``blocks`` differ in length, or a number is out of range.
 
     References:
         Shi et al. 2016, "Real-Time Single Image and Video Super-Resolution Using an Efficient Sub-Pixel
@@ -95,25 +95,25 @@ class ResidualUNetGenerator(Generator):
             nn.SiLU(),
             nn.Conv2d(_DETAIL, _HEADS * detail**2, 3, padding=1),
         )
-        # The layout that convolutions are fastest in; weights in another are laid out anew at every step.
+        # Convolutions are fastest in this layout; weights in another one would be converted at every step.
         self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]  # missing in torch's types
 
     def forward(self, condition: Tensor) -> Tensor:
-        """Return (N, 4, H, W): normals as long as an object is probable, and their confidence κ above 0.
+        """Return (N, 4, H, W): normals whose length is the presence, and their confidence κ > 0.
 
         Args and Raises as `predict`.
         """
         return self.predict(condition).channels()
 
     def predict(self, condition: Tensor) -> Predictions:
-        """Return directions, the logit of there being an object, and the confidence; all in float32.
+        """Return directions, the logit of presence, and the confidence; all in float32.
 
         Args:
             condition: (N, 4, H, W) as `Generator.forward` takes it.
 
         Raises:
-            InputError: if the sides are no multiples of ``patch`` times two to the number of halvings, or if
-                batch norm, when training, is left with a single value.
+            InputError: if the sides are not multiples of ``patch`` × 2^halvings, or if batch norm in training
+                has a single value left.
         """
         height, width = condition.shape[2:]
         if height % self.factor or width % self.factor:
@@ -131,13 +131,13 @@ class ResidualUNetGenerator(Generator):
         return mean_of_mirrored(self._predict(torch.cat([condition, mirror_condition(condition)])))
 
     def _predict(self, condition: Tensor) -> Predictions:
-        """Return what the network itself paints, without mirror images."""
+        """Return the predictions of the network itself, without mirroring."""
         where = condition[:, 3:]
-        # Each level takes hints in the layout of its features: to join two layouts is to copy one of them.
+        # Hints have the layout of the features; concatenating two layouts would copy one of them.
         hints = torch.cat([condition[:, :3] * where, where], dim=1).contiguous(
             memory_format=torch.channels_last
         )
-        # Ink 1 on paper 0, as the padding is; at a hint the sketch is painted over and taken for paper.
+        # Ink 1 on paper 0, like the padding; at a hint the condition has no sketch, so it counts as paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - where)
         given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
         features = F.silu(self._body(given, hints))
@@ -151,7 +151,7 @@ class ResidualUNetGenerator(Generator):
         return Predictions(direction, presence, 1.01 + F.elu(heads[:, 4:]))
 
     def _body(self, given: Tensor, hints: Tensor) -> Tensor:
-        """Return features (N, widths[0], H / patch, W / patch), squares of pixels still folded."""
+        """Return features (N, widths[0], H / patch, W / patch), still folded."""
         folds = self.patch.bit_length() - 1
         pyramid = [hints, *hint_pyramid(hints, folds + len(self.downs))][folds:]
         if not self.hint_levels:
@@ -170,19 +170,19 @@ class ResidualUNetGenerator(Generator):
 
 
 def _deblocked(direction: Tensor, presence: Tensor, ink: Tensor, patch: int) -> Tensor:
-    """Return unit normals (N, 3, H, W) in which squares of ``patch`` pixels show near lines alone.
+    """Return unit normals (N, 3, H, W) without the grid of patches, except near lines.
 
     Args:
         direction: (N, 3, H, W) unit normals.
-        presence: (N, 1, H, W) logit of there being an object: what is painted beside it counts for little.
+        presence: (N, 1, H, W) logit of presence; directions off the object count for little.
         ink: (N, 1, H, W), 1 on lines, 0 on paper.
         patch: an even number of pixels.
     """
-    # The mean over a patch takes away all that repeats from patch to patch. It lies half a pixel off, as a
-    # patch has no middle pixel; the mean of two neighbours brings it back.
+    # The mean over a patch removes everything that repeats from patch to patch. It is shifted by half a
+    # pixel, because a patch has no middle pixel; the mean of two neighbours shifts it back.
     there = direction * torch.sigmoid(presence).clamp(min=1e-3)
     mean = F.avg_pool2d(F.avg_pool2d(there, patch, 1, patch // 2, count_include_pad=False), 2, 1)
-    # Fully sharp up to a pixel from a line, where normals jump, and three pixels on fully smooth.
+    # Unchanged within a pixel of a line, where normals jump, and fully smooth three pixels farther.
     near = F.avg_pool2d(F.max_pool2d(ink, 5, 1, 2), 3, 1, 1, count_include_pad=False)
     return F.normalize(torch.lerp(mean, there, near), dim=1, eps=1e-6)
 
@@ -202,11 +202,11 @@ def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int, detail:
 
 
 class ResidualBlock(nn.Module):
-    """Adds to its input what two convolutions make of it: x + conv(SiLU(norm(conv(SiLU(norm(x)))))).
+    """A residual block: x + conv(SiLU(norm(conv(SiLU(norm(x)))))).
 
     Norm and activation first (He et al. 2016, "Identity Mappings in Deep Residual Networks"). Without norms
-    the second convolution starts at zero, so that a deep network begins as a shallow one (Zhang et al. 2019,
-    "Fixup Initialization", whose first rule this is).
+    the second convolution starts at zero, so that each block starts as the identity (Zhang et al. 2019,
+    "Fixup Initialization", first rule).
 
     Args:
         channels: of the input and the output.
@@ -239,8 +239,8 @@ def residual_blocks(channels: int, count: int, norm: Norm = "none") -> nn.Sequen
 def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:
     """Return the hints halved again and again, ``levels`` tensors (N, 4, H / 2^l, W / 2^l), l from 1.
 
-    A cell holds the mean of the hint normals in it, and 1 if there is any, else 0. A convolution sees a
-    lone point of a picture of 256 pixels from three pixels around; at the fifth level from a hundred.
+    A cell holds the mean of its hint normals, and 1 if it has any, else 0. At full resolution a convolution
+    sees a single hint within three pixels; at the fifth level within a hundred.
 
     Args:
         hints: (N, 4, H, W), normals at the hints and where they are.
@@ -261,19 +261,19 @@ def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:
 
 
 def mirror_condition(condition: Tensor) -> Tensor:
-    """Return what a generator is given, (N, 4, H, W), of the mirror image of the drawing."""
+    """Return a generator's input, (N, 4, H, W), for the mirror image of the drawing."""
     normals, where = condition[:, :3], condition[:, 3:]
-    # The sketch is painted into the same channels, and has no direction.
+    # The sketch lies in the same channels and has no direction.
     return torch.cat([torch.where(where > 0.5, _turned(normals), normals), where], dim=1).flip(3)
 
 
 def mean_of_mirrored(preds: Predictions) -> Predictions:
-    """Return the mean of what was painted for drawings and, after them, for their mirror images.
+    """Return the mean of the predictions for drawings and for their mirror images.
 
-    Directions count by their confidence, where there is one.
+    Directions are weighted by their confidence, if there is one.
 
     Args:
-        preds: of 2 N drawings, unit directions (2 N, 3, H, W).
+        preds: predictions for N drawings, then for their mirror images; directions (2 N, 3, H, W).
 
     Returns:
         The predictions of the first N drawings, each averaged with its mirror image.
@@ -295,9 +295,9 @@ def _turned(normals: Tensor) -> Tensor:
 
 
 def float32_output(layer: nn.Module, features: Tensor) -> Tensor:
-    """Return what a layer makes of features (N, C, H, W), computed in float32 under autocast too.
+    """Apply a layer to features (N, C, H, W) in float32, under autocast too.
 
-    For what is read as numbers: in the eight bits of bfloat16 a logit of 5 goes in steps of 0.03.
+    In bfloat16 a logit near 5 would move in steps of 0.03.
     """
     kind = features.device.type
     if not torch.is_autocast_enabled(kind):

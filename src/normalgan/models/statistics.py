@@ -8,7 +8,7 @@ __all__ = ["Processes", "average_statistics"]
 
 
 class Processes(Protocol):
-    """What takes means over the processes that train: a strategy of Lightning."""
+    """Takes means over the training processes; a Lightning strategy is one."""
 
     def reduce(self, tensor: Tensor, *, reduce_op: str) -> Any:
         """Return the mean of a tensor over the processes."""
@@ -22,7 +22,7 @@ def average_statistics(module: nn.Module, processes: Processes) -> None:
 
     Args:
         module: holds the buffers.
-        processes: take the mean.
+        processes: takes the means.
     """
     for buffer in module.buffers():
         if buffer.is_floating_point():

@@ -1,4 +1,4 @@
-"""TiledGenerator: DeepNormals-like; a picture is painted window by window, each seen at three scales."""
+"""TiledGenerator: like DeepNormals; predicts window by window, each seen at three scales."""
 
 from itertools import pairwise
 
@@ -19,11 +19,10 @@ SCALES = (1, 2, 4)
 
 @GENERATORS.register
 class TiledGenerator(Generator):
-    """Windows of a sketch, each at three scales, through residual encoder and decoder, laid over each other.
+    """A residual encoder and decoder over overlapping windows of a sketch, each at three scales.
 
-    After DeepNormals. It takes no hints: of the condition it sees the sketch alone. Windows overlap by half,
-    and what is painted where they do is their mean, weighted towards their middles, so that no seams show;
-    whatever the picture's size, a window sees four times its own width and no farther.
+    After DeepNormals. It ignores hints. Windows overlap by half and are blended with weights that favour
+    their centres, so that no seams show. A window sees four times its own width, at any size of the picture.
 
     Args:
         window: side of the windows in pixels, a multiple of 16; the picture's sides are multiples of half
@@ -81,13 +80,13 @@ class TiledGenerator(Generator):
                 f"this generator needs sides that are multiples of {self.step}, "
                 f"not {height} × {width} pixels."
             )
-        # Ink 1 on paper 0, as the padding is; where a hint was painted in, the sketch is taken for paper.
+        # Ink 1 on paper 0, like the padding; at a hint the condition has no sketch, so it counts as paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - condition[:, 3:])
         predicted = self._predict(self._windows(ink))
         return self._join(torch.tanh(predicted.to(condition.dtype)), height, width)
 
     def _windows(self, ink: Tensor) -> Tensor:
-        """Return the windows of a batch, (N · T, scales, window, window), at all scales about one middle."""
+        """Return the windows of a batch, (N · T, scales, window, window), all scales with one centre."""
         parts = []
         for scale in SCALES:
             shrunk = F.avg_pool2d(ink, scale) if scale > 1 else ink
@@ -110,7 +109,7 @@ class TiledGenerator(Generator):
         return predicted
 
     def _join(self, predicted: Tensor, height: int, width: int) -> Tensor:
-        """Return what windows (N · T, 3, window, window) show of the picture, (N, 3, H, W)."""
+        """Blend windows (N · T, 3, window, window) into pictures (N, 3, H, W)."""
         tiles = (height // self.step) * (width // self.step)
         edge = self.window // 2 - self.step // 2
         place = torch.arange(self.window, dtype=predicted.dtype, device=predicted.device)
@@ -124,6 +123,6 @@ class TiledGenerator(Generator):
 
 
 def _unfold(picture: Tensor, window: int, step: int, edge: int) -> Tensor:
-    """Return windows (N · T, 1, window, window) of pictures (N, 1, H, W), in rows from the upper left."""
+    """Return windows (N · T, 1, window, window) of pictures (N, 1, H, W), row by row from the upper left."""
     columns = F.unfold(picture, window, stride=step, padding=edge)
     return columns.transpose(1, 2).reshape(-1, 1, window, window)

@@ -14,7 +14,7 @@ __all__ = ["UNet", "UNetDiscriminator", "UNetGenerator", "full_depth"]
 class UNetGenerator(Generator):
     """The paper's generator: a U-Net of 16 layers at 256 pixels, with tanh.
 
-    Its noise z is dropout, as in pix2pix: on while training, off when predicting unless asked.
+    Its noise z is dropout, as in pix2pix: on in training, off in prediction unless asked for.
 
     Args:
         size: side of the pictures; sets the depth. Linked to the size of the data on the command line.
@@ -63,7 +63,7 @@ class UNetGenerator(Generator):
 class UNetDiscriminator(Discriminator):
     """The paper's discriminator: "the same architecture and depth as the generator", a score a pixel.
 
-    It sees the sketch with the hint normals painted in, and the map; 6 channels, as Sketch2Normal's does.
+    Its input has 6 channels, as in Sketch2Normal: the sketch with hint normals pasted in, and the map.
 
     Args:
         size: side of the pictures; sets the depth. Linked to the size of the data on the command line.

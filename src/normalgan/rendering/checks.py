@@ -1,4 +1,4 @@
-"""Checks of what data sources, renderers and line styles give: they may be somebody else's."""
+"""Checks of the output of data sources, renderers and line styles, which may be third-party classes."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,7 +15,7 @@ __all__ = ["check_maps", "check_mesh", "check_strokes"]
 
 
 def check_mesh(loaded: object) -> Mesh:
-    """Return what a data source loaded, if it is a mesh whose faces are of its vertices.
+    """Return a data source's mesh after checking it.
 
     Raises:
         InputError: if it is anything else.
@@ -53,7 +53,7 @@ def _is_rows_of_three(value: object, kind: type[np.generic]) -> bool:
 
 
 def check_maps(renderer: object, maps: object, size: int) -> Maps:
-    """Return what a renderer gave, if it is maps of ``size`` pixels a side.
+    """Return a renderer's maps after checking that they have ``size`` pixels a side.
 
     Raises:
         InputError: if it is anything else.
@@ -74,11 +74,11 @@ def check_maps(renderer: object, maps: object, size: int) -> Maps:
 
 
 def check_strokes(style: object, strokes: object, size: int) -> Sequence[Stroke]:
-    """Return what a line style gave, if it is strokes for a picture of ``size`` pixels a side.
+    """Return a line style's strokes after checking them for a picture of ``size`` pixels a side.
 
     Raises:
-        InputError: if it is anything else. What lies far outside is refused and not cut off: to draw a line
-            takes time and memory for every pixel along it.
+        InputError: if it is anything else. Strokes far outside are refused, not clipped, because drawing
+            costs time and memory for every pixel along a line.
     """
     name = type(style).__name__
     asked, given = "a line style gives a list of Stroke", type(strokes).__name__

@@ -1,4 +1,4 @@
-"""Names of what is made of a mesh: its poses and its variations bear its own name and a number."""
+"""Names of poses and variations: the name of their mesh and a number."""
 
 __all__ = ["POSE", "VARIATION", "family", "pose_name", "variation_name"]
 
@@ -6,7 +6,7 @@ POSE, VARIATION = "@", "~"
 
 
 def pose_name(name: str, number: int) -> str:
-    """Return what a pose of a rig is called.
+    """Return the name of a rig's pose.
 
     >>> pose_name("horse", 3)
     'horse@3'
@@ -15,7 +15,7 @@ def pose_name(name: str, number: int) -> str:
 
 
 def variation_name(name: str, number: int) -> str:
-    """Return what a variation of a mesh is called.
+    """Return the name of a mesh's variation.
 
     >>> variation_name("horse@3", 1)
     'horse@3~1'
@@ -24,9 +24,9 @@ def variation_name(name: str, number: int) -> str:
 
 
 def family(name: str) -> str:
-    """Return the name of the mesh that a pose or a variation was made of, and of any other mesh its own.
+    """Return the name of the mesh that a pose or variation comes from; for other meshes, their own name.
 
-    One family must not be split between training and test: its members are nearly alike.
+    A family must not be split between training and test, because its members are nearly equal.
 
     >>> [family(name) for name in ("horse", "horse@3", "horse@3~1", "no. 7~old")]
     ['horse', 'horse', 'horse', 'no. 7~old']

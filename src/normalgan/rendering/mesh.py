@@ -1,4 +1,4 @@
-"""Meshes as the renderers take them, and how files in any disorder become so."""
+"""Mesh, the input of the renderers, and MeshSource, what a mesh is loaded from."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -27,7 +27,7 @@ class Mesh:
 
 
 class MeshSource(Protocol):
-    """Something a mesh can be had from, cheap to hold and to hand to a worker process."""
+    """A source of one mesh, cheap to keep and to send to a worker process."""
 
     @property
     def name(self) -> str:

@@ -1,4 +1,4 @@
-"""The bytes of mesh files: bounded, and the same ones for a fingerprint and for the mesh made of them."""
+"""The bytes of mesh files: limited in size, and read once for both fingerprint and mesh."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,9 +15,9 @@ _kept: ContextVar[dict[Path, bytes] | None] = ContextVar("bytes of mesh files", 
 
 @contextmanager
 def read_once() -> Iterator[None]:
-    """Keep the bytes of every mesh file that is read until this ends, so that none is read twice.
+    """Inside this context, keep the bytes of each mesh file after the first read.
 
-    A file may be replaced at any moment. What is fingerprinted and loaded within this is one and the same.
+    A file may be replaced at any moment; inside the context, fingerprint and mesh come from the same bytes.
     """
     token = _kept.set({})
     try:

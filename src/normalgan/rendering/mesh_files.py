@@ -1,4 +1,4 @@
-"""MeshFile: a mesh in a file, and how a folder, a pattern or a list becomes mesh files."""
+"""MeshFile: a mesh in a file, and how to find mesh files by folder, pattern or list."""
 
 import hashlib
 import json
@@ -12,17 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.rendering.gltf import read_gltf
+from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
+from normalgan.rendering.polygons import read_ply
 from normalgan.rendering.repair import shade, weld, wind
 
 __all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish", "place"]
 
-LOADER_VERSIONS = {".obj": 2}
+LOADER_VERSIONS = {".obj": 3, ".off": 2}
 """Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` comes to return another mesh."""
 
 
@@ -60,7 +61,7 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
+        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1) + _has_polygons(Path(self.path))
         settings = [version, self.name, self.rotation, self.inside_out, self.crease_angle]
         digest = hashlib.sha256(json.dumps(settings).encode())
         for path in (Path(self.path), *_buffers(Path(self.path))):
@@ -83,7 +84,7 @@ def finish(
     faces: NDArray[np.int64],
     about: NDArray[np.float64] | None = None,
 ) -> Mesh:
-    """Return a mesh of the triangles found in a file, made ready as the file's settings say.
+    """Return the mesh of a file's triangles, prepared by the file's settings.
 
     It is moved and scaled so that its box is centred on the origin and its farthest vertex 1 away.
 
@@ -134,7 +135,7 @@ def place(
 def find_meshes(
     source: str | list[str], orientation: str | None = None, crease_angle: float | None = None
 ) -> list[MeshFile]:
-    """Return the mesh files that a user's words stand for, sorted by name.
+    """Return the mesh files that a setting names, sorted by name.
 
     Args:
         source: a folder (its own files, not those of its subfolders), a file, a pattern such as
@@ -171,6 +172,18 @@ def _paths(source: str) -> list[Path]:
     if place.is_dir():
         raise InputError(f"the folder {source} holds no mesh; files in {' '.join(SUFFIXES)} are taken.")
     raise InputError(f"{source} is no file, no folder and no pattern that matches a mesh file.")
+
+
+def _has_polygons(path: Path) -> bool:
+    """Return whether a PLY has faces of more than three corners.
+
+    These were cut up in another way once. PLYs of triangles keep the fingerprint that their samples are
+    stored under.
+    """
+    try:
+        return path.suffix.lower() == ".ply" and not read_ply(mesh_bytes(path)).triangular
+    except (ValueError, LookupError, OverflowError, MemoryError):
+        return False  # broken: `load` says how
 
 
 def _buffers(path: Path) -> list[Path]:

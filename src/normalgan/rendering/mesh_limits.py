@@ -1,4 +1,4 @@
-"""Limits of mesh files: what a header says, held against what it can hold, before a parser believes it."""
+"""Limits of mesh files: check headers against the file's size before a parser trusts them."""
 
 import os
 import re
@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from normalgan.errors import InputError
-from normalgan.rendering.gltf import read_gltf
+from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 
 __all__ = [
@@ -41,7 +41,7 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "M
 
 
 def check_limits(path: Path) -> None:
-    """Look at a mesh file before it is parsed.
+    """Check a mesh file before it is parsed.
 
     Args:
         path: of one of the formats of `SUFFIXES`; a file that is there.

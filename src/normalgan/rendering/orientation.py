@@ -1,4 +1,4 @@
-"""Orientation files: for each mesh of a folder, how it stands and whether it is inside out."""
+"""Orientation files: the rotation of each mesh in a folder, and whether it is inside out."""
 
 import json
 from typing import Any, NamedTuple
@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from normalgan.errors import InputError, brief
+from normalgan.files.limits import read_bounded
 from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["Orientation", "Rotation", "checked_rotation", "read_orientations"]
@@ -14,7 +15,7 @@ Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[f
 
 
 class Orientation(NamedTuple):
-    """How one mesh is to be turned: see `MeshFile`."""
+    """The orientation of one mesh; see `MeshFile`."""
 
     rotation: Rotation | None
     inside_out: bool | None
@@ -23,14 +24,15 @@ class Orientation(NamedTuple):
 def read_orientations(path: str) -> dict[str, Orientation]:
     """Return the orientations of a JSON file ``{"name": {"rotation": 3×3, "inside_out": bool}}``.
 
-    Either entry may be missing: then the mesh stands as it does in its file, and which side is outside
-    is found out.
+    Either entry may be missing: the mesh then keeps the rotation of its file, or its outside is detected.
 
     Raises:
         InputError: if the file cannot be read, is not of that form, or a matrix is no rotation.
     """
     try:
-        table = json.loads(find_beside(path).read_text(encoding="utf-8"))
+        table = json.loads(read_bounded(find_beside(path)))
+    except InputError:
+        raise
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"the orientation file {path} cannot be read as JSON: {brief(error)}") from error
     if not isinstance(table, dict):

@@ -1,4 +1,4 @@
-"""Triangles set right: welded, without rubbish, wound consistently, outward; then their normals."""
+"""Repair triangles: weld, remove degenerate ones, wind consistently outward; then compute normals."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Samples: a sketch and the normal map it was drawn from, made by a recipe that can be repeated."""
+"""Samples: a sketch and its true normal map, made by a repeatable recipe."""
 
 import dataclasses
 import hashlib
@@ -25,7 +25,7 @@ from normalgan.rendering.strokes.raster import rasterise
 from normalgan.rendering.view import View
 from normalgan.rendering.views import Views
 
-__all__ = ["RENDERING_VERSION", "Recipe", "Sample", "draw_ink", "draw_strokes", "sample_rng"]
+__all__ = ["RENDERING_VERSION", "Recipe", "Sample", "draw_ink", "draw_strokes", "no_lines", "sample_rng"]
 
 RENDERING_VERSION = 2
 """Raise it when a change to the code changes what a recipe renders: stored samples are then made anew."""
@@ -33,15 +33,14 @@ RENDERING_VERSION = 2
 
 @dataclass(frozen=True)
 class Sample:
-    """What is stored of one view of one mesh; row 0 is the top of the picture.
+    """One stored view of one mesh; row 0 is the top of the picture.
 
     Args:
         sketch: (H, W) ink, from 0 (paper) to 255.
         normal: (H, W, 3) unit normals in camera space (x right, y up, z to the viewer), 0 off the object;
             half precision turns them by less than 0.05°.
         mask: (H, W) True on the object.
-        hints: (H, W, 4) normals at the hints that came with it, then 1 where they are; None where samples
-            bring none.
+        hints: (H, W, 4) normals at the sample's own hints, then 1 where they are; None without hints.
     """
 
     sketch: NDArray[np.uint8]
@@ -52,7 +51,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Recipe:
-    """How samples are made of a mesh: the same recipe makes the same samples, in any order, anywhere.
+    """How to make samples of a mesh; a recipe makes equal samples in any order, on any machine.
 
     Args:
         views: where the object is looked at from.
@@ -99,10 +98,7 @@ class Recipe:
         rng = partial(self._rng, mesh, index)
         strokes, maps = draw_strokes(view, self.lines, self.hand, rng)
         if not strokes:
-            raise InputError(
-                f"{type(self.lines).__name__} gets no lines from {mesh.name}, view {index}; seen so, it is "
-                f"thinner than a pixel of {self.size}, or no line is as long as the style asks for."
-            )
+            raise no_lines(self.lines, f"{mesh.name}, view {index}", self.size)
         ink = draw_ink(strokes, self.size, self.medium, rng)
         return Sample(
             sketch=np.rint(255 * ink).astype(np.uint8),
@@ -139,6 +135,14 @@ def draw_strokes(
     strokes = list(check_strokes(lines, lines.trace(view, rng("lines")), view.size))
     maps = view.maps()
     return hand.draw(strokes, maps, rng("hand")) if hand is not None and strokes else (strokes, maps)
+
+
+def no_lines(lines: LineDrawing, seen: str, size: int) -> InputError:
+    """Return what to raise where a style gets no strokes from a view: a blank sheet is no drawing."""
+    return InputError(
+        f"{type(lines).__name__} gets no lines from {seen}; seen so, it is thinner than a pixel of {size}, "
+        "or no line is as long as the style asks for."
+    )
 
 
 def draw_ink(

@@ -1,4 +1,4 @@
-"""Which faces of a mesh adjoin: its bodies, their winding, its hard edges; by graphs, without loops."""
+"""The topology of a mesh, by sparse graphs: its bodies, their winding, its hard edges."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ def _shared_edges(faces: Indices) -> tuple[Indices, Indices, Indices, Indices]:
 
 
 def bodies(faces: Indices) -> tuple[Indices, NDArray[np.bool_]]:
-    """Return each face's body (F,), and which faces (F,) to turn so that a body is wound alike.
+    """Return each face's body (F,), and which faces (F,) to flip for a consistent winding.
 
     Every face stands twice in a graph, as it is and turned over. Neighbours wound alike are joined copy
     by like copy, others crosswise; a body that can be wound alike then falls into two components that

@@ -1,4 +1,4 @@
-"""View: an object, where it is seen from, and its maps at whatever size a line style asks for."""
+"""View: an object, a camera, and the maps at any size that a line style needs."""
 
 from normalgan.rendering.checks import check_maps
 from normalgan.rendering.maps import Maps

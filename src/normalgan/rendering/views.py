@@ -1,4 +1,4 @@
-"""Cameras: where the object is looked at from, and how it fills the frame."""
+"""Cameras: their position around the object, and how the object fills the frame."""
 
 from dataclasses import dataclass
 
@@ -102,7 +102,7 @@ def look_at_origin(azimuth: float, elevation: float, roll: float) -> Doubles:
 
 @dataclass(frozen=True)
 class Views:
-    """How views of an object are drawn at random: uniformly from ranges, always filling the frame.
+    """Random views of an object: uniform in ranges, always filling the frame.
 
     Args:
         azimuth: range in degrees of the viewer's turn about +Y; 0 is at +Z, with +X on the right.
@@ -133,7 +133,7 @@ class Views:
             raise InputError(f"margin is {self.margin}; it must lie from 0 to below 0.5.")
 
     def camera(self, mesh: Mesh, rng: np.random.Generator) -> Camera:
-        """Draw a view of ``mesh`` that shows all of it, centred, ``margin`` away from the frame."""
+        """Draw a random camera that shows all of ``mesh``, centred, with ``margin`` on each side."""
         # Five draws whatever comes out, so that one setting does not shift what the others draw.
         azimuth, elevation, roll = (rng.uniform(*r) for r in (self.azimuth, self.elevation, self.roll))
         perspective = bool(rng.random() < self.perspective)

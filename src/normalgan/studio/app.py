@@ -21,6 +21,7 @@ from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.drawing import MOST_HINTS, MOST_SIDE
+from normalgan.studio.exports import with_export_menu
 from normalgan.studio.fields import take_choice
 from normalgan.studio.guard import Guard
 from normalgan.studio.opening import Opened
@@ -99,7 +100,7 @@ def build_app(
     version = version_of([*PAGE.glob("*.*"), CLAY_FILE])
     kept = f"/page/{version}"
     text = (PAGE / "index.html").read_text(encoding="utf-8")
-    page = markup(text, PAGE).replace('"/page/', f'"{kept}/')
+    page = markup(with_export_menu(text), PAGE).replace('"/page/', f'"{kept}/')
 
     async def index(_: Request) -> Response:
         return HTMLResponse(page)

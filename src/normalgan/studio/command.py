@@ -10,6 +10,7 @@ from platformdirs import user_data_path
 from normalgan import decoding
 from normalgan.cli.light_parser import LightParser
 from normalgan.inference.network.onnx_backend import find_model
+from normalgan.inference.outputs import OUTPUTS
 from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.memory import keep_memory
@@ -48,6 +49,11 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("--port", type=int, default=8400, help="of this machine; 0 takes a free one")
     parser.add_argument(
+        "--address",
+        default="127.0.0.1",
+        help="where to listen; 0.0.0.0 in a container, whose port is published on 127.0.0.1 of its host",
+    )
+    parser.add_argument(
         "--projects", type=str | None, help="folder of the projects; null is the user's own for data"
     )
     parser.add_argument("--no-browser", action="store_true", help="only say the address")
@@ -61,12 +67,13 @@ def studio(settings: Namespace) -> int:
         InputError: if something cannot be used.
     """
     keep_memory()
+    OUTPUTS.load_entry_points()
     decoding.start()  # while the model is loaded
     store = DocumentStore(
         Path(settings.projects) if settings.projects else user_data_path("normalgan", False)
     )
     opened = None if settings.opened is None else find_opened(settings.opened, store)
-    with listen(settings.port) as listening:
+    with listen(settings.port, settings.address) as listening:
         port = listening.getsockname()[1]
         app = build_app(Predictor(find_model(settings.model)), store, port, opened)
         address = f"http://127.0.0.1:{port}/"

@@ -16,6 +16,7 @@ from normalgan.errors import InputError
 from normalgan.inference.edits import (
     MOST_PINS,
     REACH,
+    MaskStroke,
     brush,
     enforce_pins,
     paint_mask,
@@ -55,6 +56,8 @@ MOST_POINTS = 4000
 """Of an area."""
 _SOFT = 0.01
 """Width of the edge of a tilted area, as a share of the map's longer side."""
+_INKED = 0.35
+"""How dark a line is at least that parts one area from another."""
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -115,18 +118,20 @@ class Drawing:
             return picture, None
         return picture, mask_of(read_png("mask", self.mask), picture.shape)
 
-    def read_mask(self, shape: tuple[int, int]) -> NDArray[np.int8] | None:
+    def read_mask(self, picture: Picture) -> NDArray[np.int8] | None:
         """Return (H, W) where strokes have added to the object (1) or cut from it (-1); None without strokes.
 
         Args:
-            shape: (H, W) of the drawing.
+            picture: the drawing.
 
         Raises:
             InputError: if a stroke cannot be used.
         """
         if not self.mask_strokes:
             return None
-        return paint_mask(shape, (_read_mask_stroke(*each) for each in enumerate(self.mask_strokes, 1)))
+        dark = 1 - picture.colour.min(-1)
+        inked = (dark if picture.alpha is None else dark * picture.alpha) > _INKED
+        return paint_mask(inked, (_read_mask_stroke(*each) for each in enumerate(self.mask_strokes, 1)))
 
     def edit(self, normals: Floats, mask: NDArray[np.bool_], shape: tuple[int, int]) -> Floats:
         """Return a painted map held to what the hand says: areas in their order, then pins, exactly.
@@ -215,20 +220,20 @@ def read_areas(given: Any) -> list[Area]:
     return areas
 
 
-def _read_mask_stroke(number: int, given: Any) -> tuple[Floats, float, bool]:
-    """Return the points (K, 2), the width of a stroke of the mask brush, and whether it adds."""
+def _read_mask_stroke(number: int, given: Any) -> MaskStroke:
+    """Return a stroke of the mask brush, or a click into an area."""
     try:
         points = np.array(given["points"], np.float32).reshape(-1, 2)
-        size, adds = float(given["size"]), given["adds"]
+        size, adds, fills = float(given["size"]), given["adds"], given.get("fills", False)
         fits = 1 <= len(points) <= MOST_POINTS and bool(np.isfinite(points).all()) and 0 < size <= MOST_SIDE
-    except (TypeError, ValueError, KeyError):
+    except (TypeError, ValueError, KeyError, AttributeError):
         fits = False
-    if not fits or not isinstance(adds, bool):
+    if not fits or not isinstance(adds, bool) or not isinstance(fills, bool):
         raise InputError(
             f"stroke {number} of the mask is {json.dumps(given)[:60]}; it has points x, y, x, y, … "
-            f"({MOST_POINTS} at the most), a size, and adds, true or false."
+            f"({MOST_POINTS} at the most), a size, and adds, true or false; fills is true or false too."
         )
-    return np.clip(points, -MOST_SIDE, 2 * MOST_SIDE), size, adds
+    return MaskStroke(np.clip(points, -MOST_SIDE, 2 * MOST_SIDE), size, adds, fills)
 
 
 def _number(value: Any, usual: float, most: float) -> float:

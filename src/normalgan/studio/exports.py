@@ -2,37 +2,39 @@
 
 import io
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
+from html import escape
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final, Literal
 
 from PIL import Image
 
-from normalgan.inference.jobs.plan import DrawingFiles, Job
-from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.outputs.engines import CONVENTIONS, Engine, sidecar
-from normalgan.inference.outputs.outputs import SHADING, Outputs, Shading, encode_height, shading_of
-from normalgan.normals import encode_grey
+from normalgan.inference.normal_map import Format, NormalMap
+from normalgan.inference.outputs import (
+    OUTPUTS,
+    AmbientOcclusion,
+    Curvature,
+    Height,
+    Mask,
+    Normal,
+    Output,
+    Specular,
+)
+from normalgan.inference.outputs.engines import CONVENTIONS, Engine
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
 
-__all__ = ["FORMATS", "PRESETS", "ExportRequest", "Names", "Preset", "read_export_request"]
-
-FORMATS = {
-    "map": ("png8", "png16", "exr", "tiff"),
-    "preview": ("png", "gif"),
-    "height": ("png", "tiff"),
-    "relief": ("glb", "obj"),
-    "mask": ("png",),
-    "occlusion": ("png",),
-    "curvature": ("png",),
-    "specular": ("png",),
-    "all": ("plain", "unity", "unreal", "godot", "godot3", "blender"),
-}
-"""What can be exported, and as what; the first is the default."""
+__all__ = [
+    "PRESETS",
+    "ExportRequest",
+    "Names",
+    "Preset",
+    "offered",
+    "read_export_request",
+    "with_export_menu",
+]
 
 
 @dataclass(frozen=True)
@@ -81,13 +83,12 @@ class Preset:
     height: Literal["png", "tiff"] = "png"
 
     @property
-    def outputs(self) -> Outputs:
-        """How its files are written: as `normalgan generate --engine` does."""
-        plain = Outputs(height=self.height, alpha=True)
+    def normal(self) -> Normal:
+        """How its map is written: as `normalgan generate --engine` does."""
         if self.engine is None:
-            return plain
+            return Normal(alpha=True)
         wanted = CONVENTIONS[self.engine]
-        return replace(plain, y=wanted.y, bits=wanted.bits, suffix=wanted.suffix)
+        return Normal(y=wanted.y, bits=wanted.bits, suffix=wanted.suffix, alpha=True, engine=self.engine)
 
 
 PRESETS: Final = {
@@ -139,74 +140,82 @@ PRESETS: Final = {
         height="tiff",
     ),
 }
-_SHADING: Final[dict[str, Shading]] = {"occlusion": "ao", "curvature": "curvature", "specular": "specular"}
 _PLAIN: Final = Preset(Names(), "Green points up (OpenGL); flip it for DirectX.")
+
+
+_FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr", "tiff": "tiff"}
+
+
+def offered() -> dict[str, tuple[str, ...]]:
+    """Return what can be exported, and in which formats; the first is the default."""
+    beside = {kind.name: kind.formats() for kind in OUTPUTS}
+    return {"map": tuple(_FORMATS), "all": ("plain", *PRESETS), **beside}
+
+
+def with_export_menu(page: str) -> str:
+    """Return the page with the menu of all that can be exported."""
+    labels = {kind.name: escape(kind.label) for kind in OUTPUTS}
+    own = {"map": ' data-text="whatMap"', "all": ' data-text="whatAll"'}  # the page's own words
+    options = [
+        f'<option value="{name}" data-formats="{" ".join(formats)}"{own.get(name, "")}>'
+        f"{labels.get(name, '')}</option>"
+        for name, formats in offered().items()
+    ]
+    return page.replace("<!-- outputs -->", "".join(options))
 
 
 @dataclass(frozen=True)
 class ExportRequest:
-    """One file that is wanted.
+    """What is wanted of a drawing.
 
     Args:
         name: of the drawing, without a suffix.
-        kind: ``map``, what lies beside it, or ``all``.
-        outputs: how it is written.
+        output: the one kind of file; None is all, zipped.
         longest: longer side in pixels; None is the drawing's.
         preset: for what program, if it is all.
         line_art: PNG of the lines, if it is all.
     """
 
     name: str
-    kind: str
-    outputs: Outputs
+    output: Output | None
     longest: int | None
     preset: str = "plain"
     line_art: bytes | None = None
 
-    def write(self, preds: NormalMap) -> tuple[str, bytes]:
-        """Return the file's name and what is in it."""
-        match self.kind:
-            case "mask":
-                return f"{self.name}_mask.png", encode_grey(preds.alpha)
-            case "occlusion" | "curvature" | "specular":
-                name = _SHADING[self.kind]
-                return f"{self.name}_{name}.png", encode_grey(shading_of(preds, [name])[name])
-            case "all":
-                return f"{self.name}_{self.preset}.zip", self._zip(preds)
-        with TemporaryDirectory() as folder:
-            target = Path(folder) / f"{self.name}{self.outputs.ending}"
-            job = Job(DrawingFiles(Path(f"{self.name}.png")), target, self.name)
-            self.outputs.write(job, preds)
-            file = target if self.kind == "map" else job.beside(next(iter(self.outputs.others())))
-            return file.name, file.read_bytes()
+    def encode(self, preds: NormalMap) -> tuple[str, bytes]:
+        """Return the file's name and its content."""
+        if self.output is None:
+            return f"{self.name}_{self.preset}.zip", _zipped(self._files(preds))
+        files = [(self.name + ending, content) for ending, content in self.output.encode(preds).items()]
+        return files[0] if len(files) == 1 else (f"{self.name}_{self.output.name}.zip", _zipped(files))
 
-    def _zip(self, preds: NormalMap) -> bytes:
-        """Return all files, as a program wants them."""
+    def _files(self, preds: NormalMap) -> Iterator[tuple[str, bytes]]:
+        """Yield all files, as a program wants them."""
         preset = PRESETS.get(self.preset, _PLAIN)
-        file = io.BytesIO()
-        with zipfile.ZipFile(file, "w") as archive:
-            for name, content in self._files(preset, preds):
-                # The same drawing gives the same bytes; pictures are compressed already.
-                archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
-        return file.getvalue()
-
-    def _files(self, preset: Preset, preds: NormalMap) -> Iterator[tuple[str, bytes]]:
         own = preset.prefix + self.name
-        names = preset.names.of(own)
-        outputs, height = preset.outputs, preds.height()
-        target = Path(own + outputs.ending)
-        yield target.name, preds.encode(outputs.format, outputs.bits, outputs.y, outputs.alpha)
-        if preset.engine is not None:
-            beside, content = sidecar(preset.engine, target)
-            yield beside.name, content
-        yield f"{names.mask}.png", encode_grey(preds.alpha)
-        yield f"{names.height}.{preset.height}", encode_height(height, preds, preset.height)
-        for name, values in shading_of(preds, SHADING, height).items():
-            yield f"{getattr(names, name)}.png", encode_grey(values)
+        names, normal = preset.names.of(own), preset.normal
+        once = replace(preds)  # keeps the heights that outputs share, and is gone when they are written
+        for ending, content in normal.encode(once).items():
+            yield own + ending, content
+            if (beside := normal.sidecar(Path(own + ending))) is not None:
+                yield beside[0].name, beside[1]
+        others = Mask(), Height(preset.height), AmbientOcclusion(), Curvature(), Specular()
+        for output in others:
+            for ending, content in output.encode(once).items():
+                yield getattr(names, output.name) + Path(ending).suffix, content
         yield f"{names.preview}.png", _preview(preds)
         if self.line_art is not None:
             yield f"{names.line}.png", self.line_art
         yield "README.txt", f"{preset.notes}\n".encode()
+
+
+def _zipped(files: Iterable[tuple[str, bytes]]) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, content in files:
+            # The same drawing gives the same bytes; pictures are compressed already.
+            archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
+    return file.getvalue()
 
 
 def _preview(preds: NormalMap) -> bytes:
@@ -224,8 +233,9 @@ def read_export_request(fields: Fields) -> ExportRequest:
     Raises:
         InputError: if a field cannot be used.
     """
-    kind = take_choice(fields, "what", tuple(FORMATS), "map")
-    chosen = take_choice(fields, "format", FORMATS[kind], FORMATS[kind][0])
+    formats = offered()
+    kind = take_choice(fields, "what", tuple(formats), "map")
+    chosen = take_choice(fields, "format", formats[kind], formats[kind][0])
     y: Literal["up", "down"] = take_choice(fields, "y", ("up", "down"), "up")
     alpha = take_choice(fields, "alpha", (False, True), False)
     longest = None
@@ -237,14 +247,10 @@ def read_export_request(fields: Fields) -> ExportRequest:
         if fields.get("line_art") is not None:
             art = take_bytes(fields, "line_art")
             read_png("line art", art)  # what is no picture is none of the files
-        return ExportRequest(name, kind, Outputs(), longest, chosen, art)
-    if kind == "mask" or kind in _SHADING:
-        return ExportRequest(name, kind, Outputs(), longest)
-    if kind != "map":
-        return ExportRequest(name, kind, Outputs(**{kind: chosen}), longest)
-    bits = {"png8": 8, "png16": 16}.get(chosen)
-    if bits is None:
-        return ExportRequest(name, kind, Outputs(format=chosen, y=y, alpha=alpha), longest)
-    return ExportRequest(
-        name, kind, Outputs(format="png", bits=16 if bits == 16 else 8, y=y, alpha=alpha), longest
-    )
+        return ExportRequest(name, None, longest, chosen, art)
+    if kind == "map":
+        form = _FORMATS[chosen]
+        normal = Normal(form, bits=16 if chosen == "png16" else 8, y=y, alpha=alpha)
+        return ExportRequest(name, normal, longest)
+    wanted = next(each for each in OUTPUTS if each.name == kind)
+    return ExportRequest(name, wanted(format=chosen), longest)

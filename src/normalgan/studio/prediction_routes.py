@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 from urllib.parse import quote
@@ -168,17 +169,27 @@ class PredictionRoutes:
 
     def _heights(self, layers: Sequence[Layer]) -> tuple[bytes, NormalMap]:
         predicted = self._predict(layers)
-        height = np.where(predicted.mask, predicted.height(), np.nan)
+        own = replace(predicted)  # the map is kept, and its heights are not
+        height = np.where(own.mask, own.height(), np.nan)
         return height.astype("<f4").tobytes(), predicted
 
     def _file(self, layers: Sequence[Layer], fields: Fields) -> tuple[str, bytes]:
         wish = read_export_request(fields)
-        return wish.write(self._predict(layers, wish.longest))
+        return wish.encode(self._predict(layers, wish.longest))
 
 
 _OCTETS = "application/octet-stream"
-_WORDS = "give --mask", "paint the object with the mask brush"
+_WORDS = {
+    "give --mask": "paint the object with the mask brush",
+    "flip one with --hole x,y": "cut or paint it with the mask brush",
+}
 """What the command line is told to do, and what is done on the page instead."""
+
+
+def _on_the_page(warning: str) -> str:
+    for option, brush in _WORDS.items():
+        warning = warning.replace(option, brush)
+    return warning
 
 
 def _is_raw(request: Request) -> bool:
@@ -191,7 +202,7 @@ def _pixels(content: bytes, predicted: NormalMap, start: float) -> Response:
     headers = {
         "X-Width": str(width),
         "X-Height": str(height),
-        "X-Warning": quote(predicted.warning.replace(*_WORDS)),
+        "X-Warning": quote(_on_the_page(predicted.warning)),
         "X-Seconds": f"{time.perf_counter() - start:.4f}",
     }
     return Response(content, headers=headers, media_type=_OCTETS)

@@ -11,12 +11,13 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.mask.reader import read
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.pipeline import CLOSED, predict
+from normalgan.inference.pipeline import predict
 from normalgan.inference.preparation import Prepared, hinted, prepare
-from normalgan.inference.reading.picture import resize
+from normalgan.inference.reading.picture import Picture, resize
 from normalgan.studio.drawing import Drawing
 
 __all__ = ["Predictor"]
@@ -67,6 +68,7 @@ class Predictor:
         self.name = path.name
         # The first run is slow; nobody shall wait for it while drawing.
         _, confidence = self.model.predict(np.zeros((self.model.size, self.model.size), np.float32))
+        read(Picture(np.ones((64, 64, 3), np.float32), None))
         self.confident = confidence is not None
         """Whether the model says how sure it is."""
         self._lock = Lock()
@@ -109,7 +111,7 @@ class Predictor:
         found = self._recalled(self._prepared, key)
         if found is None:
             picture, mask = drawing.read_lines()
-            by_hand = drawing.read_mask(picture.shape)
+            by_hand = drawing.read_mask(picture)
             prepared = prepare(
                 *(picture, self.model.size, mask, None, longest, drawing.source, by_hand),
                 line_widths=self.model.line_widths,
@@ -117,7 +119,8 @@ class Predictor:
             if drawing.tab:
                 prepared = self._hold(drawing.tab, prepared, whole=longest is None)
                 key = *key[:2], self._version(drawing.tab)
-            found = prepared, picture.shape
+            # How the mask was found takes more memory than all else, and nobody asks for it again.
+            found = replace(prepared, decision=None, reading=None), picture.shape
             self._remember(self._prepared, key, found, _size_of_prepared)
         return found
 
@@ -132,7 +135,7 @@ class Predictor:
             return prepared
         ink = prepared.ink > 0.35
         with self._lock:
-            if prepared.closed >= CLOSED and not prepared.guessed:
+            if prepared.decision is None or prepared.decision.by_lines:
                 before = self._closed.get(tab)
                 known = before is not None and np.array_equal(before.ink, ink)
                 if whole and prepared.mask.any() and not known:

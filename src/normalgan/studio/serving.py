@@ -1,6 +1,7 @@
 """Serving: an application at a port of this machine, until Ctrl-C or a signal ends it."""
 
 import errno
+import ipaddress
 import signal
 import socket
 import sys
@@ -18,19 +19,29 @@ _GRACE = 10
 """Seconds that requests have to be finished when the server is ended."""
 
 
-def listen(port: int) -> socket.socket:
-    """Return a socket that listens at a port of 127.0.0.1; 0 is a free one.
+def listen(port: int, address: str = "127.0.0.1") -> socket.socket:
+    """Return a socket that listens at a port; 0 is a free one.
+
+    Args:
+        port: of this machine.
+        address: of this machine, in numbers: 127.0.0.1 is reached from this machine only, 0.0.0.0 from all.
 
     Raises:
         InputError: if it is taken, or none that may be used.
     """
+    try:
+        ipaddress.IPv4Address(address)
+    except ValueError:
+        raise InputError(
+            f"--address {address} is not an IPv4 address; use 127.0.0.1, or 0.0.0.0 in a container."
+        ) from None
     if not 0 <= port <= 65535:
         raise InputError(f"port is {port}; ports go from 1 to 65535, and 0 takes a free one.")
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if sys.platform != "win32":  # there it would let two servers share a port
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listening.bind(("127.0.0.1", port))
+        listening.bind((address, port))
         listening.listen(128)
     except OSError as error:
         listening.close()
@@ -38,7 +49,7 @@ def listen(port: int) -> socket.socket:
             raise InputError(
                 f"port {port} is taken, perhaps by another studio; give another --port, or 0 for a free one."
             ) from None
-        raise InputError(f"port {port} cannot be used: {error.strerror}.") from None
+        raise InputError(f"port {port} of {address} cannot be used: {error.strerror}.") from None
     return listening
 
 

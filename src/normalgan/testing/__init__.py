@@ -13,6 +13,7 @@ from normalgan.testing.hint_samplers import check_hint_sampler, hint_sampler_che
 from normalgan.testing.line_drawings import check_line_drawing, line_drawing_checks
 from normalgan.testing.metrics import check_metric, metric_checks
 from normalgan.testing.objectives import check_objective, objective_checks
+from normalgan.testing.outputs import check_output, output_checks
 from normalgan.testing.reconstructions import check_reconstruction, reconstruction_checks
 from normalgan.testing.renderers import check_renderer, renderer_checks
 
@@ -28,6 +29,7 @@ __all__ = [
     "check_line_drawing",
     "check_metric",
     "check_objective",
+    "check_output",
     "check_reconstruction",
     "check_renderer",
     "data_source_checks",
@@ -37,6 +39,7 @@ __all__ = [
     "line_drawing_checks",
     "metric_checks",
     "objective_checks",
+    "output_checks",
     "reconstruction_checks",
     "renderer_checks",
 ]

@@ -1,3 +1,3 @@
-"""Weights: a generator as safetensors, read without running anything; and that which the package brings."""
+"""Weights: a generator as safetensors, read without running code; and the shipped one."""
 
 __all__ = []

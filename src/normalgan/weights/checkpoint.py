@@ -23,10 +23,18 @@ from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.registry import Registry, find_imported
 from normalgan.weights.class_spec import ANY_NUMBER, LARGEST, ClassSpec, is_plain
 from normalgan.weights.file import SUFFIX, Weights, read_weights
+from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import check_fit
 
-__all__ = ["Checkpoint", "read_checkpoint", "read_model", "settings_to_save"]
+__all__ = [
+    "PICTURE_SIZE",
+    "Checkpoint",
+    "read_checkpoint",
+    "read_model",
+    "settings_to_save",
+    "uncompiled",
+]
 
 _REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
     "generator": (GENERATORS, LARGEST),
@@ -42,6 +50,11 @@ _OF_TORCH: dict[str, type[Any]] = {
 }
 _DEFAULT_OPTIMIZER = "normalgan.gan._rmsprop"
 _PYTHON = "made_in_python"
+_COMPILED = "_orig_mod."
+PICTURE_SIZE = "picture_size"
+"""The entry of a checkpoint that holds the side of its pictures in pixels."""
+_OF_TRAINING = {"compile"}
+"""Arguments of the model that say how to train on this machine; they are not saved."""
 _RENAMED_SETTINGS = {"steadiness": "distractor_consistency"}
 """Settings of checkpoints from before version 0.1.0 by their present names. Class paths need no table:
 within a package a class is found by its short name (`Registry.find`)."""
@@ -57,12 +70,14 @@ class Checkpoint:
         settings: of the model, as the file has them.
         tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
         callbacks: states of callbacks by their names.
+        size: side in pixels of the pictures that it learned from, if the file says so.
     """
 
     path: Path
     settings: Mapping[str, Any]
     tensors: Mapping[str, Tensor]
     callbacks: Mapping[Any, Any]
+    size: int | None = None
 
     def weights(self, size: int | None = None) -> Weights:
         """Return the generator and the notes on it, as a file of weights has them.
@@ -78,28 +93,23 @@ class Checkpoint:
         size = size or self._trained_size()
         if size is None:
             raise InputError(
-                f"{self.path} does not say the size of its pictures; export it with --size, which is the "
-                "--data.size of its training."
+                f"{self.path} does not say the size of its pictures; give the --data.size of its training, "
+                "as --size to export or as size=… to normalgan.load."
             )
         with _named(self.path):
             generator = _part("generator", self.settings["generator"])
-            tensors = self.generator_tensors()
+            tensors = self.tensors_of("generator")
             check_fit(generator, tensors, GENERATORS)
             notes = ModelMetadata(
                 generator=generator,
-                hint_sampler=_part("hint_sampler", self.settings["hint_sampler"]),
+                hint_sampler=_unchecked_part("hint_sampler", self.settings["hint_sampler"]),
                 size=size,
                 noise_at_test=bool(self.settings.get("noise_at_test", False)),
                 seed=int(_number("seed", self.settings.get("seed", 0))),
                 refined=bool(self.settings.get("refined", False)),
                 line_widths=check_line_widths(self.settings.get("line_widths", USUAL_WIDTHS)),
             )
-            notes.settings()  # the classes are known
             return Weights(notes, tensors)
-
-    def generator_tensors(self) -> dict[str, Tensor]:
-        """Return the generator's weights and statistics by name."""
-        return self._tensors_of("generator")
 
     def _trained_size(self) -> int | None:
         """Return the size that the generator was built for or, where any would do, that of the run's data.
@@ -107,6 +117,7 @@ class Checkpoint:
         That is in ``config.yaml`` of the run, in the folder above.
         """
         size = self.generator_size()
+        size = self.size if size is None else size
         return _size_of_run(self.path.absolute().parent.parent / "config.yaml") if size is None else size
 
     def generator_size(self) -> int | None:
@@ -127,12 +138,13 @@ class Checkpoint:
             settings = {name: _configuration(name, value) for name, value in self.settings.items()}
             for name in ("generator", "discriminator"):
                 if self.settings.get(name) is not None:
-                    part, tensors = _part(name, self.settings[name]), self._tensors_of(name)
+                    part, tensors = _part(name, self.settings[name]), self.tensors_of(name)
                     # Numbers that are not finite may be what someone wants to look into.
                     check_fit(part, tensors, _REGISTRIES[name][0], finite=False)
         return settings
 
-    def _tensors_of(self, network: str) -> dict[str, Tensor]:
+    def tensors_of(self, network: str) -> dict[str, Tensor]:
+        """Return the weights and statistics of a network by name; empty if there are none."""
         prefix = f"{network}."
         return {k.removeprefix(prefix): v for k, v in self.tensors.items() if k.startswith(prefix)}
 
@@ -168,13 +180,17 @@ def read_checkpoint(path: Path) -> Checkpoint:
         or not isinstance(callbacks, dict)
     ):
         raise InputError(f"{path} holds no normalgan model; give one that `normalgan fit` saved.")
+    # torch.compile wraps a network, and puts this before the names of its weights.
+    tensors = {uncompiled(name): tensor for name, tensor in tensors.items()}
+    size = content.get(PICTURE_SIZE)
+    size = size if type(size) is int and 1 <= size <= LARGEST else None
     # Lightning's note on how it builds the model, which is not asked.
     settings = {
         _RENAMED_SETTINGS.get(name, name): value
         for name, value in ((str(name), value) for name, value in settings.items())
         if name != "_instantiator"
     }
-    return Checkpoint(path, settings, tensors, callbacks)
+    return Checkpoint(path, settings, tensors, callbacks, size)
 
 
 def read_model(path: Path, size: int | None = None) -> Weights:
@@ -190,6 +206,15 @@ def read_model(path: Path, size: int | None = None) -> Weights:
     return read_weights(path) if path.suffix.lower() == SUFFIX else read_checkpoint(path).weights(size)
 
 
+def uncompiled(name: str) -> str:
+    """Return the name of a weight without what ``torch.compile`` adds to it.
+
+    >>> uncompiled("generator._orig_mod.stem.weight")
+    'generator.stem.weight'
+    """
+    return name.replace(_COMPILED, "")
+
+
 def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a model as a checkpoint holds them: classes and values in place of objects.
 
@@ -200,6 +225,8 @@ def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
     """
     saved: dict[str, Any] = {"_instantiator": "lightning.pytorch.cli.instantiate_module"}
     for name, value in given.items():
+        if name in _OF_TRAINING:
+            continue
         if name in _OF_TORCH:
             saved[name] = _optimizer_to_save(value)
         elif name in _REGISTRIES and value is not None and not isinstance(value, Mapping):
@@ -244,14 +271,24 @@ def _part(name: str, value: Any) -> ClassSpec:
     registry, largest = _REGISTRIES[name]
     _check_named(name, value)
     part = ClassSpec.of(value, largest)
-    cls = registry.find(part.name)
+    cls = registry.find(part.name) or find_local(part.name, registry.base)
     if cls is None:
-        raise InputError(
-            f"{registry.explain_unknown(part.name[:60])} A class of your own is known once its package "
-            "offers it, or the configuration names it."
-        )
+        shown = part.name[:60]
+        raise InputError(registry.explain_unknown(shown) + where_classes_are_looked_for(shown))
     own = registry.find(cls.__name__) is cls
     return ClassSpec(cls.__name__ if own else f"{cls.__module__}.{cls.__qualname__}", part.settings)
+
+
+def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
+    """Return a part that takes no part in inference, so that its class need not be known here.
+
+    None stands for an object that was made in Python of more than plain values.
+    """
+    registry, largest = _REGISTRIES[name]
+    if isinstance(value, dict) and value.keys() == {_PYTHON}:
+        return None
+    part = ClassSpec.of(value, largest)
+    return _part(name, value) if registry.find(part.name) else part
 
 
 def _configuration(name: str, value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Part: a piece of a model as a file from anywhere may name it: a registered class with plain settings."""
+"""ClassSpec: a registered class with plain settings, as files from anywhere may name it."""
 
 import json
 import re
@@ -12,6 +12,7 @@ from normalgan.errors import InputError, brief
 from normalgan.files.limits import MOST_DEPTH, MOST_NODES
 from normalgan.models.base import Network
 from normalgan.registry import Registry
+from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
 
 __all__ = ["ANY_NUMBER", "LARGEST", "ClassSpec", "is_plain"]
 
@@ -78,8 +79,8 @@ class ClassSpec:
         return cls(f"{kind.__module__}.{kind.__qualname__}", {k: _lists(v) for k, v in settings.items()})
 
     def to_json(self) -> str:
-        """Return the part as text, its class by the short name."""
-        return json.dumps({"class_path": self.name.rpartition(".")[2], "init_args": dict(self.settings)})
+        """Return the part as text, its class by the name that it has here."""
+        return json.dumps({"class_path": self.name, "init_args": dict(self.settings)})
 
     @classmethod
     def from_json(cls, text: str) -> "ClassSpec":
@@ -99,11 +100,12 @@ class ClassSpec:
         """Return the part as a configuration names it, by the full name of the class.
 
         Raises:
-            InputError: if the registry, plug-ins included, knows no class of the name.
+            InputError: if neither the registry, plug-ins included, nor the working directory has the class.
         """
-        known = registry.find(self.name)
+        known = registry.find(self.name) or find_local(self.name, registry.base)
         if known is None:
-            raise InputError(registry.explain_unknown(self.name[:40]))
+            name = self.name[:60]
+            raise InputError(registry.explain_unknown(name) + where_classes_are_looked_for(name))
         return {"class_path": f"{known.__module__}.{known.__qualname__}", "init_args": dict(self.settings)}
 
     def build(self, registry: Registry[T]) -> T:

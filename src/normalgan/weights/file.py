@@ -11,6 +11,7 @@ from safetensors.torch import load, save
 from torch import Tensor
 
 from normalgan.errors import InputError
+from normalgan.files.addresses import local_file
 from normalgan.files.limits import read_bounded
 from normalgan.models import GENERATORS, Generator
 from normalgan.weights.metadata import ModelMetadata
@@ -96,8 +97,12 @@ def parse_weights(content: bytes, name: str = "the file") -> Weights:
 
 
 def find_weights(name: str) -> Path:
-    """Return the file of a model, given its path or ``shipped``."""
-    return SHIPPED if name == SHIPPED_NAME else Path(name)
+    """Return the file of a model, given its path, its address or ``shipped``.
+
+    Raises:
+        InputError: if an address cannot be fetched; see `local_file`.
+    """
+    return SHIPPED if name == SHIPPED_NAME else local_file(name)
 
 
 def read_weights(path: Path) -> Weights:

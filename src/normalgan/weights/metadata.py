@@ -1,17 +1,20 @@
-"""Notes: what a file of weights says beside the numbers; ONNX files of ours say the same."""
+"""Metadata of weights files and of our ONNX files."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from normalgan.errors import InputError
-from normalgan.hints import HINT_SAMPLERS
+from normalgan.hints import HINT_SAMPLERS, HintSampler
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, line_widths_of
 from normalgan.models import GENERATORS
 from normalgan.version import __version__
 from normalgan.weights.class_spec import LARGEST, ClassSpec
 
 __all__ = ["ModelMetadata"]
+
+_UNKNOWN = "null"
+_MADE_IN_PYTHON = "its hint sampler was made in Python of more than plain values; measure the model there."
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,7 @@ class ModelMetadata:
 
     Args:
         generator: what paints.
-        hint_sampler: gave the hints in training.
+        hint_sampler: gave the hints in training; None if plain values do not say it. Only measuring needs it.
         size: side of the pictures in pixels.
         noise_at_test: whether the noise stays on when testing and predicting.
         seed: of the hints and the noise.
@@ -31,7 +34,7 @@ class ModelMetadata:
     """
 
     generator: ClassSpec
-    hint_sampler: ClassSpec
+    hint_sampler: ClassSpec | None
     size: int
     noise_at_test: bool = False
     seed: int = 0
@@ -48,22 +51,38 @@ class ModelMetadata:
             "licence": self.licence,
             "size": str(self.size),
             "generator": self.generator.to_json(),
-            "hint_sampler": self.hint_sampler.to_json(),
+            "hint_sampler": self.hint_sampler.to_json() if self.hint_sampler else _UNKNOWN,
             "noise_at_test": str(self.noise_at_test).lower(),
             "seed": str(self.seed),
             "refined": str(self.refined).lower(),
             "line_widths": " ".join(map(str, self.line_widths)),
         }
 
-    def settings(self) -> dict[str, Any]:
+    def build_hint_sampler(self) -> HintSampler:
+        """Return the hint sampler of its training.
+
+        Raises:
+            InputError: if it is not known here.
+        """
+        if self.hint_sampler is None:
+            raise InputError(_MADE_IN_PYTHON)
+        return self.hint_sampler.build(HINT_SAMPLERS)
+
+    def settings(self, measured: bool = True) -> dict[str, Any]:
         """Return what of `NormalGAN`'s settings the notes decide on, as a configuration names it.
+
+        Args:
+            measured: whether the model is measured with the hints of its training; inference needs none.
 
         Raises:
             InputError: if a class is not known here.
         """
+        if measured and self.hint_sampler is None:
+            raise InputError(_MADE_IN_PYTHON)
+        sampler = self.hint_sampler.configuration(HINT_SAMPLERS) if measured and self.hint_sampler else None
         return {
             "generator": self.generator.configuration(GENERATORS),
-            "hint_sampler": self.hint_sampler.configuration(HINT_SAMPLERS),
+            **({"hint_sampler": sampler} if sampler else {}),
             "noise_at_test": self.noise_at_test,
             "seed": self.seed,
             "refined": self.refined,
@@ -79,7 +98,8 @@ class ModelMetadata:
             InputError: if one cannot be used.
         """
         return cls(
-            *(ClassSpec.from_json(metadata["generator"]), ClassSpec.from_json(metadata["hint_sampler"])),
+            ClassSpec.from_json(metadata["generator"]),
+            None if metadata["hint_sampler"] == _UNKNOWN else ClassSpec.from_json(metadata["hint_sampler"]),
             size=_number(metadata, "size", LARGEST),
             noise_at_test=metadata["noise_at_test"] == "true",
             seed=_number(metadata, "seed", 2**63 - 1),

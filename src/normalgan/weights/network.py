@@ -1,4 +1,4 @@
-"""Network: a generator that is built to hold given tensors, after a look at whether they are its own."""
+"""Build a generator for given tensors, after checking that they fit."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -21,7 +21,7 @@ _FLOATS = {torch.float16, torch.bfloat16, torch.float32, torch.float64}
 
 
 def check_fit(part: ClassSpec, tensors: Tensors, registry: Registry[T], finite: bool = True) -> None:
-    """Make sure that tensors are the weights of a network; no memory is taken for it.
+    """Check that tensors are the weights of a network, without allocating memory.
 
     Args:
         part: the network.

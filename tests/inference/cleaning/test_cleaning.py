@@ -11,8 +11,6 @@ from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
 from normalgan.inference.cleaning.polarity import is_light_on_dark
 from normalgan.inference.mask.outline_mask import fill_outline
-from normalgan.inference.network.upsampling import enlarge
-from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
 from pens import blob, outline, overlap
@@ -85,6 +83,14 @@ def test_a_cut_out_figure_has_its_silhouette_and_its_edge_as_a_line(paint: float
     assert cleaned.ink[inner].max() == 0
 
 
+def test_much_black_ink_on_nothing_is_no_silhouette() -> None:
+    alpha = FILLED.copy()
+    cv2.rectangle(alpha, (150, 70), (185, 105), 0, -1)
+    alpha = np.maximum(alpha, INK)
+    assert clean(Picture(np.zeros((*alpha.shape, 3), np.float32), alpha)).silhouette is None
+    assert clean(Picture(np.full((*alpha.shape, 3), 0.5, np.float32), alpha)).silhouette is not None
+
+
 @pytest.mark.parametrize("paint", [0.05, 0.5, 0.7])
 def test_a_painted_shape_on_paper_becomes_its_outline(paint: float) -> None:
     ink = clean(Picture(grey(FILLED, 1, paint), None)).ink
@@ -97,86 +103,6 @@ def test_lines_on_a_painted_body_are_seen() -> None:
     cv2.line(eye, (150, 80), (190, 100), 1, 3)
     ink = clean(Picture(grey(np.maximum(0.5 * FILLED, eye), 1, 0), None)).ink
     assert (ink[eye > 0] > 0.5).mean() > 0.9
-
-
-def test_a_desk_around_the_sheet_is_left_out() -> None:
-    colour = np.pad(grey(INK), ((60, 60), (60, 60), (0, 0)), constant_values=0.2)
-    ink = clean(
-        Picture(np.clip(colour + RNG.normal(0, 0.01, colour.shape), 0, 1).astype(np.float32), None)
-    ).ink
-    assert_same_lines(ink[60:-60, 60:-60])
-    assert ink[:50].max() == 0
-
-
-def photographed(ink: Floats, shadow: float, edge: float, desk: tuple[float, float, float] | None) -> Floats:
-    """Return a photo of a sheet: its left in the light, its right in a shadow, and so its desk.
-
-    Args:
-        ink: (H, W).
-        shadow: the light that is left in it.
-        edge: width of its edge, as a share of the picture.
-        desk: its colour; None if the sheet fills the picture.
-    """
-    photo = np.array([0.93, 0.91, 0.86]) - np.multiply.outer(ink, [0.8, 0.78, 0.66])
-    if desk is not None:
-        room = ink.shape[0] // 7  # the desk takes up half of the photo
-        whole = np.tile(np.array(desk), (ink.shape[0], ink.shape[1], 1))
-        whole[room:-room, room:-room] = photo[room:-room, room:-room]
-        photo = whole
-    y, x = np.mgrid[: ink.shape[0], : ink.shape[1]] / max(ink.shape)
-    light = 1 - (1 - shadow) * np.clip((0.9 * x + 0.3 * y - 0.6) / edge + 0.5, 0, 1)
-    noise = np.random.default_rng(1).normal(0, 0.01, photo.shape)
-    return np.asarray(np.clip(photo * light[..., None] + noise, 0, 1), np.float32)
-
-
-@pytest.mark.parametrize(
-    "desk",
-    [None, (0.42, 0.28, 0.18), (0.75, 0.45, 0.25), (0.4, 0.4, 0.4)],
-    ids=["sheet", "wood", "pale wood", "grey"],
-)
-@pytest.mark.parametrize(("shadow", "edge"), [(0.5, 0.4), (0.5, 0.03), (0.35, 0.03)])
-def test_a_drawing_goes_on_in_the_shadow(
-    shadow: float, edge: float, desk: tuple[float, float, float] | None
-) -> None:
-    filled = blob((300, 300), (150, 150), 80)
-    ink = outline(filled)
-    cleaned = clean(Picture(photographed(ink, shadow, edge, desk), None)).ink
-    drawn = ink > 0.5
-    assert (cleaned[drawn] > 0.3).mean() > 0.97
-    near = cv2.dilate(drawn.astype(np.uint8), np.ones((5, 5))) > 0
-    assert (cleaned > 0.5)[~near].sum() < 40
-    assert overlap(fill_outline(cleaned).mask, np.maximum(filled, drawn)) > 0.95
-
-
-def before(upper: tuple[float, float, float], lower: tuple[float, float, float]) -> Floats:
-    """Return a painted body with an outline before a ground of two colours."""
-    filled = blob((200, 200), (100, 100), 50)
-    ground = np.where(np.arange(200)[:, None, None] < 130, np.array(upper), np.array(lower))
-    painted = np.where(
-        filled[..., None] > 0.5, np.array([0.85, 0.5, 0.25]), np.broadcast_to(ground, (200, 200, 3))
-    )
-    return np.asarray(painted * (1 - 0.9 * outline(filled)[..., None]), np.float32)
-
-
-def test_scenery_behind_a_drawing_is_noticed() -> None:
-    assert clean(Picture(before((0.95, 0.6, 0.35), (0.25, 0.2, 0.45)), None)).scenery
-    meadow = Picture(before((0.55, 0.75, 0.95), (0.35, 0.6, 0.25)), None)
-    with pytest.raises(InputError, match="its ground is painted, and no line is told from it"):
-        clean(meadow)
-    assert "its ground is painted too" in _warning(before((0.95, 0.6, 0.35), (0.25, 0.2, 0.45)))
-
-
-@pytest.mark.parametrize("desk", [None, (0.42, 0.28, 0.18), (0.4, 0.4, 0.4)], ids=["sheet", "wood", "grey"])
-def test_a_sheet_or_a_desk_is_no_scenery(desk: tuple[float, float, float] | None) -> None:
-    ink = outline(blob((300, 300), (150, 150), 90))
-    assert not clean(Picture(photographed(ink, 0.5, 0.3, desk), None)).scenery
-    assert not clean(Picture(before((0.95, 0.93, 0.88), (0.9, 0.86, 0.8)), None)).scenery
-
-
-def _warning(colour: Floats) -> str:
-    prepared = prepare(Picture(colour, None), 64)
-    flat = np.dstack([np.zeros((64, 64, 2)), np.ones((64, 64))]).astype(np.float32)
-    return finish(prepared, flat, None, enlarge).warning
 
 
 def test_dust_is_left_out() -> None:
@@ -206,7 +132,6 @@ def test_shared_sketches_are_all_seen(shared_sketches: list[Path]) -> None:
 
     for path in shared_sketches:
         cleaned = clean(read_picture(path))
-        assert not cleaned.scenery, path
         assert (cleaned.ink > 0.5).mean() > 0.002, path
         if "outline" in path.name:
             assert fill_outline(cleaned.ink).closed > 0.9, path

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PIL import Image, ImageSequence
+from PIL import Image, ImageSequence, TiffImagePlugin
 
 from normalgan.__main__ import main
 from normalgan.decoding import decode_frames
@@ -44,6 +44,36 @@ def frames_of(path: str) -> tuple[list[Pixels], list[int], int]:
             for each in ImageSequence.Iterator(image)
         ]
     return [pixels for pixels, _ in shown], [duration for _, duration in shown], loop
+
+
+def test_each_page_of_a_tiff_gets_a_map_of_its_own(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pages = [Image.fromarray(pen(each)) for each in FRAMES[:2]]
+    wide = Image.fromarray(np.pad(pen(FRAMES[0]), ((0, 0), (0, 40)), constant_values=255))
+    copy = TiffImagePlugin.ImageFileDirectory_v2()
+    copy[254] = 1  # a small copy, such as cameras write, is no page
+    with TiffImagePlugin.AppendingTiffWriter("three.tiff", new=True) as file:  # type: ignore[no-untyped-call]
+        for page, tags in (
+            (pages[0], None),
+            (pages[0].resize((30, 20)), copy),
+            (wide, None),
+            (pages[1], None),
+        ):
+            page.save(file, format="TIFF", **({"tiffinfo": tags} if tags else {}))
+            file.newFrame()
+    assert generate("three.tiff", "--preview", "png") == 0
+    assert capsys.readouterr().out.splitlines() == ["normals/three_0001_normal.png"]
+    names = [f"three_{number:04d}_{kind}.png" for number in (1, 2, 3) for kind in ("normal", "preview")]
+    assert sorted(path.name for path in Path("normals").iterdir()) == names
+    assert np.asarray(Image.open("normals/three_0002_normal.png")).shape[1::-1] == wide.size
+    for number, each in ((1, pages[0]), (3, pages[1])):
+        each.save("one.png")
+        assert generate("one.png") == 0
+        alone, page = (
+            np.asarray(Image.open(f"normals/{name}_normal.png")) for name in ("one", f"three_{number:04d}")
+        )
+        np.testing.assert_array_equal(page, alone)
+    assert generate("three.tiff", "--split", "auto") == 2
+    assert "three.tiff has several pages; a sheet is a still picture" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["gif", "webp", "png"])

@@ -314,13 +314,27 @@ def test_a_turned_sprite_is_lit_as_it_lies() -> None:
     assert sheet.extended[0, 8].tolist() == pytest.approx([0.6, 0, 0.8])
 
 
-def test_a_sheet_that_nobody_says_is_one_is_noticed(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    Image.fromarray(sheet_of([pen(each) for each in SPRITES])).save("sheet.png")
-    assert generate("sheet.png") == 0
-    assert "it holds 6 separate objects, painted as one; --split auto or --sheet" in capsys.readouterr().err
-    for arguments in (["--split", "auto"], ["--tile", "both"]):
-        assert generate("sheet.png", *arguments) == 0
-        assert "separate objects" not in capsys.readouterr().err
+@pytest.mark.parametrize("columns", [2, 3, 9, 16])
+def test_a_sheet_of_sprites_that_nobody_says_is_one_is_split(
+    here: Path, capsys: pytest.CaptureFixture[str], columns: int
+) -> None:
+    cells = [sprite(SPRITES[i % 6], i % 6) for i in range(2 * columns)]
+    small = [np.asarray(cv2.resize(e, (40, 40), interpolation=cv2.INTER_AREA), np.uint8) for e in cells]
+    Image.fromarray(sheet_of(small, columns)).save("sheet.png")
+    assert generate("sheet.png", "--alpha") == 0
+    assert f"sheet.png: it shows {2 * columns} separate figures" in capsys.readouterr().err
+    found = pixels("normals/sheet_normal.png")
+    assert overlap(found[..., 3] > 127, sheet_of(small, columns)[..., 3] > 127) > 0.97
+    assert generate("sheet.png", "--split", "auto", "--alpha", "-o", "split") == 0
+    assert np.array_equal(found, pixels("split/sheet_normal.png"))
+
+
+def test_dashes_on_nothing_are_no_sprites() -> None:
+    alpha = np.zeros((200, 200), np.float32)
+    for angle in np.arange(0, 6.28, 0.2):
+        start, end = ((100 + 80 * np.cos(angle + k), 100 + 80 * np.sin(angle + k)) for k in (0, 0.1))
+        cv2.line(alpha, tuple(map(int, start)), tuple(map(int, end)), 1, 2)
+    assert not is_silhouette(alpha)
 
 
 def test_a_sprite_that_libgdx_turned_counterclockwise_is_predicted_upright(here: Path) -> None:

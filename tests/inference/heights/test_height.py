@@ -1,8 +1,10 @@
 import time
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from normalgan.animals import Animal
 from normalgan.arrays import BoolMask, Floats
@@ -104,6 +106,36 @@ def test_a_single_pixel_and_an_empty_mask() -> None:
     assert not integrate(facing, one).any()
     one[2, 2] = True
     assert not integrate(facing, one).any()
+
+
+def mug(size: int, soft: float) -> tuple[Floats, BoolMask, NDArray[np.float64]]:
+    """Normals of a mug that is seen from above, its mask, each pixel's distance from its front rim.
+
+    The normals on both sides of the rim are blended, as a network's are.
+    """
+    y, x = np.mgrid[:size, :size] / size
+    across = (x - 0.5) / 0.3
+    opening = across**2 + ((y - 0.3) / 0.1) ** 2 < 1
+    body = (np.abs(across) < 1) & (y > 0.3) & (y < 0.8 + 0.1 * np.sqrt(np.maximum(1 - across**2, 0)))
+    lean = np.where(opening, -across, across).clip(-0.98, 0.98)
+    depth = np.sqrt(1 - lean**2)
+    up = np.where(opening, -0.3, 0.3)
+    normals = normalize(np.stack([lean, up * depth, depth], -1).astype(np.float32))
+    mask = opening | body
+    normals = normalize(cv2.GaussianBlur(np.where(mask[..., None], normals, 0), (0, 0), soft))
+    rim = (np.abs(across) <= 1) & (np.abs(y - 0.3 - 0.1 * np.sqrt(np.maximum(1 - across**2, 0))) < 1 / size)
+    return normals, mask, ndimage.distance_transform_edt(~rim)
+
+
+@pytest.mark.parametrize("size", [256, 512])
+def test_a_mug_breaks_at_its_rim_and_nowhere_else(size: int) -> None:
+    normals, mask, away = mug(size, size / 200)
+    height = integrate(normals, mask)
+    inner = ndimage.binary_erosion(mask, iterations=size // 40)
+    # Second differences: what is not at a break is smooth.
+    bends = np.abs(np.diff(height, 2, axis=0))[:, 1:-1] + np.abs(np.diff(height, 2, axis=1))[1:-1]
+    beside = (inner & (away > size / 64))[1:-1, 1:-1]
+    assert np.count_nonzero(beside & (bends > 2.5)) == 0
 
 
 def test_an_animal_with_legs_before_its_body_returns_to_its_depth() -> None:

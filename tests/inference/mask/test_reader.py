@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.jobs.plan import OUTLINE, READER
-from normalgan.inference.mask.reader import drop_ground, read, vote
+from normalgan.inference.jobs.plan import OUTLINE
+from normalgan.inference.mask.reader import drop_ground, read
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
 
@@ -58,16 +58,16 @@ def mug() -> tuple[Floats, BoolMask, BoolMask]:
 
 def test_a_closed_outline_is_its_inside_as_without_the_reader() -> None:
     page, solid = figure()
-    read_mask = prepare(picture_of(page), SIDE, source=READER).mask
+    read_mask = prepare(picture_of(page), SIDE).mask
     assert iou(read_mask, solid) > 0.95
-    plain = prepare(picture_of(page), SIDE).mask
+    plain = prepare(picture_of(page), SIDE, source=OUTLINE).mask
     assert plain is not None
     assert iou(read_mask, plain) > 0.99
 
 
 def test_the_hole_of_a_handle_is_none_of_the_object() -> None:
     page, solid, hole = mug()
-    mask = prepare(picture_of(page), SIDE, source=READER).mask
+    mask = prepare(picture_of(page), SIDE).mask
     assert mask is not None
     assert mask[hole].mean() < 0.1
     assert iou(mask, solid) > 0.9
@@ -76,14 +76,14 @@ def test_the_hole_of_a_handle_is_none_of_the_object() -> None:
 @pytest.mark.parametrize("gap", [6, 14])
 def test_an_open_outline_is_closed(gap: int) -> None:
     page, solid = figure(gap)
-    assert iou(prepare(picture_of(page), SIDE, source=READER).mask, solid) > 0.93
+    assert iou(prepare(picture_of(page), SIDE).mask, solid) > 0.93
 
 
 def test_rules_of_the_paper_are_no_lines() -> None:
     page, solid = figure()
     ruled = page.copy()
     ruled[12::16] = np.minimum(ruled[12::16], 0.75)
-    assert iou(prepare(picture_of(ruled), SIDE, source=READER).mask, solid) > 0.9
+    assert iou(prepare(picture_of(ruled), SIDE).mask, solid) > 0.9
 
 
 def test_a_sprite_on_a_flat_ground_is_cut_out() -> None:
@@ -94,7 +94,7 @@ def test_a_sprite_on_a_flat_ground_is_cut_out() -> None:
         cv2.circle(page, centre, radius, colour, -1, cv2.LINE_AA)
         cv2.circle(page, centre, radius, (0.1, 0.1, 0.1), 3, cv2.LINE_AA)
         cv2.circle(solid, centre, radius, 1, -1)
-    assert iou(prepare(Picture(page, None), SIDE, source=READER).mask, solid > 0) > 0.9
+    assert iou(prepare(Picture(page, None), SIDE).mask, solid > 0) > 0.9
 
 
 def test_separate_figures_are_not_joined_across_air() -> None:
@@ -102,7 +102,7 @@ def test_separate_figures_are_not_joined_across_air() -> None:
     for x in range(60, 480, 90):
         cv2.circle(page, (x, 30), 14, 0, 2, cv2.LINE_AA)
         cv2.ellipse(page, (x, 76), (20, 30), 0, 100, 440, 0, 2, cv2.LINE_AA)
-    mask = prepare(picture_of(page), SIDE, source=READER).mask
+    mask = prepare(picture_of(page), SIDE).mask
     assert mask is not None
     for x in range(105, 440, 90):
         assert not mask[:, x - 10 : x + 10].any()
@@ -111,42 +111,12 @@ def test_separate_figures_are_not_joined_across_air() -> None:
 def test_a_given_mask_and_the_outline_are_not_voted_on() -> None:
     page, _, hole = mug()
     given = np.ones((SIDE, SIDE), bool)
-    kept = prepare(picture_of(page), SIDE, given, source=READER).mask
+    kept = prepare(picture_of(page), SIDE, given).mask
     assert kept is not None
     assert np.array_equal(kept, given)
     by_outline = prepare(picture_of(page), SIDE, source=OUTLINE).mask
     assert by_outline is not None
     assert by_outline[hole].mean() > 0.9
-
-
-def test_a_region_is_decided_as_a_whole_and_its_doubt_is_told() -> None:
-    ink = np.zeros((100, 100), np.float32)
-    ink[10:90, 10:90] = 1
-    ink[12:50, 12:88] = ink[52:88, 12:88] = 0
-    filled = np.pad(np.ones((80, 80), bool), 10)
-    presence = np.zeros((100, 100), np.float32)
-    presence[12:50, 12:60] = 1  # 63 % of the upper one
-    found = vote(ink, filled, presence)
-    assert found.mask[30, 80]
-    assert not found.mask[70, 50]
-    assert "a region may be object or hole, at x " in found.unsure
-    presence[12:50] = 1
-    presence[:, :12] = presence[:, 88:] = 0
-    assert vote(ink, filled, presence).unsure == ""
-
-
-def test_an_eye_is_no_hole_however_it_is_voted_on() -> None:
-    ink = np.zeros((200, 200), np.float32)
-    cv2.rectangle(ink, (20, 20), (180, 180), 1, 2)
-    cv2.circle(ink, (100, 100), 6, 1, 2)
-    cv2.circle(ink, (100, 150), 20, 1, 2)
-    filled = np.pad(np.ones((160, 160), bool), 20)
-    presence = filled.astype(np.float32)
-    for centre, radius in (((100, 100), 6), ((100, 150), 20)):
-        cv2.circle(presence, centre, radius, 0, -1)
-    mask = vote(ink, filled, presence).mask
-    assert mask[100, 100]
-    assert not mask[150, 100]
 
 
 def test_a_caption_is_left_out() -> None:
@@ -159,3 +129,45 @@ def test_a_caption_is_left_out() -> None:
     kept = drop_ground(ink, read(picture_of(page)))
     assert kept[262:].sum() < 0.3 * ink[262:].sum()
     assert np.array_equal(kept[:240], ink[:240])
+
+
+def photographed(
+    shadow: float, edge: float, desk: tuple[float, float, float] | None
+) -> tuple[Floats, BoolMask]:
+    """Return a photo of a drawing (H, W, 3), its left in the light, its right in a shadow; and where that is.
+
+    Args:
+        shadow: the light that is left in it.
+        edge: width of its edge, as a share of the picture.
+        desk: its colour; None if the sheet fills the picture.
+    """
+    page, solid = figure()
+    photo = np.array([0.93, 0.91, 0.86]) - np.multiply.outer(1 - page, [0.8, 0.78, 0.66])
+    if desk is not None:
+        room = ((44, 44), (44, 44))
+        photo = np.stack([np.pad(photo[..., k], room, constant_values=desk[k]) for k in range(3)], axis=-1)
+        solid = np.pad(solid, room)
+    y, x = np.mgrid[: photo.shape[0], : photo.shape[1]] / max(photo.shape)
+    light = 1 - (1 - shadow) * np.clip((0.9 * x + 0.3 * y - 0.6) / edge + 0.5, 0, 1)
+    noise = np.random.default_rng(1).normal(0, 0.01, photo.shape)
+    return np.clip(photo * light[..., None] + noise, 0, 1).astype(np.float32), solid
+
+
+@pytest.mark.parametrize("desk", [None, (0.42, 0.28, 0.18), (0.4, 0.4, 0.4)], ids=["sheet", "wood", "grey"])
+@pytest.mark.parametrize(("shadow", "edge"), [(1.0, 0.4), (0.5, 0.4), (0.5, 0.03)])
+def test_a_drawing_is_found_on_a_desk_and_in_a_shadow(
+    shadow: float, edge: float, desk: tuple[float, float, float] | None
+) -> None:
+    photo, solid = photographed(shadow, edge, desk)
+    prepared = prepare(Picture(photo, None), SIDE)
+    assert iou(prepared.mask, solid) > 0.93
+    beyond = cv2.dilate(solid.astype(np.uint8), np.ones((15, 15), np.uint8)) == 0
+    assert prepared.ink[beyond].mean() < 0.01
+
+
+def test_an_object_before_scenery_is_found() -> None:
+    page, solid = figure()
+    ground = np.where(np.arange(SIDE)[:, None, None] < 150, (0.55, 0.75, 0.95), (0.35, 0.6, 0.25))
+    colour = np.where(solid[..., None], (0.85, 0.5, 0.25), np.broadcast_to(ground, (SIDE, SIDE, 3)))
+    colour = (colour * page[..., None]).astype(np.float32)
+    assert iou(prepare(Picture(colour, None), SIDE).mask, solid) > 0.85

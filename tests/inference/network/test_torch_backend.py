@@ -21,7 +21,7 @@ class Channels(nn.Module):
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_a_generator_of_other_channels_than_a_model_has_is_refused(count: int) -> None:
     backend = TorchBackend(Channels(count), 8)
-    sentence = rf"^Channels paints {count} channels; a model has 3, or 4 with the confidence\.$"
+    sentence = rf"^Channels returns {count} channels; a model has 3, or 4 with the confidence\.$"
     with pytest.raises(InputError, match=sentence):
         backend.predict(np.zeros((8, 8), np.float32))
 

@@ -15,7 +15,7 @@ from normalgan.arrays import Floats
 from normalgan.inference.heights.height import integrate
 from normalgan.inference.heights.relief import relief_mesh, simpler
 from normalgan.inference.outputs.occlusion import occlusion
-from normalgan.inference.outputs.shading_maps import curvature
+from normalgan.inference.outputs.shading import curvature
 from normalgan.normals import normalize, read_png
 from pens import blob, outline
 
@@ -198,13 +198,17 @@ def test_the_height_of_a_large_map_is_that_of_a_reduced_one(monkeypatch: pytest.
     ("arguments", "sentence"),
     [
         (["--strength", "-1"], "strength is -1.0; 1 leaves a map as it is"),
-        (["--height-scale", "5"], "a height_scale is that of a height png; add --height png."),
+        (["--height-scale", "5"], "height_scale is a setting of the height map; add --height png"),
+        (
+            ["--height", "tiff", "--height-scale", "5"],
+            "a height_scale is that of a height png; add --height png.",
+        ),
         (
             ["--height", "png", "--height-scale", "0"],
             "height_scale is 0.0; it is pixels, more than 0, or batch.",
         ),
-        (["--faces", "500"], "faces are those of a relief (--relief glb), 12 or more."),
-        (["--relief", "obj", "--faces", "2"], "faces are those of a relief (--relief glb), 12 or more."),
+        (["--faces", "500"], "faces is a setting of the relief mesh; add --relief glb, or leave it out."),
+        (["--relief", "obj", "--faces", "2"], "faces is 2; a closed relief has 12 triangles or more."),
         (["--engine", "unity3d"], "expected"),
     ],
 )

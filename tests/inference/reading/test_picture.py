@@ -2,15 +2,20 @@
 
 import io
 import struct
+import sys
 import tracemalloc
 import zlib
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
 
+from normalgan.decoding import worker
 from normalgan.errors import InputError
+from normalgan.inference.inputs import as_picture
+from normalgan.inference.reading.drawings import read_pixels
 from normalgan.inference.reading.picture import Picture, read_picture
 from pens import blob, outline
 
@@ -92,6 +97,95 @@ def test_a_palette_and_its_transparent_colour_are_read() -> None:
 
 def test_sixteen_bits_are_read() -> None:
     assert np.abs(read(saved(Image.fromarray(GREY.astype(np.uint16) * 257), "PNG")) - GREY).max() < 1
+
+
+def levels_png(levels: np.ndarray, kind: int, *more: bytes) -> bytes:
+    """Return a PNG of 16 bits a channel, big-endian, with chunks before its pixels."""
+    header = struct.pack(">IIBBBBB", levels.shape[1], levels.shape[0], 16, kind, 0, 0, 0)
+    rows = b"".join(b"\0" + row.astype(">u2").tobytes() for row in levels)
+    parts = chunk(b"IHDR", header), *more, chunk(b"IDAT", zlib.compress(rows)), chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+
+
+DEEP = GREY.astype(np.uint16) * 257 // 8 * 8  # so that some levels are not used
+COLOURS = np.stack([DEEP, DEEP, DEEP], axis=-1)
+
+
+def test_a_transparent_grey_of_16_bits_clips_nothing() -> None:
+    unused = levels_png(DEEP, 0, chunk(b"tRNS", struct.pack(">H", 3)))
+    assert np.abs(read(unused) - GREY).max() < 1
+    assert read_picture(Path("a"), unused).alpha is None
+    paper = int(DEEP[2, 2])
+    seen = read_picture(Path("a"), levels_png(DEEP, 0, chunk(b"tRNS", struct.pack(">H", paper))))
+    assert seen.alpha is not None
+    assert (seen.alpha == (paper != DEEP)).all()
+    ink = paper != DEEP
+    assert np.abs(255 * seen.colour.mean(-1) - GREY)[ink].max() < 1.1
+
+
+def test_a_transparent_colour_of_16_bits_clips_nothing() -> None:
+    unused = levels_png(COLOURS, 2, chunk(b"tRNS", struct.pack(">HHH", 3, 30_000, 50_001)))
+    assert np.abs(read(unused) - GREY).max() < 1.1
+    paper = [int(each) for each in COLOURS[2, 2]]
+    seen = read_picture(Path("a"), levels_png(COLOURS, 2, chunk(b"tRNS", struct.pack(">HHH", *paper))))
+    assert seen.alpha is not None
+    assert seen.alpha[2, 2] == 0
+    assert seen.alpha[GREY < 20].min() == 1
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 14])
+def test_fewer_bits_in_16_are_as_bright_as_all(bits: int) -> None:
+    levels = np.rint(GREY / 255 * (2**bits - 1)).astype(np.uint16)
+    assert np.abs(read(saved(Image.fromarray(levels), "PNG")) - GREY).max() < 1
+    assert np.abs(read(saved(Image.fromarray(levels.astype(np.int32)), "TIFF")) - GREY).max() < 1
+
+
+@pytest.mark.parametrize("white", [1.0, 255.0, 65535.0])
+@pytest.mark.parametrize("kind", ["float32", "float64"])
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_tiffs_of_floats_are_read(kind: str, channels: int, white: float) -> None:
+    grey = np.asarray(GREY / 255 * white, kind)
+    levels = (
+        grey if channels == 1 else np.stack([grey] * 3 + [np.full_like(grey, white)] * (channels - 3), -1)
+    )
+    done, content = cv2.imencode(".tiff", levels)
+    assert done
+    assert np.abs(read(content.tobytes()) - GREY).max() < 0.01
+    drawing = 255 * (1 - read_pixels(Path("a"), content.tobytes(), grey=True).pixels / white)
+    assert np.abs(drawing - (255 - GREY)).max() < 0.01
+
+
+@pytest.mark.parametrize(
+    "exif", [b"Exif\0\0II*\0\xff\xff\xff\xff", b"II*", b"\0", b"Exif\0\0" + b"\xff" * 40]
+)
+@pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP"])
+def test_a_sound_picture_with_damaged_notes_is_read(kind: str, exif: bytes) -> None:
+    image = Image.fromarray(GREY).convert("RGB")
+    settings = {"quality": 100} if kind == "JPEG" else {"lossless": True} if kind == "WEBP" else {}
+    content = saved(image, kind, exif=exif, **settings)
+    assert np.abs(read(content) - GREY).max() < 4
+    if kind == "JPEG":  # Pillow warns of it as it opens one
+        return
+    opened = Image.open(io.BytesIO(content))
+    assert np.abs(255 * as_picture(opened).colour.mean(-1) - GREY).max() < 4
+
+
+def test_avif_and_heic_are_read() -> None:
+    image = Image.fromarray(GREY).convert("RGB")
+    assert np.abs(read(saved(image, "AVIF", quality=100)) - GREY).mean() < 2
+    heif = pytest.importorskip("pillow_heif", reason="the extra heic is not installed")
+    file = io.BytesIO()
+    heif.from_pillow(image).save(file, quality=100)
+    assert np.abs(read(file.getvalue()) - GREY).mean() < 3
+
+
+def test_what_is_not_installed_is_told_with_a_way_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    head = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"
+    monkeypatch.setitem(sys.modules, "pillow_heif", None)
+    with pytest.raises(
+        worker.RefusedError, match=r"is a HEIC; run `pip install 'normalgan\[heic\]'` .* as PNG"
+    ):
+        worker.decode(head, 8, 64, 64, 0, False)
 
 
 @pytest.mark.parametrize("turn", range(1, 9))

@@ -84,7 +84,7 @@ BAD: dict[str, tuple[Callable[[Gltf, Tree], None], str]] = {
     ),
     "flat rotation": (put("nodes", 1, "rotation", value=[0, 0, 0, 0]), "a node's rotation is no unit quat"),
     "matrix and moved": (put("nodes", 1, "matrix", value=[1.0] * 16), "moves node 1, which is placed by a m"),
-    "short matrix": (put("nodes", 1, "matrix", value=[1.0] * 9), "it is not as glTF 2.0 says: ValueError"),
+    "short matrix": (put("nodes", 1, "matrix", value=[1.0] * 9), "it is not as glTF 2.0 says."),
     "no triangles": (no_triangles, "its scene shows no triangles"),
     "empty scene": (put("scenes", 0, "nodes", value=[]), "its scene shows no triangles"),
     "times run back": (backwards, "an animation's times do not ascend"),
@@ -100,7 +100,7 @@ BAD: dict[str, tuple[Callable[[Gltf, Tree], None], str]] = {
     "kind": (put("accessors", 0, "type", value="VEC2"), "accessor 0 holds VEC2 of 5126 where VEC3 is needed"),
     "compressed": (
         put("extensionsRequired", value=["KHR_draco_mesh_compression"]),
-        "it is compressed by KHR_draco_mesh_compression; export it without",
+        "it needs the extension KHR_draco_mesh_compression, which is not read; export it without",
     ),
     "old": (put("asset", "version", value="1.0"), "it is glTF 1.0; export it as 2.0"),
     "not a list": (put("nodes", value=3), "it is not as glTF 2.0 says"),
@@ -124,7 +124,7 @@ def test_a_broken_rig_is_refused(tmp_path: Path, name: str) -> None:
     change, reason = BAD[name]
     change(gltf, primitive)
     sentence = refusal(write_gltf(tmp_path / "bar.gltf", gltf))
-    assert sentence.startswith("the rig in ")
+    assert "cannot be read as a mesh: " in sentence
     assert reason in sentence
 
 

@@ -10,13 +10,14 @@ from rig_files import RINGS, Gltf, bar, tube, write_glb, write_gltf
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.families import family
+from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.mesh_files import MeshFile, find_meshes
 from normalgan.rendering.rigs import RiggedFile, find_poses
 from normalgan.rendering.rigs.joints import SMALL, find_joints
 from normalgan.rendering.rigs.posing import draw_pose, turned
 from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import posed_surface, world_matrices
+from normalgan.rendering.rigs.skinning import posed_surface
 
 
 def limping() -> Gltf:

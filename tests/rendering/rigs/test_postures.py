@@ -9,6 +9,7 @@ from rig_files import bar, write_gltf
 from test_poses import stretch
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.gltf.nodes import Nodes, world_matrices
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.rigs import RiggedFile
 from normalgan.rendering.rigs.posing import draw_pose
@@ -21,8 +22,7 @@ from normalgan.rendering.rigs.postures import (
     in_posture,
 )
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Nodes, Piece, Rig
-from normalgan.rendering.rigs.skinning import world_matrices
+from normalgan.rendering.rigs.rig import Piece, Rig
 
 PAWS: dict[str, tuple[str | None, tuple[float, float, float]]] = {
     "Back": (None, (0, 1, 0)),

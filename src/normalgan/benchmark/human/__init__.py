@@ -1,4 +1,4 @@
-"""Drawings by people of objects whose normals are known: read in one layout and measured."""
+"""Drawings by people of objects with known normals: reading and measuring."""
 
 from normalgan.benchmark.human.command import human
 

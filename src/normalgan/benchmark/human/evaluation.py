@@ -1,4 +1,4 @@
-"""Evaluation of drawings by people: painted by the one pipeline, compared with their meshes' normals."""
+"""Evaluation of drawings by people: predicted as `generate` does, compared with their meshes' normals."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
@@ -42,7 +42,7 @@ _placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of one mesh follow 
 
 @dataclass
 class Measurement:
-    """What was measured of a folder of drawings.
+    """The figures of a folder of drawings.
 
     Args:
         groups: figures of drawings that belong together, as those of a method of the benchmark.
@@ -114,10 +114,10 @@ def measure_drawings(
     gallery: int,
     say: Callable[[str], None],
 ) -> Measurement:
-    """Return the figures of all drawings; what cannot be measured is named, not passed over.
+    """Return the figures of all drawings, and name those that cannot be measured.
 
-    Hints are the true normals at points drawn uniformly on the object; hinted pixels do not count. A drawing
-    in which no object is seen counts as one of which nothing is painted.
+    Hints are the true normals at uniform random points on the object; hinted pixels do not count. A drawing
+    without a visible object counts as an empty prediction.
 
     Args:
         drawings: what was drawn.

@@ -1,4 +1,4 @@
-"""Registration: the camera under which a mesh lies beneath a drawing, from a projection matrix."""
+"""Registration: the camera that aligns a mesh with a drawing, from a projection matrix."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,7 +35,7 @@ class PlacedMesh:
 
 
 def read_placed_mesh(path: Path) -> PlacedMesh:
-    """Return the mesh in a file, and how to get back to the file's coordinates.
+    """Return the mesh in a file, and its transform back to the file's coordinates.
 
     Raises:
         InputError: if it cannot be read or holds no surface.

@@ -1,3 +1,3 @@
-"""Jobs: samples rendered side by side, by processes of this machine or of many."""
+"""Jobs: rendering in parallel, by processes of one machine or many."""
 
 __all__ = []

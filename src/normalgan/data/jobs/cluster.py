@@ -1,4 +1,4 @@
-"""Cluster: processes of many machines that work side by side, by way of a Dask scheduler."""
+"""Cluster: processes on many machines, through a Dask scheduler."""
 
 import time
 import warnings
@@ -35,8 +35,8 @@ class _Lost:
 class Cluster:
     """The workers of a Dask cluster; a `Pool`.
 
-    A worker that dies takes its tasks with it: the scheduler gives them to others, and one that joins gets
-    its share. Each must have this very version of normalgan and of what the bytes depend on, and one thread.
+    If a worker dies, the scheduler gives its tasks to others; a new worker gets its share. Each must have the
+    same versions of normalgan and of the packages that the bytes depend on, and one thread.
 
     Args:
         where: which cluster; see `connect`.
@@ -83,10 +83,10 @@ class Cluster:
         tasks: Iterable[T],
         related: Callable[[T], Collection[str]] = unrelated,
     ) -> Iterator[tuple[T, R | Killed]]:
-        """Yield every task with its result as it is finished; see `Pool`.
+        """Yield every task with its result when it is finished; see `Pool`.
 
         Raises:
-            InputError: as a task does; what is finished by then is kept.
+            InputError: as a task does; finished tasks are kept.
             RunError: if all workers or the scheduler are gone.
         """
         todo = deque((task, 0) for task in tasks)  # with how often its result was lost
@@ -167,14 +167,14 @@ class Cluster:
         return _Lost()
 
     def _connected(self) -> bool:
-        """Return whether there is a connection; one that broke is made again by Dask, or given up."""
+        """Return whether there is a connection; Dask restores a broken one or gives up."""
         deadline = time.monotonic() + TIMEOUT + _LOOK
         while self._client.status == "connecting" and time.monotonic() < deadline:
             time.sleep(0.05)
         return bool(self._client.status == "running")
 
     def _watch(self, at_once: bool = False) -> bool:
-        """See who has come and gone; return whether one was sent away."""
+        """Update the list of workers; return whether one was refused."""
         if not at_once and time.monotonic() - self._looked < _LOOK:
             return False
         unfit = self._look()

@@ -1,4 +1,4 @@
-"""From what a user calls a cluster to a connection with its scheduler."""
+"""Connect to a cluster by its address or file."""
 
 import importlib
 import logging

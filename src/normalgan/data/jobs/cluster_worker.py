@@ -1,4 +1,4 @@
-"""What a worker of a cluster does: say whether it is fit for the work, then do it."""
+"""The worker's side of a cluster: check its versions, then do a task."""
 
 import contextlib
 import pickle
@@ -18,7 +18,7 @@ _ASK = "__import__('normalgan.data.worker_versions', fromlist=['worker_versions'
 
 @dataclass(frozen=True)
 class Unfit:
-    """A worker that has done nothing, because it would not have done it as the others do.
+    """A worker refused a task, because its result would differ from that of the others.
 
     Args:
         worker: its address.
@@ -38,7 +38,7 @@ def order(function: Callable[[Any], Any], task: object) -> tuple[str, dict[str, 
 
 
 def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
-    """Do a task in a worker and return what comes of it.
+    """Do a task in a worker and return its result.
 
     Args:
         work: function and task, pickled.

@@ -1,4 +1,4 @@
-"""Pool: whoever does work side by side, processes of this machine or of many."""
+"""Pool: the interface of parallel work, on one machine or many."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
@@ -12,25 +12,25 @@ R = TypeVar("R")
 
 @dataclass(frozen=True)
 class Killed:
-    """What comes of a task whose worker died, and died again when it was tried anew; or of one akin to it."""
+    """The result of a task that killed its worker twice, or that shares a name with such a task."""
 
 
 class Pool(Protocol):
-    """Does tasks side by side."""
+    """Does tasks in parallel."""
 
     def run(
         self, function: Callable[[T], R], tasks: Iterable[T], related: Callable[[T], Collection[str]] = ...
     ) -> Iterator[tuple[T, R | Killed]]:
-        """Yield every task with its result as it is finished, in no particular order.
+        """Yield every task with its result when it is finished, in any order.
 
         Args:
             function: of a module, so that a worker can import it.
             tasks: what it is called with.
-            related: names that a task shares with others of its kind. Once one was killed, those that share a
-                name with it are not begun any more, and yielded as killed.
+            related: names that tasks share. After one is killed, tasks that share a name with it are not
+                started, and yielded as killed.
 
         Raises:
-            RunError: if there is nobody left to work; what is finished by then has been yielded or written.
+            RunError: if no worker is left; finished tasks have been yielded or written by then.
         """
 
 
@@ -40,6 +40,6 @@ def unrelated(_: object) -> tuple[str, ...]:
 
 
 def alone(pool: Pool, function: Callable[[T], R], task: T) -> R | Killed:
-    """Return what comes of a task while nothing else is done: if its worker dies, it is to blame."""
+    """Return the result of a task that runs alone; if its worker dies, the task is the cause."""
     ((_, outcome),) = pool.run(function, [task])
     return outcome

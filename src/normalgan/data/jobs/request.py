@@ -1,4 +1,4 @@
-"""A request for samples: where they lie, and which of the meshes asked for can be used."""
+"""A request for samples: their folder, and the layout of a new data set."""
 
 from collections.abc import Mapping, Sequence
 
@@ -40,7 +40,7 @@ def lay_out(
     meshes: Mapping[str, MeshTask],
     per_shard: int,
 ) -> Manifest:
-    """Say what lies where, after a look at one mesh of each split.
+    """Return the layout of a new data set, after loading one mesh of each split.
 
     Loads meshes of each split until one can be used, so that a split without any is refused before hours of
     rendering. The others are loaded when they are rendered, and fail there.

@@ -1,4 +1,4 @@
-"""Retry: shards are rendered until all are, and a mesh that kills its worker is found and left out."""
+"""Render shards until all are done; a mesh that kills its worker is found and left out."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -21,12 +21,12 @@ _HOPELESS = 3  # meshes found deadly in a row before anything is finished: then 
 def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[ShardTask, dict[str, str]]]:
     """Yield every task with the meshes that failed, as it is finished.
 
-    A dead worker takes others' work with it, so a killed shard is only under suspicion. It and those that
-    share a mesh with it wait until all others are done. Then its meshes are tried one by one with nothing
-    beside them: the one whose worker dies now is to blame, is left out, and the rest goes on.
+    A dead worker loses other tasks too, so a killed shard is only a suspect. It and the shards that share a
+    mesh with it wait until all others are done. Then its meshes are tried one by one, alone: the one whose
+    worker dies is the cause and is left out, and the others continue.
 
     Raises:
-        RunError: if workers die whatever they are given.
+        RunError: if workers die with any task.
         InputError: if the machines cannot do the work; see `render_shard`.
     """
     deadly: dict[str, str] = {}
@@ -68,7 +68,7 @@ def validate_sources(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[Me
 
 
 def _killer(pool: Pool, task: ShardTask) -> str | None:
-    """Return the first mesh of a shard that kills a worker which has nothing else to do."""
+    """Return the first mesh of a shard that kills a worker on its own."""
     for name in task.meshes:
         others = {mesh: "" for mesh in task.meshes if mesh != name}
         if isinstance(alone(pool, try_mesh, _without(task, others)), Killed):

@@ -1,4 +1,4 @@
-"""Survey: which shards of a data set are still to be rendered."""
+"""Survey: find the shards of a data set that must still be rendered."""
 
 import warnings
 
@@ -16,7 +16,7 @@ _AT_ONCE = 64  # shards a task: a few seconds of reading
 
 
 def pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[Shard]:
-    """Return the shards that are not there, or damaged, with a warning that names the latter.
+    """Return missing and damaged shards, with a warning that names the damaged ones.
 
     Args:
         pool: who checks, if there are many machines.

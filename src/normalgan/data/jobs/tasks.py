@@ -1,4 +1,4 @@
-"""Tasks: what a worker process is asked to do; it loads neither torch nor anything that needs it."""
+"""Tasks of worker processes, which load no torch."""
 
 import socket
 from collections.abc import Callable
@@ -29,11 +29,11 @@ __all__ = [
 
 @dataclass(frozen=True)
 class MeshTask:
-    """A mesh to be looked at.
+    """A mesh to check.
 
     Args:
         source: where it comes from.
-        fingerprint: what it is where the work is handed out.
+        fingerprint: its fingerprint on the machine that sends the task.
     """
 
     source: Loadable
@@ -47,14 +47,14 @@ class MeshTask:
 
 @dataclass(frozen=True)
 class ShardTask:
-    """A shard to be rendered, and all that it takes.
+    """A shard to render, with everything that rendering needs.
 
     Args:
         url: the folder of the data set.
         shard: which one.
         recipe: how samples are made.
         sources: the meshes it has views of, by name.
-        failed: why a mesh of it must not even be tried, by name.
+        failed: reasons why meshes must not be tried, by name.
     """
 
     url: str
@@ -71,7 +71,7 @@ class ShardTask:
 
 @dataclass(frozen=True)
 class CheckTask:
-    """Some finished shards whose bytes are to be checked.
+    """Some finished shards to check byte by byte.
 
     Args:
         url: the folder of the data set.
@@ -90,13 +90,13 @@ _last: tuple[tuple[str, str], Any] | None = None
 
 
 def render_shard(task: ShardTask) -> dict[str, str]:
-    """Render all samples of a shard, write them, and return why a mesh of it could not be rendered, by name.
+    """Render and write all samples of a shard; return the reasons of meshes that failed, by name.
 
-    A mesh fails alone: the others of the shard are rendered.
+    When a mesh fails, the others of the shard are still rendered.
 
     Raises:
-        InputError: if this machine cannot do the work: it does not run the renderer, does not see the store
-            or a mesh as it is where the work is handed out, or cannot write.
+        InputError: if this machine cannot run the renderer, read the same store and meshes as the machine
+            that sent the task, or write.
     """
     samples, failed = _render(task)
     write_shard(Storage(task.url), task.shard, samples, failed)
@@ -104,7 +104,7 @@ def render_shard(task: ShardTask) -> dict[str, str]:
 
 
 def try_mesh(task: ShardTask) -> None:
-    """Render a shard and write nothing, to see whether the process lives through it."""
+    """Render a shard without writing, to see whether the process survives."""
     _render(task)
 
 
@@ -130,7 +130,7 @@ def validate_source(task: MeshTask) -> str | None:
     """Return why a mesh cannot be used, or None if it can.
 
     Raises:
-        ChangedMeshError: if it is not the one that the work was handed out for.
+        ChangedMeshError: if it differs from the one that the task was made for.
     """
     try:
         _load(task)
@@ -142,7 +142,7 @@ def validate_source(task: MeshTask) -> str | None:
 
 
 def find_damage(task: CheckTask) -> list[int]:
-    """Return which of some finished shards are not, byte for byte, what was once written."""
+    """Return which of some finished shards differ from the bytes that were written."""
     _see(task.url, task.split)
     return damaged(Storage(task.url), task.split, task.numbers)
 
@@ -162,13 +162,13 @@ def error_text(error: BaseException) -> str:
 
 
 class ChangedMeshError(InputError):
-    """A mesh is not, or no longer, the one that the work was handed out for."""
+    """A mesh differs from the one that the task was made for."""
 
 
 def _load(task: MeshTask) -> Any:
-    """Return the mesh or pair that the fingerprint of a task is of, by the very bytes that are loaded.
+    """Return the mesh or pair of a task after comparing the fingerprint of the loaded bytes.
 
-    Else samples of a file that was replaced since would be stored under the key of the former one.
+    Otherwise samples of a replaced file would be stored under the key of the old one.
     """
     global _last  # noqa: PLW0603 -- see above
     key = task.source.name, task.fingerprint

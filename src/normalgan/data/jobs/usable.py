@@ -1,4 +1,4 @@
-"""Which meshes can be used; found out before training, so that a bad one fails alone and at once."""
+"""Find unusable meshes before training, so that a bad one fails alone and at once."""
 
 import hashlib
 import json
@@ -18,11 +18,10 @@ __all__ = ["find_unusable", "leave_out"]
 
 
 def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
-    """Return why meshes cannot be used, by name; those that can be are not in it.
+    """Return the reasons why meshes cannot be used, by name.
 
-    Only loading can tell, which takes up to a second a mesh. So the answer is kept in the cache, as
-    ``meshes/<key>.json`` under a hash of the meshes' fingerprints, where a resumed run finds it, and every
-    process that trains.
+    This needs loading, up to a second a mesh, so the result is cached as ``meshes/<key>.json`` under a hash
+    of the fingerprints, for resumed runs and for all training processes.
 
     Args:
         cache: folder or URL of all data sets.
@@ -59,7 +58,7 @@ def leave_out(sources: Sequence[Loadable], reasons: Mapping[str, str], split: st
     Args:
         sources: the meshes.
         reasons: why some of them cannot be used, by name.
-        split: what they are for.
+        split: name of their split.
 
     Raises:
         InputError: if none is left.

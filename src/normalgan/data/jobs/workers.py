@@ -1,4 +1,4 @@
-"""Workers: processes that work side by side, die with their parent, and keep to one core each."""
+"""Workers: parallel processes that end with their parent and use one core each."""
 
 import multiprocessing
 import os
@@ -33,7 +33,7 @@ _ONE_THREAD = {
 
 
 class Workers:
-    """A pool of spawned processes; with none, the work is done here, one task after another.
+    """A pool of spawned processes; with none, this process does one task after another.
 
     Spawned, not forked: a process forked after an OpenGL context was made hangs when it renders.
 
@@ -67,15 +67,15 @@ class Workers:
         tasks: Iterable[T],
         related: Callable[[T], Collection[str]] = unrelated,
     ) -> Iterator[tuple[T, R]]:
-        """Yield every task with its result as it is finished, in no particular order.
+        """Yield every task with its result when it is finished, in any order.
 
         Args:
             function: of a module, so that a worker can import it.
             tasks: what it is called with.
-            related: of no use here; see `Pool`. No task outlives the death of a worker.
+            related: unused; see `Pool`. When a worker dies, all tasks end.
 
         Raises:
-            RunError: if a worker dies; what is finished by then has been yielded or written.
+            RunError: if a worker dies; finished tasks have been yielded or written by then.
         """
         tasks = list(tasks)
         if not self.count:
@@ -99,7 +99,7 @@ class Workers:
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Let processes that are started meanwhile compute in one thread."""
+    """Inside this context, new processes compute in one thread."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
     # Set here, not in the worker: the libraries read it when they are loaded, before any code of ours.
     os.environ.update(_ONE_THREAD)

@@ -1,3 +1,3 @@
-"""Loading: from samples, stored or just rendered, to batches in an order that can be resumed."""
+"""Loading: from stored or freshly rendered samples to batches, in a resumable order."""
 
 __all__ = []

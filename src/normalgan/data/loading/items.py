@@ -15,10 +15,10 @@ __all__ = ["AsStored", "Item", "SampleError", "StoredSamples", "collate", "decod
 
 
 class SampleError(InputError):
-    """A sample that cannot be read or made; tells it in one sentence from a worker process too.
+    """A sample that cannot be read or made; one sentence, from a worker process too.
 
-    torch makes the error of a worker anew in the process that trains, from a text that ends in the error and
-    opens with where it arose.
+    torch rebuilds a worker's error in the training process, from a text that starts with its origin and ends
+    with the error.
     """
 
     def __init__(self, text: str) -> None:
@@ -41,7 +41,7 @@ class Item(TypedDict):
 
 
 def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str, hints: Tensor | None = None) -> Item:
-    """Return a sample as it is stored, in a quarter of the bytes that the network takes; see `decode`.
+    """Return a sample as it is stored, in a quarter of the bytes of the network's input; see `decode`.
 
     Args:
         sketch: (H, W) uint8, ink 255.
@@ -62,7 +62,7 @@ def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str, hints: Tens
 
 
 def decode(batch: Batch) -> Batch:
-    """Return a batch as the network takes it, on the device that it is on; one that is so already as it is.
+    """Decode a batch for the network, on its device; a decoded batch is returned unchanged.
 
     Ink goes from 0 to 1, masks are 0 or 1, and normals of half precision are of unit length again on the
     object and 0 off it.
@@ -82,7 +82,7 @@ def decode(batch: Batch) -> Batch:
 
 
 def decode_item(item: Item) -> Item:
-    """Return a sample as the network takes it."""
+    """Decode a sample for the network."""
     name, batch = item["name"], decode(collate([item]))
     sketch, normal, mask = batch["sketch"][0], batch["normal"][0], batch["mask"][0]
     decoded: Item = {"sketch": sketch, "normal": normal, "mask": mask, "name": name}
@@ -92,7 +92,7 @@ def decode_item(item: Item) -> Item:
 
 
 class AsStored(Dataset[Item]):
-    """The samples of a dataset as they are stored, to be decoded on the device.
+    """The samples of a dataset as stored, for decoding on the device.
 
     Args:
         samples: whose ``stored`` gives them.

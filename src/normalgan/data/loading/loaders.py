@@ -1,4 +1,4 @@
-"""Loaders: from samples to batches, in this process or in workers beside it."""
+"""Loaders: from samples to batches, in this process or in workers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ Samples = SampleDataset | StreamDataset
 
 
 class DeferredLoader(DataLoader[Item]):
-    """A DataLoader that begins, and starts its workers, when the first batch is asked for.
+    """A DataLoader that starts its workers when the first batch is requested.
 
-    Lightning makes the iterator of a resumed run before it sets the sampler's epoch, and workers would begin
-    at once with samples of the former one. Workers that render are spawned, with one thread each: a process
-    forked after an OpenGL context was made hangs when it renders, and one forked from a process with threads,
-    as torch has them, may wait for ever for a lock.
+    Lightning makes the iterator of a resumed run before it sets the sampler's epoch, so that workers would
+    start with samples of the previous epoch. Rendering workers are spawned, with one thread each: a process
+    forked after an OpenGL context exists hangs when it renders, and one forked from a process with threads,
+    as torch has, may wait for a lock for ever.
     """
 
     def __iter__(self) -> Any:
@@ -43,8 +43,8 @@ class Loaders:
         workers: processes that load or render; 0 for none besides this one.
         replicas: how many processes train.
         rank: which one this is, from 0.
-        as_stored: whether batches are to be decoded by whoever asks, on the device they are brought to: as
-            they are stored they are a quarter as large.
+        as_stored: whether the caller decodes batches on its device; stored samples take a quarter of the
+            bytes.
     """
 
     batch_size: int
@@ -54,7 +54,7 @@ class Loaders:
     as_stored: bool = False
 
     def shuffled(self, dataset: Samples, seed: int) -> DataLoader[Item]:
-        """Return a loader of this process's share, its order made of the seed and the epoch alone.
+        """Return a loader of this process's share, in an order that depends on seed and epoch alone.
 
         Args:
             dataset: the samples of all processes.
@@ -73,7 +73,7 @@ class Loaders:
         return self._loader(dataset, sampler, drop_last=whole)
 
     def in_order(self, dataset: SampleDataset) -> DataLoader[Item]:
-        """Return a loader of this process's share, to be measured."""
+        """Return a loader of this process's share, in order, for measuring."""
         if self.replicas == 1:
             return self._loader(dataset)
         share = EqualShare(self._given(dataset), self.replicas, self.rank)
@@ -110,10 +110,10 @@ class Loaders:
 class EqualShare(Dataset[Item]):
     """One process's share of a split: every n-th sample, and as many as every other process has.
 
-    Where the samples do not divide, the last ones are filled up with a sample whose mask is empty, which
-    changes no metric; so several processes measure exactly what one does. Filling up with samples that are
-    measured twice, as Lightning does, would not; and shares of unlike length let a process wait forever
-    for another, as the buffers of the networks are exchanged with every batch.
+    If the samples do not divide evenly, shares are padded with a sample whose mask is empty, which changes no
+    metric, so several processes measure exactly what one does. Padding with repeated samples, as Lightning
+    does, would change metrics. With unequal shares a process would wait for ever, because the networks'
+    buffers are exchanged with every batch.
 
     Args:
         dataset: the split.

@@ -1,4 +1,4 @@
-"""MeshCache: the meshes that a process used last, within a bound on their memory."""
+"""MeshCache: the meshes that a process used last, within a memory limit."""
 
 from collections import OrderedDict
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Order: which view of which mesh comes when, if samples are rendered while training."""
+"""Order: the order of views and meshes when samples are rendered during training."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -17,7 +17,7 @@ BATCHES_PER_CYCLE = 24
 
 
 class ViewIndex(NamedTuple):
-    """A sample to be rendered; with it, all that a worker must be told.
+    """A sample to render: everything that a worker must know.
 
     Args:
         mesh: number of the mesh.
@@ -33,9 +33,9 @@ def order_of_epoch(
 ) -> Iterator[ViewIndex]:
     """Yield every mesh's views ``epoch * views`` to ``(epoch + 1) * views - 1``, shuffled.
 
-    To load a mesh takes as long as a dozen views of it, so its views should not lie scattered over the
-    epoch; but a batch should show many meshes. The views of each mesh are therefore cut into groups, and the
-    groups shuffled. A row holds one view of each of the next ``BATCHES_PER_CYCLE * replicas * batch_size``
+    Loading a mesh takes as long as rendering a dozen views, so its views should not be scattered over the
+    epoch; but a batch should show many meshes. So the views of each mesh are cut into groups, and the groups
+    are shuffled. A row holds one view of each of the next ``BATCHES_PER_CYCLE * replicas * batch_size``
     groups; the next row another view of the same groups in the same order, until they are used up and the
     next groups come. So a batch shows as many groups as it has samples, its neighbours show others, and the
     same meshes return every ``BATCHES_PER_CYCLE`` batches. A DataLoader deals batches out to its workers in

@@ -1,4 +1,4 @@
-"""ShardOrder: samples of a distant store at random, but shard by shard, so that each is fetched once."""
+"""ShardOrder: random order over a remote store, shard by shard, so that each is fetched once."""
 
 from collections.abc import Iterator
 
@@ -17,11 +17,10 @@ ABREAST = 64
 class ShardOrder(Sampler[int]):
     """The order of an epoch for one of several processes that train side by side.
 
-    Drawn from all samples at random, a batch of 8 touches 8 shards, and by the time their other samples come,
-    a bounded cache has forgotten them. So shards are shuffled and dealt out to the processes, and of each
-    one's share the samples of `ABREAST` shards at a time are shuffled together. The order is made of the seed
-    and the epoch alone. Every process has as many samples; where shards do not divide, some are seen twice
-    and some not in this epoch.
+    In a fully random order a batch of 8 touches 8 shards, and a limited cache has dropped them before their
+    other samples come. So shards are shuffled and shared among the processes, and each process shuffles the
+    samples of `ABREAST` shards at a time. The order depends on seed and epoch alone. All processes have
+    equally many samples; if shards do not divide evenly, some samples come twice and some not in this epoch.
 
     Args:
         store: the samples.

@@ -1,4 +1,4 @@
-"""Samples rendered while training: nothing on disk, and views without end."""
+"""Samples rendered during training: nothing on disk, and new views in every epoch."""
 
 import signal
 from collections.abc import Iterator, Sequence
@@ -17,9 +17,9 @@ __all__ = ["FreshViews", "StreamDataset", "leave_ctrl_c_to_the_parent"]
 
 
 class StreamDataset(Dataset[Item]):
-    """Renders the sample that is asked for; the same one as the shards hold under its mesh and view.
+    """Renders samples on request, equal to those that shards would hold for the same mesh and view.
 
-    It holds no state but the meshes used last, so that it does not matter which process is asked, or when.
+    Its only state is the cache of meshes, so that any process can render any sample at any time.
 
     Args:
         sources: the meshes, every one of which can be used.
@@ -66,8 +66,8 @@ class StreamDataset(Dataset[Item]):
 class FreshViews(DistributedSampler[ViewIndex]):
     """One process's tickets of the epoch that Lightning sets; no epoch has a view of another.
 
-    All processes get equally many, in whole batches: up to a batch for each is left out of an epoch. Where
-    there is no whole batch for each, all samples are dealt out, some of them twice.
+    All processes get equally many, in whole batches; up to a batch each is left out of an epoch. If there is
+    not a whole batch for each, all samples are used, some of them twice.
 
     Args:
         dataset: what the tickets are for.

@@ -1,4 +1,4 @@
-"""What training samples and their order depend on: kept in checkpoints, compared when a run is resumed."""
+"""A description of the training data, kept in checkpoints and compared when a run is resumed."""
 
 import hashlib
 import json
@@ -17,7 +17,7 @@ def describe_training_data(
     settings: Mapping[str, Any],
     processes: int,
 ) -> dict[str, Any]:
-    """Return all that decides which training samples come when, by setting, as plain values for JSON.
+    """Return everything that decides the training samples and their order, by setting, as JSON values.
 
     Args:
         fingerprints: name and fingerprint of every mesh or pair.

@@ -1,4 +1,4 @@
-"""Where samples come from: meshes, embedded animals, pairs on disk; no torch."""
+"""Data sources: meshes, embedded animals, pairs on disk; no torch."""
 
 from normalgan.data.sources.base import DATA_SOURCES, DataSource, PairSource, SplitSettings
 from normalgan.data.sources.meshes import Animals, Meshes, MeshGroup

@@ -1,4 +1,4 @@
-"""The base of the data sources, and how what they have is split."""
+"""DataSource: the base of the data sources; SplitSettings: how they are split."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -49,7 +49,7 @@ class SplitSettings:
 
 
 class DataSource(ABC):
-    """Base of the data sources: what there is to train, validate and test on.
+    """Base of the data sources, which list what to train, validate and test on.
 
     A source is a frozen dataclass of plain settings. What it returns is loaded once to see whether it can be
     used, in worker processes too, and becomes samples that are kept in the cache. What it returns are meshes,
@@ -58,7 +58,7 @@ class DataSource(ABC):
 
     @abstractmethod
     def split(self, settings: SplitSettings) -> Mapping[str, Sequence[Loadable]]:
-        """Return what there is for ``train``, ``val`` and ``test``; each has a name of its own.
+        """Return the items of ``train``, ``val`` and ``test``; each has a unique name.
 
         Args:
             settings: how to split; ``settings.deal(names)`` does it.
@@ -85,9 +85,9 @@ class DataSource(ABC):
 
 
 class PairSource(DataSource, ABC):
-    """Base of the data sources that have sketches and normal maps already: what is loaded is a `Pair`.
+    """Base of the data sources with existing sketches and normal maps; they load a `Pair`.
 
-    Each becomes one sample; settings of the data that say how meshes are seen and drawn are of no concern.
+    Each pair becomes one sample; settings for rendering and drawing are ignored.
 
     Attributes:
         hints: whether the pairs' own hints are used, in training and testing; if not, the sampler is asked.

@@ -1,4 +1,4 @@
-"""Sources of meshes: files of yours, groups of them, and the embedded animals."""
+"""Sources of meshes: your files, groups of them, and the embedded animals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

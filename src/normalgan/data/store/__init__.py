@@ -1,3 +1,3 @@
-"""Store: samples on disk or behind a URL, in shards, and what a folder of them is."""
+"""Store: samples in shards, on disk or behind a URL."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Layout: which sample of a split lies where, and in which bytes."""
+"""Layout: the place and encoding of each sample of a split."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -66,13 +66,13 @@ class Shard:
 
     @property
     def marker(self) -> str:
-        """The object that says that it is finished."""
+        """The object that marks it as finished."""
         return f"done/{self.split}/{self.number}.json"
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Which sample of a split lies where: all views of the first mesh, then of the second, and so on.
+    """The order of samples in a split: all views of the first mesh, then of the second, and so on.
 
     Args:
         meshes: names of the meshes.
@@ -105,7 +105,7 @@ class Layout:
         return self.meshes[index // self.views], index % self.views
 
     def shard(self, split: str, number: int) -> Shard:
-        """Return all that is to be known of a shard to render and write it."""
+        """Return everything needed to render and write a shard."""
         places = self.indices(number)
         runs = []
         for mesh in range(places.start // self.views, (places.stop - 1) // self.views + 1):
@@ -116,7 +116,7 @@ class Layout:
 
 
 def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
-    """Return a shard's objects by path; made in memory, so that what is written is known to the byte.
+    """Return a shard's objects by path, made in memory so that their hashes are known before writing.
 
     Raises:
         ValueError: if the samples are not as many or not as large as the shard says.
@@ -135,7 +135,7 @@ def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
 
 
 def blank(size: int, hints: bool = False) -> Sample:
-    """Return what lies in the place of a sample that could not be rendered."""
+    """Return the placeholder of a sample that could not be rendered."""
     arrays = {name: ARRAYS[name] for name in array_names(hints)}
     return Sample(**{name: np.zeros((size, size, *tail), kind) for name, (kind, tail) in arrays.items()})
 

@@ -1,4 +1,4 @@
-"""LocalCache: objects of a distant store kept on a disk nearby, never more bytes than allowed."""
+"""LocalCache: objects of a remote store on a local disk, within a size limit."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""Manifest: what a stored data set is, and the key it is found under."""
+"""Manifest: the description of a stored data set, and its key."""
 
 import hashlib
 import json

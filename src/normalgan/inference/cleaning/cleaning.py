@@ -11,12 +11,14 @@ from normalgan.errors import InputError
 from normalgan.inference.cleaning.paper import ink_on_paper
 from normalgan.inference.cleaning.patches import patches
 from normalgan.inference.cleaning.polarity import is_light_on_dark
-from normalgan.inference.cleaning.silhouette import contour, is_silhouette, over_own_colour
+from normalgan.inference.cleaning.silhouette import contour, enclosed_by, is_silhouette, over_own_colour
 from normalgan.inference.reading.picture import Picture
 
 __all__ = ["Cleaned", "clean", "without_specks"]
 
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
+_BLACK, _VOIDS = 0.15, 1.05
+"""The lightest black ink; and what it encloses with itself, as a multiple of itself, at least."""
 
 
 @dataclass(frozen=True)
@@ -26,22 +28,20 @@ class Cleaned:
     Args:
         ink: (H, W) in [0, 1], lines about 1 and paper 0.
         silhouette: (H, W), the object, if the drawing's opacity tells it.
-        scenery: whether what is behind the object is painted too, so that lines do not tell the object.
     """
 
     ink: Floats
     silhouette: NDArray[np.bool_] | None
-    scenery: bool = False
 
 
 def clean(picture: Picture) -> Cleaned:
     """Return the ink of a drawing: a photo, a scan, pencil, chalk, coloured, painted or transparent.
 
     Raises:
-        InputError: if it holds no line, or none that is told from a painted ground.
+        InputError: if it holds no line.
     """
     colour, silhouette = picture.colour, None
-    if picture.alpha is not None and is_silhouette(picture.alpha):
+    if picture.alpha is not None and is_silhouette(picture.alpha) and not _is_ink(colour, picture.alpha):
         silhouette = picture.alpha > 0.5
         colour = over_own_colour(colour, picture.alpha)
     elif picture.alpha is not None:
@@ -50,17 +50,20 @@ def clean(picture: Picture) -> Cleaned:
         colour = colour * picture.alpha[..., None] + paper * (1 - picture.alpha[..., None])
     if is_light_on_dark(np.asarray(cv2.transform(colour, _GREY[None]), np.float32)):
         colour = 1 - colour
-    ink, scenery = ink_on_paper(colour)
-    ink = without_specks(ink)
+    ink = without_specks(ink_on_paper(colour))
     if silhouette is not None:
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
     if float(ink.max()) < 0.3:
-        raise InputError(
-            "its ground is painted, and no line is told from it; draw on plain paper, or cut the object out."
-            if scenery
-            else "no line is seen in it; a sketch needs lines that differ from their paper."
-        )
-    return Cleaned(ink.astype(np.float32), silhouette, scenery and picture.alpha is None)
+        raise InputError("no line is seen in it; a sketch needs lines that differ from their paper.")
+    return Cleaned(ink.astype(np.float32), silhouette)
+
+
+def _is_ink(colour: Floats, alpha: Floats) -> bool:
+    """Return whether what is opaque is ink with much black: black all over, and around areas of nothing."""
+    opaque = alpha > 0.5
+    if float(np.quantile(colour[opaque], 0.98)) > _BLACK:
+        return False
+    return int(enclosed_by(opaque).sum()) > _VOIDS * int(opaque.sum())
 
 
 def without_specks(ink: Floats) -> Floats:

@@ -6,13 +6,10 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.cleaning.painted import (
     darkest,
-    has_scenery,
     lightest,
     painted_areas,
     paper_colour,
-    shadows,
     steps,
-    surroundings,
     wide_and_dark,
 )
 from normalgan.inference.histogram import Histogram
@@ -29,15 +26,12 @@ _DARKEST = 0.25
 """Paper and paint are taken for no darker than this share of the sheet."""
 
 
-def ink_on_paper(colour: Floats) -> tuple[Floats, bool]:
-    """Return the lines of a drawing with dark lines, and whether its ground is painted, a scenery.
-
-    Lines are (H, W) ink in [0, 1]; paper is 0, lines about 1.
+def ink_on_paper(colour: Floats) -> Floats:
+    """Return the lines of a drawing with dark lines: (H, W) ink in [0, 1], paper 0, lines about 1.
 
     The lightest colour within a window of each pixel is its paper; the pixel is divided by it, channel by
     channel, and the darkest channel counts, so that a yellow pen draws too. Around areas that are painted
-    in one colour a line is drawn where they have none. A dark area that reaches along the picture's edge, a
-    desk, is left out. What is no more than the paper's grain is left out.
+    in one colour a line is drawn where they have none. What is no more than the paper's grain is left out.
 
     Args:
         colour: (H, W, 3) in [0, 1].
@@ -49,27 +43,20 @@ def ink_on_paper(colour: Floats) -> tuple[Floats, bool]:
     small = colour if max(shape) <= _SIDE else resize(colour, fitted(shape, _SIDE))
     paper = _paper(small)
     level = paper_colour(paper)
-    scenery = has_scenery(paper, level)
     painted = step = wide_and_dark(paper, level)
     if painted.any():  # in most drawings nothing is
         step = steps(darkest(small / level))
-        painted, paper = painted_areas(small, paper, level, step, shadows(small, paper, level))
+        painted, paper = painted_areas(small, paper, level, step)
     beside = _enlarged(paper, shape)
     ink = np.empty(shape, np.float32)
     for rows in strips(colour.shape):
         # Of a dark paint, a share would be mere noise.
         share = (beside[rows] - colour[rows]) / np.maximum(beside[rows], _DARKEST * level)
         ink[rows] = lightest(share)
-    around = surroundings(painted)
     ink = _without_grain(np.clip(ink - Histogram(ink, -1, 1).quantile(0.5), 0, 1))
     if painted.any():
-        rim = _rim(painted & ~around, step)
-        ink = np.maximum(ink, resize(rim, shape).clip(0, 1))
-    if around.any():
-        width = 2 * max(round(_WINDOW * max(small.shape) / 4), 1) + 1
-        cut = cv2.dilate(around.astype(np.uint8), np.ones((width, width), np.uint8)).astype(np.float32)
-        ink = np.where(resize(cut, shape) > 0.5, 0, ink)
-    return np.asarray(ink, np.float32), scenery
+        ink = np.maximum(ink, resize(_rim(painted, step), shape).clip(0, 1))
+    return np.asarray(ink, np.float32)
 
 
 def _paper(colour: Floats) -> Floats:

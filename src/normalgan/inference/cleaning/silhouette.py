@@ -12,6 +12,9 @@ _THICK = 0.04
 """Half the width of an object at its widest, as a share of its extent; lines have less."""
 _THICK_PARTS = ((0.12, 0.15), (0.16, 0.1))
 """From which extent, as a share of that of all, a part with such a half width, of its own, is an object."""
+_MANY, _ALIKE, _SPRITE, _ROUND = 4, 0.3, (8, 0.02), 0.2
+"""Parts of like area from which they are sprites; the least share of the largest one's area; the least span
+in pixels, and as a share of that of all; the least half width, as a share of the span: dashes have less."""
 
 
 def is_silhouette(alpha: Floats) -> bool:
@@ -53,6 +56,11 @@ def _thick_parts(opaque: NDArray[np.bool_], depth: Floats, extent: int) -> bool:
     for large, thick in _THICK_PARTS:
         objects |= (spans > large * extent) & (deepest > thick * spans)
     areas = stats[:, cv2.CC_STAT_AREA]
+    compact = (spans >= _SPRITE[0]) & (spans > _SPRITE[1] * extent) & (deepest > _ROUND * spans)
+    compact[0] = False
+    compact &= areas > _ALIKE * areas[compact].max(initial=0)
+    if np.count_nonzero(compact) >= _MANY:
+        objects |= compact
     return bool(areas[1:][objects[1:]].sum() > 0.5 * areas[1:].sum())
 
 

@@ -10,21 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from normalgan.decoding.formats import MOVING
 from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
 from normalgan.inference.reading.drawings import MOST_BYTES
 
-__all__ = ["SUFFIXES", "Kind", "encode_animation", "kind_of", "moving_kind"]
+__all__ = ["PAGES", "Kind", "encode_animation", "kind_of", "moving_kind"]
 
 Kind = Literal["gif", "webp", "png"]
 """Of an animation; a PNG that moves is an APNG."""
-SUFFIXES = (".gif", ".webp", ".png", ".apng", ".ase", ".aseprite")
+PAGES: Literal["pages"] = "pages"
+"""In place of the kind of an animation: several pictures that do not follow one another in time."""
 _MOST_CHUNKS = 1000
 _EXTENSION, _CONTROL, _IMAGE, _END = 0x21, 0xF9, 0x2C, 0x3B
 
 
-def moving_kind(path: Path, content: bytes | None = None) -> Kind | None:
-    """Return the kind of an animation; None of a still picture, and of what cannot be read.
+def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pages"] | None:
+    """Return the kind of an animation, or `PAGES` of several pages; None of one picture.
 
     Only the marks between the pictures are looked at; nothing is decoded.
 
@@ -35,15 +37,19 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | None:
     Raises:
         InputError: if it is a GIF that ends within a frame, whose rest a decoder would leave out silently.
     """
-    if content is None and (path.suffix.lower() not in SUFFIXES or not path.is_file()):
+    if content is None and (path.suffix.lower() not in MOVING or not path.is_file()):
         return None
     try:
         with io.BytesIO(content) if content is not None else path.open("rb") as file:
             start = file.read(32)
             if start.startswith(b"\x89PNG"):
                 return "png" if _is_apng(file) else None
+            if start.startswith((b"II", b"MM")):
+                return PAGES if _pages_of_tiff(file) > 1 else None
         if start[4:6] == b"\xe0\xa5":  # Aseprite: what it shows goes into a PNG that moves
             return "png" if int.from_bytes(start[6:8], "little") > 1 else None
+        if start[4:12] == b"ftypavis":  # AVIF
+            return "png"
         if start[:4] == b"RIFF" and start[8:16] == b"WEBPVP8X":
             return "webp" if start[20:21] and start[20] & 2 else None
         if not start.startswith(b"GIF8"):
@@ -75,6 +81,34 @@ def _is_apng(file: BinaryIO) -> bool:
             return int.from_bytes(file.read(4), "big") > 1
         file.seek(int.from_bytes(head[:4], "big") + 4, io.SEEK_CUR)
     return False
+
+
+def _pages_of_tiff(file: BinaryIO) -> int:
+    """Return how many pages a TIFF has, without its small copies and masks (TIFF 6.0, sections 2 and 8)."""
+    file.seek(0)
+    head = file.read(16)
+    order: Literal["little", "big"] = "little" if head[:2] == b"II" else "big"
+    big = int.from_bytes(head[2:4], order) == 43  # BigTIFF
+    count, entry, offset = (8, 20, 8) if big else (2, 12, 4)  # bytes of each
+    place = int.from_bytes(head[8:16] if big else head[4:8], order)
+    pages, seen = 0, set[int]()
+    while place and place not in seen and len(seen) < _MOST_CHUNKS:
+        seen.add(place)
+        file.seek(place)
+        entries = int.from_bytes(file.read(count), order)
+        table = file.read(entries * entry + offset) if entries < _MOST_CHUNKS else b""
+        if len(table) < entries * entry + offset:
+            break  # cut short: whoever decodes it says so
+        tags = [table[at : at + entry] for at in range(0, entries * entry, entry)]
+        value = entry - (8 if big else 4)
+        kinds = [int.from_bytes(tag[value : value + 4], order) for tag in tags if _is(tag, 254, order)]
+        pages += not any(kind & (1 | 4) for kind in kinds)
+        place = int.from_bytes(table[-offset:], order)
+    return pages
+
+
+def _is(tag: bytes, number: int, order: Literal["little", "big"]) -> bool:
+    return int.from_bytes(tag[:2], order) == number
 
 
 def _frames_of_gif(path: Path, data: bytes) -> int:

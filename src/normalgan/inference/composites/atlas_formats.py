@@ -345,7 +345,6 @@ ENDINGS = tuple(dict.fromkeys(["_atlas.json", *(end for each in FORMATS for end 
 """What the atlas of a sheet is named, after its stem."""
 
 _LOOKS = (
-    ("is a Git LFS pointer, not the file itself; run `git lfs pull`", r"\Aversion https://git-lfs"),
     (
         "is a TexturePacker project; publish it, and name the file that it writes",
         r"<struct type=\"Settings\"",

@@ -1,5 +1,6 @@
 """Cells: where the drawings of a sheet lie, and how they are turned."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -11,6 +12,7 @@ from normalgan.inference.reading.hint_files import Hints
 __all__ = ["Cell"]
 
 T = TypeVar("T", bound=np.generic)
+P = TypeVar("P", float, NDArray[np.float32])
 
 
 @dataclass(frozen=True)
@@ -54,11 +56,25 @@ class Cell:
         inside = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
         if not inside.any():
             return None
+        points = np.stack(self._upright_point(x, y), -1)
+        return Hints(points[inside].astype(np.float32), hints.normals[inside])
+
+    def points(self, given: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+        """Return those of a sheet's points (x, y) that lie in it, in its own upright pixels."""
+        local = [(x - self.left, y - self.top) for x, y in given]
+        inside = [
+            (x, y)
+            for x, y in local
+            if 0 <= x < self.width and 0 <= y < self.height and (self.own is None or self.own[int(y), int(x)])
+        ]
+        return [self._upright_point(x, y) for x, y in inside]
+
+    def _upright_point(self, x: P, y: P) -> tuple[P, P]:
+        """Return x and y in its box as they are in its own upright pixels."""
         width, height = self.width, self.height
         for _ in range(self.turned):
-            x, y, width, height = y, width - x, height, width
-        points = np.stack([x, y], -1)
-        return Hints(points[inside].astype(np.float32), hints.normals[inside])
+            x, y, width, height = y, width - x, height, width  # type: ignore[assignment]  # P minus is P
+        return x, y
 
     def put(self, whole: NDArray[T], part: NDArray[T]) -> None:
         """Write an upright array, (height, width, ...), into its part of a sheet's, where that is its own."""

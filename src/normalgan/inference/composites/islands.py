@@ -14,7 +14,7 @@ from normalgan.inference.composites.sheets import MOST_CELLS
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.picture import MOST_WORKED, fitted, resize, to_picture
 
-__all__ = ["drawn", "find_islands"]
+__all__ = ["drawn", "find_islands", "in_rows"]
 
 _GAP = 0.004
 """Half the gap across which parts hang together, as a share of the sheet's longer side."""
@@ -68,7 +68,7 @@ def find_islands(sheet: Decoded) -> list[Cell]:
         box = np.s_[top:bottom, left:right]
         own = np.isin(labels[box], np.append(parts + 1, 0))
         cells.append(Cell("", int(left), int(top), int(right - left), int(bottom - top), own=own))
-    return _in_rows([cell for cell in cells if min(cell.width, cell.height) >= SMALLEST])
+    return in_rows([cell for cell in cells if min(cell.width, cell.height) >= SMALLEST])
 
 
 def drawn(sheet: Decoded) -> BoolMask:
@@ -113,8 +113,8 @@ def _owners(boxes: _Boxes) -> NDArray[np.intp]:
     return owner
 
 
-def _in_rows(cells: list[Cell]) -> list[Cell]:
-    """Return drawings in the order in which one reads, each named by its number."""
+def in_rows(cells: list[Cell], noun: str = "drawing") -> list[Cell]:
+    """Return drawings in the order in which one reads, each named by a noun and its number."""
     if not cells:
         raise InputError(f"its drawings are smaller than {SMALLEST} pixels.")
     rows: list[list[Cell]] = []
@@ -126,6 +126,6 @@ def _in_rows(cells: list[Cell]) -> list[Cell]:
             rows.append([cell])
     ordered = [cell for row in rows for cell in sorted(row, key=lambda each: each.left)]
     return [
-        Cell(f"drawing {number}", each.left, each.top, each.width, each.height, own=each.own)
+        Cell(f"{noun} {number}", each.left, each.top, each.width, each.height, own=each.own)
         for number, each in enumerate(ordered, 1)
     ]

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from normalgan.decoding import DecodedLayer, DecodedLayers
 from normalgan.errors import InputError
-from normalgan.files.writing import write_bytes
 from normalgan.inference.composites.layers import (
     cut,
     encode_layers,
@@ -17,8 +16,9 @@ from normalgan.inference.composites.layers import (
 )
 from normalgan.inference.composites.series import Member, predict_series
 from normalgan.inference.jobs.plan import Job
+from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.outputs.outputs import Heights, Outputs
+from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.parallel import stream
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.picture import fitted
@@ -35,27 +35,27 @@ class LayeredJob:
 
     Args:
         predictor: the network.
-        outputs: what is written.
+        writer: writes what comes of them.
         size: longer side of the maps in pixels; None is the drawing's.
         shared: whether the frames of a layer that moves share what the network is shown, and are steadied.
         strength: what the slopes of all maps are multiplied by.
     """
 
     predictor: Predictor
-    outputs: Outputs
+    writer: Writer
     size: int | None = None
     shared: bool = True
     strength: float = 1.0
 
-    def __call__(self, job: Job) -> tuple[str, Heights]:
-        """Paint and write; return what is to be said of it, and the height maps.
+    def __call__(self, job: Job) -> tuple[str, list[Held]]:
+        """Paint and write; return what is to be said of it, and what waits for other drawings.
 
         Raises:
             InputError: if the file has no layers, or none of them can be painted.
             OSError: if a file cannot be written.
         """
         path = job.files.drawing
-        target, kind = layered_target(job, self.outputs), layered_kind(path, job.files.content)
+        target, kind = layered_target(job, self.writer.outputs), layered_kind(path, job.files.content)
         if job.files.hints is not None or isinstance(job.files.mask, Path):
             raise InputError(f"{path} is painted layer by layer; a mask or hints are those of one drawing.")
         found = read_layers(path, job.files.content)
@@ -63,7 +63,7 @@ class LayeredJob:
         numbers = sorted({layer.number for layer in drawn})
         predicted: list[DecodedLayer] = []
         said = [found.note] if found.note else []
-        heights: Heights = []
+        held: list[Held] = []
         failed: list[InputError] = []
         for number, got in stream(numbers, lambda number: self._predict(job, found, number)):
             name = next(layer.name for layer in drawn if layer.number == number)
@@ -75,26 +75,27 @@ class LayeredJob:
                 raise got
             predicted += got[0]
             said += [f"layer {name!r}: {got[1]}"] if got[1] else []
-            heights += got[2]
+            held += got[2]
         if len(failed) == len(numbers):
             raise failed[0] if failed else InputError("none of its layers holds a drawing.")
-        if kind is not None and goes_in_one(self.outputs):
+        if kind is not None and goes_in_one(self.writer.outputs):
             shape = found.shape if self.size is None else fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
-            write_bytes(target, encode_layers(kind, shape, predicted, found.durations))
-        return "; ".join(said), heights
+            self.writer.sink(target, encode_layers(kind, shape, predicted, found.durations))
+        return "; ".join(said), held
 
     def _predict(
         self, job: Job, found: DecodedLayers, number: int
-    ) -> tuple[list[DecodedLayer], str, Heights]:
-        """Return what a layer is painted as, frame by frame, what is to be said of it, and its heights."""
+    ) -> tuple[list[DecodedLayer], str, list[Held]]:
+        """Return what a layer is painted as, frame by frame, what is to be said of it, and what waits."""
+        outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
         where = job.files.mask if isinstance(job.files.mask, str) else None
         members = [Member(picture_of(layer, found.shape), None, where) for layer in own]
         several = self.shared and len(own) > 1
         predicted: list[DecodedLayer] = []
         said: list[str] = []
-        heights: Heights = []
+        held: list[Held] = []
         failed: list[InputError] = []
         for layer, preds in zip(
             own, predict_series(self.predictor, members, several, several, self.size), strict=True
@@ -104,21 +105,22 @@ class LayeredJob:
                 continue
             said += [preds.warning] if preds.warning else []
             stronger = preds.stronger(self.strength)
-            each = _job_of(job, layer, self.outputs.ending, len(found.durations))
-            heights += self.outputs.write_others(each, stronger)
-            if not goes_in_one(self.outputs):
-                self.outputs.write_map(each, stronger)
+            each = _job_of(job, layer, outputs.ending, len(found.durations))
+            held += self.writer.write_others(each, stronger)
+            if not goes_in_one(outputs):
+                self.writer.write_map(each, stronger)
                 continue
-            inside = cut(layer, stronger.pixels(self.outputs.y, alpha=True))
+            inside = cut(layer, stronger.pixels(outputs.normal.y, alpha=True))
             predicted += [] if inside is None else [inside]
         if len(failed) == len(own):
             raise failed[0]
-        return predicted, said[0] if said else "", heights
+        return predicted, said[0] if said else "", held
 
 
 def goes_in_one(outputs: Outputs) -> bool:
     """Return whether painted layers go into one layered file: it has 8 bits, and engines want pictures."""
-    return outputs.format == "png" and outputs.bits == 8 and outputs.engine is None
+    normal = outputs.normal
+    return normal.format == "png" and normal.bits == 8 and normal.engine is None
 
 
 def layered_target(job: Job, outputs: Outputs) -> Path:

@@ -41,11 +41,13 @@ class Member:
         picture: the drawing.
         hints: in pixels of the drawing, or None.
         mask: (H, W), the object; `OUTLINE`, `MODEL` or `READER`; or None, as `Predictor` has it.
+        flips: x and y of points whose regions are flipped, as `prepare` has them.
     """
 
     picture: Picture
     hints: Hints | None = None
     mask: BoolMask | str | None = None
+    flips: Sequence[tuple[float, float]] = ()
 
 
 def predict_series(
@@ -161,7 +163,8 @@ def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepare
     assert source in {None, OUTLINE, MODEL, READER}
     mask = None if isinstance(member.mask, str) else member.mask
     widths = predictor.backend.line_widths
-    return prepare(member.picture, predictor.size, mask, None, size, source, line_widths=widths)
+    given = member.picture, predictor.size, mask, None, size, source
+    return prepare(*given, line_widths=widths, flips=member.flips)
 
 
 def _check_sizes(members: Sequence[Member]) -> None:

@@ -76,6 +76,7 @@ def predict_sheet(
     hints: Hints | None = None,
     mask: BoolMask | str | None = None,
     shared: bool = False,
+    flips: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
 ) -> NormalMap:
     """Return the map of a sheet, in which each cell is as if it had been cut out and painted alone.
@@ -87,12 +88,13 @@ def predict_sheet(
         hints: in pixels of the sheet.
         mask: (H, W) the objects; or how they are found, as `Predictor` has it.
         shared: whether the network is shown the same square of all cells, which are then of one size.
+        flips: x and y in pixels of the sheet, as `prepare` has them.
         said: what is to be said of the sheet besides, parts of a sentence.
 
     Raises:
         InputError: if no cell can be painted, or cells that share a frame differ in size.
     """
-    members = [(cell, _member(cell, sheet.pixels, hints, mask)) for cell in cells]
+    members = [(cell, _member(cell, sheet.pixels, hints, mask, flips)) for cell in cells]
     drawn = [(cell, member) for cell, member in members if member is not None]
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
@@ -107,7 +109,13 @@ def predict_sheet(
     return _assembled(sheet.shape, fine, _warning(done, said))
 
 
-def _member(cell: Cell, pixels: Pixels, hints: Hints | None, mask: BoolMask | str | None) -> Member | None:
+def _member(
+    cell: Cell,
+    pixels: Pixels,
+    hints: Hints | None,
+    mask: BoolMask | str | None,
+    flips: Sequence[tuple[float, float]],
+) -> Member | None:
     """Return what is drawn in a cell; None if nothing is."""
     part = pixels[cell.box].copy()
     clear = part.ndim == 3 and part.shape[2] == 4
@@ -120,7 +128,7 @@ def _member(cell: Cell, pixels: Pixels, hints: Hints | None, mask: BoolMask | st
     if isinstance(own, np.ndarray) and not own.any():
         return None
     picture = to_picture(Decoded(part, (part.shape[0], part.shape[1])))
-    return Member(picture, None if hints is None else cell.local(hints), own)
+    return Member(picture, None if hints is None else cell.local(hints), own, cell.points(flips))
 
 
 def _too_small(cell: Cell) -> InputError:

@@ -145,7 +145,7 @@ def _solved(
         coarse[there] = _solved(half, there, jumps, rounds, tolerance, tile)
         start = double(coarse, normals)[mask]
         rounds = min(rounds, _REFINED)
-    surface = Surface(normals[mask], mask, tile)
+    surface = Surface(normals, mask, tile)
     if start is not None and len(start) > _LARGE:
         return surface.solve(jumps, _SETTLED, 0, start, Relaxation())
     return surface.solve(jumps, rounds, tolerance, start)

@@ -12,7 +12,15 @@ from normalgan.files.writing import write_bytes
 from normalgan.inference.heights.relief_outline import Corners, corners_of
 from normalgan.inference.reading.picture import resize
 
-__all__ = ["SUFFIXES", "Backing", "check_relief_path", "relief_mesh", "simpler", "write_relief"]
+__all__ = [
+    "SUFFIXES",
+    "Backing",
+    "check_relief_path",
+    "encode_relief",
+    "relief_mesh",
+    "simpler",
+    "write_relief",
+]
 
 Backing = Literal["open", "flat", "plate"]
 SUFFIXES = (".glb", ".obj")
@@ -73,6 +81,16 @@ def relief_mesh(
     return trimesh.Trimesh(vertices, faces, visual=visual, process=False)
 
 
+def encode_relief(mesh: Any, form: Literal["glb", "obj"]) -> bytes:
+    """Return the file of a relief without a texture."""
+    if form == "glb":
+        from trimesh.exchange.gltf import export_glb
+
+        content: bytes = export_glb(mesh.scene(), include_normals=True)
+        return content
+    return _obj(mesh, "")[0]
+
+
 def write_relief(path: str | Path, mesh: Any) -> None:
     """Write a relief as ``.glb``, or as ``.obj`` with its ``.mtl`` and picture beside it.
 
@@ -80,25 +98,32 @@ def write_relief(path: str | Path, mesh: Any) -> None:
         InputError: if the suffix is another.
         OSError: if it cannot be written.
     """
-    from trimesh.exchange.gltf import export_glb
-    from trimesh.exchange.obj import export_obj
-
     path = check_relief_path(path)
     if path.suffix.lower() == ".glb":
-        write_bytes(path, export_glb(mesh.scene(), include_normals=True))
+        write_bytes(path, encode_relief(mesh, "glb"))
         return
-    # trimesh gives all reliefs of a folder the same picture, and a space in its name ends it for readers.
-    stem = "_".join(path.stem.split())
+    text, beside = _obj(mesh, "_".join(path.stem.split()))  # a space in its name ends it for readers
+    for name, content in beside.items():
+        write_bytes(path.with_name(name), content)
+    write_bytes(path, text)
+
+
+def _obj(mesh: Any, stem: str) -> tuple[bytes, dict[str, bytes]]:
+    """Return the content of an ``.obj``, and of the files beside it by their names."""
+    from trimesh.exchange.obj import export_obj
+
     text, beside = export_obj(
         mesh, include_normals=True, include_texture=True, return_texture=True, mtl_name=f"{stem}.mtl"
     )
+    # trimesh gives all reliefs of a folder the same picture.
     pictures = {name: f"{stem}_{name}" for name in beside if not name.endswith(".mtl")}
+    files = {}
     for name, content in beside.items():
         data = content
         for old, new in pictures.items() if name.endswith(".mtl") else ():
             data = data.replace(old.encode(), new.encode())
-        write_bytes(path.with_name(pictures.get(name, name)), data)
-    write_bytes(path, text.encode())
+        files[pictures.get(name, name)] = data
+    return text.encode(), files
 
 
 def simpler(height: Floats, mask: NDArray[np.bool_], faces: int) -> tuple[Floats, NDArray[np.bool_]]:

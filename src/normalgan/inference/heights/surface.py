@@ -1,6 +1,7 @@
 """Surface: the equations between the heights of neighbouring pixels, solved by reweighted least squares."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from scipy import sparse
 from normalgan.inference.heights.multigrid import Relaxation, Solver
 from normalgan.inference.network.tile import Tile, repeats
 
-__all__ = ["Links", "Surface", "link"]
+__all__ = ["Links", "Surface", "breaks", "link"]
 
 _STEEPEST = 0.05
 """Least nz that is believed (a slope of 20): at a contour the slope itself is infinite."""
@@ -20,6 +21,11 @@ _GROUND = 1e-9
 
 _RESIDUE = 1e-3
 """What each round leaves of the equations: the next one begins there, with other weights."""
+
+_BESIDE = 2
+"""Pixels on either side of a link between which the change of its normals is measured."""
+_CHANGE, _NEARLY = 0.35, 0.97
+"""Least change at a contour, as a chord (20°), and the share of the largest one near it that is as good."""
 
 _Vector = NDArray[np.float64]
 _Index = NDArray[np.intp]
@@ -70,18 +76,56 @@ def link(mask: NDArray[np.bool_], tile: Tile | None = None) -> Links:
     return Links(tail, head, axis, np.where(before < 0, own, before), np.where(after < 0, own, after))
 
 
+def breaks(normals: _Vector, mask: NDArray[np.bool_], tile: Tile | None = None) -> _Vector:
+    """Return 1 for each link at which a surface may break, 0 for the others, (links,) in the order of `link`.
+
+    A surface breaks at an occluding contour, where its normals change within a few pixels. Along each row and
+    column those links are taken at which they change most. Elsewhere a jump would be a tear.
+
+    Args:
+        normals: (H, W, 3), zero off the mask.
+        mask: (H, W).
+        tile: the ways in which it is repeated.
+    """
+    down, across = repeats(tile)
+    found = []
+    for axis, way, goes_on in ((1, 1, across), (0, -1, down)):
+        # As `link` has them: to the right, and upwards.
+        def at(values: NDArray[Any], step: int, axis: int = axis, way: int = way) -> NDArray[Any]:
+            return np.roll(values, -way * step, axis)
+
+        change = np.linalg.norm(at(normals, 1 + _BESIDE) - at(normals, -_BESIDE), axis=-1)
+        known = at(mask, 1 + _BESIDE) & at(mask, -_BESIDE)
+        if not goes_on:
+            places = np.arange(mask.shape[axis]) * way
+            first, last = places.min(), places.max()
+            held = (places - _BESIDE >= first) & (places + 1 + _BESIDE <= last)
+            known = known & (held[None] if axis else held[:, None])
+        change = np.where(known, change, 0)
+        most = np.max([at(change, step) for step in range(-_BESIDE, _BESIDE + 1)], 0)
+        there = (change > _CHANGE) & (change >= _NEARLY * most)
+        linked = mask & at(mask, 1)
+        if not goes_on:
+            ends = np.arange(mask.shape[axis]) == (mask.shape[axis] - 1 if way > 0 else 0)
+            linked = linked & ~(ends[None] if axis else ends[:, None])
+        found.append(there[linked])
+    return np.concatenate(found).astype(np.float64)
+
+
 class Surface:
     """The surface of one normal map.
 
     Args:
-        normals: (n, 3) on the mask, row by row.
+        normals: (H, W, 3), zero off the mask.
         mask: (H, W).
         tile: the ways in which it is repeated.
     """
 
     def __init__(self, normals: _Vector, mask: NDArray[np.bool_], tile: Tile | None = None) -> None:
-        self.count = len(normals)
         self.links = link(mask, tile)
+        self.breaks = breaks(normals, mask, tile)
+        normals = normals[mask]
+        self.count = len(normals)
         steep = np.clip(normals[:, 2], _STEEPEST, 1)
         length = np.hypot(normals[:, 0], normals[:, 1])
         # What was clamped stays of unit length: else a normal that faces away would have too much slope.
@@ -131,7 +175,8 @@ class Surface:
             np.where(before == own, errors[0], errors[1][before]),
             np.where(after == own, errors[1], errors[0][after]),
         )
-        return _logistic(jumps * (across[0] - errors[0])), _logistic(jumps * (across[1] - errors[1]))
+        ready = jumps * self.breaks
+        return _logistic(ready * (across[0] - errors[0])), _logistic(ready * (across[1] - errors[1]))
 
     def _errors(self, height: _Vector) -> tuple[_Vector, _Vector]:
         """Return how far, squared, each link is from what the normals at its two ends say, (links,) each."""

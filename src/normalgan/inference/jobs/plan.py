@@ -9,11 +9,11 @@ from typing import Literal
 from normalgan.errors import InputError, unwritable
 from normalgan.inference.jobs.folders import search
 from normalgan.inference.mask.masks import ENDINGS as MASK_ENDINGS
+from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.reading.drawings import SUFFIXES, find_companion, find_drawings
 from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS
 
 __all__ = [
-    "COMPANIONS",
     "FILES",
     "MODEL",
     "OUTLINE",
@@ -45,11 +45,6 @@ _NO_MAPS = {
 """What no folder's name ends in: who names such an output wants a file that is not written."""
 OUTLINE, MODEL, READER = "outline", "model", "reader"
 """What a mask may be in place of a file."""
-COMPANIONS = (
-    *("_hints", "_mask", "_input", "_preview", "_height", "_relief"),
-    *("_ao", "_curvature", "_specular"),
-)
-"""What is named so after a drawing lies beside it and is none."""
 
 
 @dataclass(frozen=True)
@@ -169,8 +164,9 @@ def companions_of(ending: str) -> tuple[str, ...]:
     Args:
         ending: of a normal map's name, such as ``_normal.png``.
     """
+    outputs = [Path(each).stem for kind in OUTPUTS for each in kind().endings]
     suffix = Path(ending).stem
-    return (*COMPANIONS, *([suffix] if suffix else []))
+    return ("_hints", "_mask", *outputs, *([suffix] if suffix else []))
 
 
 def _with_companions(read: Sequence[DrawingFiles], hints: str | None, mask: str | None) -> list[DrawingFiles]:

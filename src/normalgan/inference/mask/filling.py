@@ -1,13 +1,10 @@
-"""Filling: what lines enclose, while their gaps are closed step by step."""
+"""Filling: what the lines of a drawing enclose, with small gaps closed by thicker lines."""
 
 import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask
 from normalgan.inference.cleaning.silhouette import enclosed_by
-from normalgan.inference.mask.bridging import Bridge, bridges
-from normalgan.inference.mask.limbs import limbs
-from normalgan.inference.mask.stroke_ends import stroke_ends
 from normalgan.inference.network.framing import around
 from normalgan.inference.network.line_width import line_width
 
@@ -16,19 +13,15 @@ __all__ = [
     "Filling",
 ]
 
-_STEPS = (
-    *((0.0, 0.0), (0.005, 0.0), (0.012, 0.0)),
-    *((0.005, 0.08), (0.005, 0.16), (0.005, 0.25)),
-    *((0.022, 0.25), (0.035, 0.25)),
-)
-"""Half the widths of the gaps that thick lines close, and the costs of bridges, as shares of the span."""
-MARGIN = max(gap for gap, _ in _STEPS)
+_SMALL_GAPS = (0.0, 0.005, 0.012, 0.018)
+"""Half the widths of gaps that are closed in any case, as shares of the span."""
+_WIDE_GAPS = (0.026, 0.04, 0.06)
+"""Half the widths of gaps that are closed if most of the outline is open."""
+MARGIN = max(_WIDE_GAPS)
 """Room that lines need around them to be made thicker, as a share of the span."""
 _CLOSED = 0.93
 """An outline is closed once as much of the ink encloses something; the rest are whiskers."""
-_BELIEVED, _DEAREST = 0.8, 3.0
-"""A guess builds bridges up to such a share of closed lines, and of such a cost, as a share of the span."""
-_SMALL = 7.0
+_WINDOW = 7.0
 """Pixels; up to as many, a window is faster than distances."""
 
 
@@ -45,65 +38,40 @@ class Filling:
 
     def __init__(self, inked: BoolMask, span: int) -> None:
         self._inked, self._span, self._width = inked, span, line_width(inked)
-        self._lines, self._inside = inked, np.zeros_like(inked)
+        self._inside = np.zeros_like(inked)
         self._near = self._inside  # what lies in the inside or around it
         self.closed = 0.0
 
     def fill(self) -> None:
-        """Close gaps, small ones first, until nearly all lines enclose something."""
-        found: list[Bridge] | None = None
-        built = 0
-        for gap, cost in _STEPS:
-            if cost and found is None:
-                found = self._bridges(max(each for _, each in _STEPS) * self._span)
-            wanted = [each for each in found or () if each.cost <= cost * self._span]
-            self._build(wanted[built:])
-            self._take(gap * self._span)
-            built = len(wanted)
-            if self.closed > _CLOSED:
-                break
+        """Close small gaps, until nearly all lines enclose something."""
+        self._take_up_to(_SMALL_GAPS)
 
     def guess(self) -> bool:
-        """Bridge gaps of nearly any width, until most lines enclose something; return whether that helped."""
+        """Close wide gaps, until nearly all lines enclose something; return whether that helped."""
         before = self.closed
-        for bridge in self._bridges(_DEAREST * self._span):
-            if self.closed >= _BELIEVED:
-                break
-            self._build([bridge])
-            self._take(0)
+        self._take_up_to(_WIDE_GAPS)
         return self.closed > before
 
     def mask(self) -> BoolMask:
-        """Return the inside with its lines, and the lines that hang on it."""
+        """Return the inside with its lines."""
         if not self._inside.any():
             return self._inside
         # The lines at its edge belong to it, and so do eyes and stripes, whatever they are drawn with.
-        whole = enclosed_by(self._inside | (self._lines & self._near))
-        return whole | limbs(self._inked & ~whole, whole, self._span, self._width)
+        return enclosed_by(self._inside | (self._inked & self._near))
 
-    def _bridges(self, most: float) -> list[Bridge]:
-        """Return bridges from the ends of lines that are not inside anyway."""
-        whole = enclosed_by(self._inside | (self._lines & self._near))
-        ends = stroke_ends(self._inked, self._width)
-        ahead = np.rint(ends.points + (self._width + 1) * ends.ways).astype(np.intp)
-        column, row = np.clip(ahead, 0, np.array(whole.shape[::-1]) - 1).T
-        return bridges(ends.only(~whole[row, column]), self._inked, self._span, most)
-
-    def _build(self, wanted: list[Bridge]) -> None:
-        if not wanted:
-            return
-        lines = self._lines.astype(np.uint8)
-        for each in wanted:
-            cv2.line(lines, each.start, each.end, 1)
-        self._lines = lines > 0
+    def _take_up_to(self, gaps: tuple[float, ...]) -> None:
+        for gap in gaps:
+            if self.closed > _CLOSED:
+                break
+            self._take(gap * self._span)
 
     def _take(self, gap: float) -> None:
         """Add what is enclosed by lines made thicker by ``gap`` on either side."""
-        thick = _thicker(self._lines, gap)
+        thick = _thicker(self._inked, gap)
         fresh = enclosed_by(thick) & ~thick & ~self._inside
         if not fresh.any():
             return
-        self._inside = self._inside | (_grown(fresh, self._lines, gap) if gap else fresh)
+        self._inside = self._inside | (_grown(fresh, self._inked, gap) if gap else fresh)
         self._near = _thicker(self._inside, self._width + 1.5)
         near = int(np.count_nonzero(self._inked & self._near))
         self.closed = near / int(np.count_nonzero(self._inked))
@@ -127,7 +95,7 @@ def _thicker(marked: BoolMask, reach: float) -> BoolMask:
     """Return what is marked (H, W) and all within ``reach`` pixels of it."""
     if reach < 1:
         return marked
-    if reach < _SMALL:
+    if reach < _WINDOW:
         along = np.arange(-int(reach), int(reach) + 1)
         disc = (np.hypot(along, along[:, None]) <= reach).astype(np.uint8)
         return np.asarray(cv2.dilate(marked.astype(np.uint8), disc) > 0)

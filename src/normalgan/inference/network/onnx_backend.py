@@ -11,15 +11,27 @@ import onnxruntime
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError, brief, with_subject
+from normalgan.files.addresses import local_file
 from normalgan.files.limits import read_bounded
 from normalgan.inference.network.onnx_graph import check_graph
 from normalgan.inference.network.upsampling import upsampler
 from normalgan.line_widths import line_widths_of
 
-__all__ = ["LARGEST", "MEMORY", "PATIENCE", "SHIPPED", "SMALLEST", "OnnxBackend", "find_model"]
+__all__ = [
+    "LARGEST",
+    "MEMORY",
+    "PATIENCE",
+    "SHIPPED",
+    "SHIPPED_NAME",
+    "SMALLEST",
+    "OnnxBackend",
+    "find_model",
+]
 
 SHIPPED = Path(__file__).parents[2] / "weights" / "ours.onnx"
 """The model that comes with the package."""
+SHIPPED_NAME = "shipped"
+"""What it is called where a file is asked for."""
 PATIENCE = 300.0
 """Seconds by the clock for one picture."""
 MEMORY = 2**31
@@ -31,14 +43,18 @@ SMALLEST, LARGEST = 8, 2048
 def find_model(path: str | None = None) -> Path:
     """Return the file of the model: the one named, or the one that comes with the package.
 
+    Args:
+        path: or address; None, or ``shipped``, for the package's own.
+
     Raises:
         InputError: if there is none.
     """
+    path = None if path == SHIPPED_NAME else path
     if path is None and not SHIPPED.is_file():
         raise InputError(
             "no model comes with this package; name one that `normalgan export` wrote with --model."
         )
-    found = SHIPPED if path is None else Path(path)
+    found = SHIPPED if path is None else local_file(path)
     if not found.is_file():
         raise InputError(f"there is no model {found}; name a file that `normalgan export` wrote.")
     return found

@@ -1,3 +1,24 @@
-"""Outputs: what is written for a drawing: maps, pictures of them, and files for engines."""
+"""Outputs: what is written for a drawing, one file for each kind; a new one is imported here."""
 
-__all__ = []
+from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.inference.outputs.height import Height
+from normalgan.inference.outputs.mask import Mask
+from normalgan.inference.outputs.model_input import ModelInput
+from normalgan.inference.outputs.normal import Normal
+from normalgan.inference.outputs.preview import Preview
+from normalgan.inference.outputs.relief import Relief
+from normalgan.inference.outputs.shading import AmbientOcclusion, Curvature, Specular
+
+__all__ = [
+    "OUTPUTS",
+    "AmbientOcclusion",
+    "Curvature",
+    "Height",
+    "Mask",
+    "ModelInput",
+    "Normal",
+    "Output",
+    "Preview",
+    "Relief",
+    "Specular",
+]

@@ -1,24 +1,47 @@
 """Preview: a normal map under a lamp that goes around it, as a sheet of pictures and as an animation."""
 
+from dataclasses import dataclass
 from io import BytesIO
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from scipy import ndimage
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.normal_map import NormalMap, as_it_lies
+from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 from normalgan.normals import normalize
 
-__all__ = ["Opacity", "Pixels", "lit", "preview_gif", "preview_png", "sheet", "turn"]
+__all__ = ["Opacity", "Pixels", "Preview", "lit", "preview_gif", "preview_png", "sheet", "turn"]
 
 Pixels = NDArray[np.uint8]
 Opacity = NDArray[np.bool_] | Floats
 
 _PAPER = (0.020, 0.022, 0.026)  # linear; darker than the clay in its shadow
 _FINE = 4  # samples a side of a pixel of the ball, for a smooth edge
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class Preview(Output):
+    """The map under a lamp that goes around it.
+
+    Args:
+        format: png shows eight lights side by side, gif moves.
+    """
+
+    name: ClassVar[str] = "preview"
+    label: ClassVar[str] = "Lit preview"
+
+    format: Literal["png", "gif"] = "png"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        turning = preview_png if self.format == "png" else preview_gif
+        return {self.endings[0]: turning(as_it_lies(preds), preds.mask)}
 
 
 def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25.0) -> Pixels:
@@ -124,6 +147,8 @@ def _soften(normals: Floats, opacity: Opacity) -> tuple[Floats, Floats]:
         return normals, opacity.astype(np.float32)[..., None]
     if not there.any():
         return normals, np.zeros((*there.shape, 1), np.float32)
+    from scipy import ndimage  # here: it takes a while to import
+
     nearest = ndimage.distance_transform_edt(~there, return_distances=False, return_indices=True)
     cover = ndimage.gaussian_filter(there.astype(np.float32), 0.8, truncate=2.5)
     return normals[nearest[0], nearest[1]], np.clip(2 * cover - 0.5, 0, 1)[..., None]

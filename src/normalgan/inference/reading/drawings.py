@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.decoding import Decoded, Pixels, decode
+from normalgan.decoding.formats import ENDINGS, LAYERED
+from normalgan.decoding.worker import float_white
 from normalgan.errors import InputError
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_bounded, refuse_pointer
 from normalgan.normals import LEAST_Z, Green, flip_green, normalize, read_exr, vectors
 
 __all__ = [
@@ -33,12 +35,7 @@ __all__ = [
 ]
 
 
-LAYERED = (".psd", ".kra", ".ora", ".ase", ".aseprite")
-"""Files of paint programs, beside which there often lies a picture that was exported."""
-SUFFIXES = (
-    *(".png", ".apng", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".svg"),
-    *LAYERED,
-)
+SUFFIXES = ENDINGS
 SVG_SIDE = 1024
 """Longer side in pixels that an SVG, which has none, is drawn with."""
 SMALLEST, LARGEST = 8, 8192
@@ -144,6 +141,7 @@ def read_content(path: Path, content: bytes | None = None) -> bytes:
         raise InputError(f"there is no file {path}.") from None
     except OSError as error:
         raise InputError(f"{path} cannot be read as an image: {error.strerror}.") from None
+    refuse_pointer(path, data)
     if len(data) > MOST_BYTES:
         raise InputError(f"{path} has more than {MOST_BYTES} bytes; a drawing is smaller.")
     return data
@@ -181,8 +179,9 @@ def to_unit(pixels: Pixels) -> Floats:
     if pixels.dtype == np.uint8:
         return np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
     grey = pixels.astype(np.float32)
-    # 16-bit greys come as such, or as integers with the same range; floats have none that is agreed on.
-    top = np.float32(1 if pixels.dtype == np.float32 and grey.max() <= 1 else 65535)
+    top = np.float32(65535)  # 16-bit greys come as such, or as integers with the same range
+    if pixels.dtype == np.float32:
+        top = np.float32(float_white(float(np.nan_to_num(grey).max(initial=0))))
     return np.asarray(np.clip(np.nan_to_num(grey / top), 0, 1), np.float32)
 
 

@@ -11,7 +11,7 @@ from normalgan.arrays import Floats
 from normalgan.decoding import Decoded
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels, to_unit
 
-__all__ = ["MOST_WORKED", "Picture", "Resize", "fitted", "read_picture", "resize", "to_picture"]
+__all__ = ["MOST_WORKED", "Picture", "Resize", "fitted", "read_picture", "resize", "to_picture", "to_pixels"]
 
 MOST_WORKED = 2048
 """Longest side in pixels at which a drawing is worked on; maps of larger ones are enlarged to their size."""
@@ -101,3 +101,9 @@ def to_picture(decoded: Decoded) -> Picture:
         values, alpha = values[..., :3], values[..., 3]
         alpha = alpha if alpha.min() < 1 else None
     return Picture(values, alpha, full, decoded.note)
+
+
+def to_pixels(picture: Picture) -> Decoded:
+    """Return a picture as pixels of 8 bits, as `to_picture` takes them."""
+    channels = picture.colour if picture.alpha is None else np.dstack([picture.colour, picture.alpha])
+    return Decoded(np.rint(255 * np.clip(channels, 0, 1)).astype(np.uint8), picture.size)

@@ -1,4 +1,4 @@
-"""Curves as evenly spaced points: what the effects of the hand share."""
+"""Curves as evenly spaced points, shared by the effects of the hand."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def piece(stroke: Stroke, start: int, stop: int) -> Stroke:
 
 
 def begin_at(stroke: Stroke, index: int) -> Stroke:
-    """Return a closed stroke with another of its points as its first and last."""
+    """Return a closed stroke that starts and ends at another of its points."""
 
     def turn(values: Doubles) -> Doubles:
         return np.concatenate([values[index:-1], values[: index + 1]])

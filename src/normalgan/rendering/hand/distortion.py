@@ -1,4 +1,4 @@
-"""Distortion: a whole drawing out of shape, smoothly, its outline and its parts alike."""
+"""Distortion: a smooth deformation of a whole drawing."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ _CLOSE = 1e-4  # of the side: from so near, a round of Newton's method leaves le
 
 @dataclass(frozen=True)
 class Distortion:
-    """Where every point of a drawing comes from, in fractions of the frame's side, x right and y down.
+    """A deformation as source positions, in fractions of the frame's side, x right and y down.
 
     The point q of the distorted drawing shows what was at ``c + matrix (r - c) + u(r)`` with c the
     frame's centre, u a uniform cubic B-spline, and ``r = (q - shift) / zoom``.

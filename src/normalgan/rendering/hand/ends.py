@@ -1,4 +1,4 @@
-"""Ends: a stroke stops short of where it should, or shoots beyond."""
+"""Ends: strokes that stop short or overshoot."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ _BEND = np.deg2rad(40)  # the most that an overshoot turns
 
 
 def miss_ends(stroke: Stroke, overshoot: float, gap: float, step: float, rng: np.random.Generator) -> Stroke:
-    """Return the stroke with each of its ends too long or too short, by exponential lengths, evenly often.
+    """Return the stroke with each end too long or too short, with equal chance, by exponential lengths.
 
     Args:
         stroke: with points ``step`` pixels apart.

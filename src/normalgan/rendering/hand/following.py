@@ -1,4 +1,4 @@
-"""The maps follow the drawing: what a distortion makes of normals, depth and mask."""
+"""Apply a drawing's distortion to its normals, depth and mask."""
 
 import cv2
 import numpy as np
@@ -15,7 +15,7 @@ Indices = NDArray[np.intp]
 
 
 def follow(maps: Maps, distortion: Distortion) -> Maps:
-    """Return the maps of an object whose picture is distorted and whose depths stay.
+    """Return the maps of an object after distorting its picture; depths stay.
 
     Where the picture p moves to q, the height z(p) is found at q, and with J = dp/dq its gradient is
     J^T dz/dp: so is (nx, ny), the third component staying, made a unit vector again. Of the four pixels

@@ -30,12 +30,12 @@ _LONGEST = 0.1  # what the other settings, lengths as fractions of the side, may
 
 @dataclass(frozen=True)
 class Hand:
-    """How a person draws: what of a line goes astray, how far, and how often.
+    """The errors that a person makes when drawing: which, how large, how often.
 
-    Lengths are fractions of the frame's side, so that a drawing looks alike at every size; 0 of a setting
-    leaves out its effect. Each drawing has a strength by which all settings are scaled, and habits:
-    between a third and five thirds of each. Where the drawing as a whole is distorted, the normals, the
-    depth and the mask follow; all else is the hand's error, and the object stays.
+    Lengths are fractions of the frame's side, so that a drawing looks the same at every size; 0 turns an
+    effect off. A drawing's strength scales all settings, and its habits scale each by a third to five
+    thirds. Normals, depth and mask follow the distortion of the whole drawing. All other effects are errors
+    of the hand and leave the object as it is.
 
     Args:
         strength: range from which the strength of a drawing is drawn; 0 is the exact drawing, 1 the
@@ -99,7 +99,7 @@ class Hand:
     def draw(
         self, strokes: Sequence[Stroke], maps: Maps, rng: np.random.Generator
     ) -> tuple[list[Stroke], Maps]:
-        """Return the strokes as a person draws them, and the maps of the object so drawn.
+        """Return the strokes as a person would draw them, and the maps that match.
 
         Args:
             strokes: the exact drawing, in pixels of a frame as large as the maps.

@@ -1,4 +1,4 @@
-"""Omissions: strokes that are not drawn, and parts of strokes where the pen leaves no ink."""
+"""Omissions: missing strokes, and parts of strokes without ink."""
 
 from collections.abc import Sequence
 
@@ -18,9 +18,9 @@ _SHORTEST = 0.012  # of the side: what is left of a stroke and shorter is not dr
 def forget(
     strokes: Sequence[Stroke], interior: Doubles, chance: float, side: float, rng: np.random.Generator
 ) -> list[Stroke]:
-    """Return the strokes without some: those inside, and short ones, are missed more often.
+    """Return the strokes without some; inner and short ones are missed more often.
 
-    The longest always stays, so that no drawing comes out empty.
+    The longest always stays, so that no drawing is empty.
 
     Args:
         strokes: the drawing.
@@ -41,7 +41,7 @@ def forget(
 def skip_parts(
     stroke: Stroke, parts: float, step: float, side: float, rng: np.random.Generator
 ) -> list[Stroke]:
-    """Return what is left of a stroke when parts of it are not drawn.
+    """Return the drawn parts of a stroke after leaving out some.
 
     Args:
         stroke: with points ``step`` pixels apart.

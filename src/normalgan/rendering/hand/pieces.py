@@ -21,7 +21,7 @@ _RIM = 0.012  # of the side: so near the silhouette a stroke belongs to the outl
 
 
 def cut(stroke: Stroke, cuts: float, step: float, side: float, rng: np.random.Generator) -> list[Stroke]:
-    """Return the stroke in the pieces in which it is drawn, cut where it turns rather than elsewhere.
+    """Cut a stroke into the pieces in which it is drawn, mostly where it turns.
 
     Args:
         stroke: with points ``step`` pixels apart.
@@ -50,7 +50,7 @@ def cut(stroke: Stroke, cuts: float, step: float, side: float, rng: np.random.Ge
 
 
 def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
-    """Return of each stroke the share that lies within the object, away from its silhouette."""
+    """Return the share of each stroke that lies within the object, away from its silhouette."""
     height, width = maps.mask.shape
     deep = cv2.distanceTransform(maps.mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
     deep = deep > max(1.5, _RIM * max(height, width))  # the outermost pixels are of the outline at any size

@@ -1,4 +1,4 @@
-"""Repeats: a stroke that did not please is drawn over a second time."""
+"""Repeats: strokes that are drawn a second time."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ _OFFSET = 0.005  # of the side: how far it lies beside the first (standard devia
 
 
 def second_pass(stroke: Stroke, side: float, rng: np.random.Generator) -> Stroke:
-    """Return a stroke drawn over a part of another, at least two fifths of it, a little beside it.
+    """Return a second stroke slightly beside the first, over at least two fifths of it.
 
     Args:
         stroke: the first pass.

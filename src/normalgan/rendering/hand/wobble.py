@@ -1,4 +1,4 @@
-"""Wobble: the line strays, from a slow drift to a tremor, and detail is rounded off."""
+"""Wobble: smooth deviations of a line, from slow drift to tremor, and rounded detail."""
 
 from collections.abc import Sequence
 

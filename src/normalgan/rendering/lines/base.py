@@ -1,4 +1,4 @@
-"""LineDrawing: traces the lines by which a person might draw an object."""
+"""LineDrawing: the base of the line styles, which trace the lines of an object."""
 
 from abc import ABC, abstractmethod
 
@@ -24,7 +24,7 @@ class LineDrawing(ABC):
 
         Args:
             view: the object and where it is seen from; ``view.maps(scale)`` are its maps.
-            rng: for styles that choose; the same view and generator give the same strokes.
+            rng: for random choices; the same view and generator give the same strokes.
         """
 
 

@@ -30,7 +30,7 @@ _SWELL = 6.0  # points over which its width is
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
 class Brush(LineDrawing):
-    """Strokes of a brush, thick where the surface turns away slowly and thin where it does so at once.
+    """Brush strokes: thick where the surface turns away slowly, thin where it turns away quickly.
 
     The ink is where an extended difference of Gaussians of n·v falls below a threshold (Winnemöller,
     Kyprianidis, Olsen, "XDoG: An eXtended Difference-of-Gaussians Compendium", Computers & Graphics 36(6),

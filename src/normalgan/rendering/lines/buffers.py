@@ -1,4 +1,4 @@
-"""Buffers: the larger maps that lines are found in, cut down to the object."""
+"""Buffers: the larger maps in which lines are found, cropped to the object."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""Crossings: where a line passes between two neighbouring pixels, and which crossings follow on another."""
+"""Crossings: where a line passes between neighbouring pixels, and how crossings link up."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Self
@@ -81,7 +81,7 @@ class Crossings:
         return sorted(found, key=lambda line: -len(line.points))
 
     def _without_spurs(self) -> Self:
-        """Return the crossings but those that stick out of a line by no more than themselves."""
+        """Return the crossings without spurs of a single crossing."""
         _, cell, count = np.unique(self.cells, return_inverse=True, return_counts=True)
         around = np.sort(count[cell.reshape(-1, 2)], axis=1)
         kept = ~((around[:, 0] == 1) & (around[:, 1] > 2))
@@ -109,7 +109,7 @@ class Crossings:
 def _groups(
     points: Doubles, strength: Floats, group: Indices, seed: float, shortest: float
 ) -> NDArray[np.bool_]:
-    """Return which groups of points (N,) that hang together may hold a line: strong and long enough."""
+    """Return which connected groups of points (N,) are strong and long enough for a line."""
     count = int(group.max()) + 1 if len(group) else 0
     strongest, low, high = np.full(count, -np.inf), np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.maximum.at(strongest, group, strength)

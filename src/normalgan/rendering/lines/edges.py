@@ -1,4 +1,4 @@
-"""Where the surface breaks off: silhouette, occluding contours and creases, between pixels."""
+"""Discontinuities between pixels: silhouette, occluding contours and creases."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,11 @@ _BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: fart
 def depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
     """Return where the surface jumps back by at least ``least`` pixels of its own size, from pixel to pixel.
 
-    Between two neighbours the depth may change by anything between what the tangent plane of the one
-    and of the other foretells, and what it changes by a little off on either side; only what exceeds that
-    is a gap. So flanks seen at a grazing angle stay free of ink, even where the interpolated normals of
-    a coarse mesh deny that they are grazing. The gap belongs to the nearer pixel, the one that hides.
-    Its strength is its size, huge where that pixel borders on the background; the frame's border hides
-    nothing.
+    The expected depth change between neighbours lies between the predictions of both tangent planes and the
+    changes a few pixels away on either side; only an excess over that is a gap. So surfaces at a grazing
+    angle get no ink, even where the interpolated normals of a coarse mesh look less steep. A gap belongs to
+    the nearer, occluding pixel. Its strength is its size, and is huge next to the background. The frame's
+    border occludes nothing.
 
     Args:
         maps: the object, (H, W).
@@ -77,7 +76,7 @@ def _moved(rows: Index, columns: Index, by: int, axis: int, shape: tuple[int, ..
 
 
 def _foretold(maps: Maps, sight: Sight, pixel: Index, axis: int) -> Floats:
-    """Return by how much the tangent plane at each pixel deepens to the right (axis 0) or downwards (1)."""
+    """Return the depth change of each pixel's tangent plane to the right (axis 0) or downwards (1)."""
     nx, ny, nz = maps.normal.reshape(-1, 3).take(pixel, axis=0).T
     row, column = np.divmod(pixel, maps.mask.shape[1])
     towards = nz - nx * sight.x[column] - ny * sight.y[row]
@@ -87,7 +86,7 @@ def _foretold(maps: Maps, sight: Sight, pixel: Index, axis: int) -> Floats:
 
 
 def _outdone(falls: Floats, first: Index, depth: Floats, axis: int) -> NDArray[np.bool_]:
-    """Return which jumps may be but the beginning or the end of a much larger one, next to them in their row.
+    """Return which jumps may be only the start or end of a much larger one beside them in their row.
 
     Args:
         falls: (N,) how far the surface jumps back (positive) or forth (negative).
@@ -123,7 +122,7 @@ def creases(maps: Maps, angle: float) -> Crossings:
 
 
 def _lowest(values: Floats, axis: int) -> NDArray[np.bool_]:
-    """Return which values (H, W) are below the one before and not above the one after, along an axis."""
+    """Return which values (H, W) are below the previous and not above the next one, along an axis."""
     padding = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
     padded = np.pad(values, padding, constant_values=np.inf)
     length = values.shape[axis]

@@ -1,4 +1,4 @@
-"""Inside: from marks on the mesh to the strokes within an object, few, long and fading out."""
+"""Inside: from marks on the mesh to a few long, fading strokes within an object."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Marked pixels, and how far the others are from them."""
+"""Marked pixels, and the distance to them."""
 
 from collections.abc import Sequence
 

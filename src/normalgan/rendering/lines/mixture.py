@@ -1,4 +1,4 @@
-"""Mixture: each drawing in one of several styles, as from different people's hands."""
+"""Mixture: each drawing in a random one of several styles."""
 
 from dataclasses import dataclass
 

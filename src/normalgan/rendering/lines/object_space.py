@@ -1,4 +1,4 @@
-"""Suggestive contours found on the mesh: finer than in the picture, they keep eyes and nostrils."""
+"""Suggestive contours found on the mesh; finer than in the picture, so that eyes and nostrils survive."""
 
 from dataclasses import dataclass
 

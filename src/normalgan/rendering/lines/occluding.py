@@ -58,6 +58,6 @@ class OccludingContours(LineDrawing):
 
 
 def occluding_contours(buffers: Buffers, gap: float, shortest: float) -> list[Line]:
-    """Return the lines where something hides what is behind it; lengths as fractions of the frame's side."""
+    """Return the occluding contours; lengths are fractions of the frame's side."""
     gap *= buffers.side
     return depth_gaps(buffers.maps, buffers.sight, gap / 3).lines(gap, shortest * buffers.side)

@@ -1,4 +1,4 @@
-"""OutlinedDrawing: base of the styles that draw the occluding contours, and something of their own inside."""
+"""OutlinedDrawing: base of the styles that draw occluding contours and their own lines inside."""
 
 from abc import abstractmethod
 

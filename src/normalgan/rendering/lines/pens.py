@@ -14,12 +14,12 @@ _JITTER = 1.5  # points over which a line known more precisely is smoothed
 
 
 def draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:
-    """Return the stroke along a line of which is known between which pixels it passes."""
+    """Return the stroke along a line known only to pass between certain pixels."""
     path = settle(line.points, _STAIRS, _SLACK)
     return Stroke.even(resample(buffers.to_sketch(path), _SPACING), width)
 
 
 def draw_curve(line: Line, buffers: Buffers, width: float) -> Stroke:
-    """Return the stroke along a line whose points are known to a fraction of a pixel."""
+    """Return the stroke along a line with subpixel points."""
     path = smooth(line.points, _JITTER)
     return Stroke.even(resample(buffers.to_sketch(path), _SPACING), width)

@@ -1,4 +1,4 @@
-"""Projection: where points of an object lie in the sketch, how deep, and which way the eye is."""
+"""Projection of points to the sketch, their depth, and the direction to the eye."""
 
 import numpy as np
 

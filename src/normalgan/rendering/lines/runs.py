@@ -1,4 +1,4 @@
-"""Runs: the parts of a path that are worth drawing, unbroken by short weak places."""
+"""Runs: the parts of a path that are strong and long enough to draw."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Shapes: the surface and the curvature of the mesh drawn last, which views of one mesh share."""
+"""Shapes: surface and curvature of the last mesh, shared by its views."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ __all__ = ["Shape", "shape_of"]
 
 @dataclass(frozen=True)
 class Shape:
-    """What a mesh is like at every vertex.
+    """Normals and curvature of a mesh at its vertices.
 
     Args:
         surface: the mesh.

@@ -1,4 +1,4 @@
-"""Sight: the line of sight of every pixel, and what a pixel measures on the object."""
+"""Sight: the ray of every pixel, and the size of a pixel on the object."""
 
 from dataclasses import dataclass
 

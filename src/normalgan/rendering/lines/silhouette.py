@@ -1,4 +1,4 @@
-"""Silhouette: the outline and nothing else, as on a road sign."""
+"""Silhouette: the outline alone."""
 
 from dataclasses import dataclass
 
@@ -48,7 +48,7 @@ class Silhouette(LineDrawing):
 
 
 def borders(mask: BoolMask) -> Crossings:
-    """Return where a mask (H, W) borders on what is not in it; the frame's border is none."""
+    """Return the border of a mask (H, W); the frame's border does not count."""
     pairs: list[Crossed] = []
     for one, two in PAIRS:
         row, column = np.nonzero(mask[one] != mask[two])

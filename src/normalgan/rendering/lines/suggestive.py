@@ -24,7 +24,7 @@ _BAND = 0.003  # of the frame's side: normals so near a contour are half seen, a
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
 class SuggestiveContours(OutlinedDrawing):
-    """Occluding contours and few, confident strokes inside, the most like an artist's of the styles.
+    """Occluding contours and a few confident strokes inside; of all styles, the closest to an artist's.
 
     The strokes are the suggestive contours of DeCarlo et al. 2003, found in the picture: zero crossings
     of D_w f where D_w D_w f > t, for f = n·v and w the projection of the view vector v to the surface,

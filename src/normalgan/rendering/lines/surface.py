@@ -1,4 +1,4 @@
-"""Surface: a mesh with what its differential geometry needs, made once a mesh."""
+"""Surface: a mesh with its differential operators, made once per mesh."""
 
 from dataclasses import dataclass
 from typing import Any

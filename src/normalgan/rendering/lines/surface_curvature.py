@@ -14,7 +14,7 @@ def smooth_normals(surface: Surface, smoothing: float) -> Doubles:
 
 
 def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Doubles:
-    """Return how the unit normal turns as one moves along the surface, (V, 3, 3), symmetric.
+    """Return the shape operator at each vertex, (V, 3, 3), symmetric.
 
     A step s along the surface turns the normal by ``S s``; ``S n = 0``, and ``u · S u`` is the curvature
     along the unit tangent u, positive where the surface bends away from the normal, as a ball's does. Per

@@ -1,4 +1,4 @@
-"""Lines on a mesh: crossings of its edges, those that are seen, chained to paths in the picture."""
+"""Lines on a mesh: visible crossings of its edges, chained to paths in the picture."""
 
 from dataclasses import dataclass
 
@@ -53,7 +53,7 @@ def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
 
 
 def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
-    """Return where points (N, 3) lie in the sketch, (N, 2), and which nothing hides.
+    """Return the positions of points (N, 3) in the sketch, (N, 2), and which are visible.
 
     A point counts as seen if the surface is as deep in one of the nine pixels of the buffers about it: on
     a contour half of them show what is behind, or before.

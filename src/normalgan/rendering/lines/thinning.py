@@ -1,4 +1,4 @@
-"""Thinning: from inked areas to the lines along their middle, and how thick the ink was about them."""
+"""Thinning: from inked areas to their centre lines and widths."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""Medium: what pen, paper and scanner make of the lines."""
+"""Medium: effects of pen, paper and scanner."""
 
 from dataclasses import dataclass, fields
 

@@ -1,4 +1,4 @@
-"""What lies under the ink and what the scanner adds: tint, shadow, noise."""
+"""Paper and scanner: tint, shadow, noise."""
 
 import numpy as np
 

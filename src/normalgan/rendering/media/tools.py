@@ -1,4 +1,4 @@
-"""What the tool leaves on paper: ink that runs, pencil that catches on the tooth of the paper."""
+"""Pen and pencil: ink that bleeds, graphite that skips the low parts of the paper."""
 
 import cv2
 import numpy as np
@@ -11,7 +11,7 @@ _TOOTH = 0.7  # pixels; finer than the line, as paper scanned with a whole drawi
 
 
 def bleed(ink: Floats, sigma: float) -> Floats:
-    """Return ink that has run ``sigma`` pixels into the paper; none is lost.
+    """Return ink that has bled ``sigma`` pixels into the paper; its total is kept.
 
     Args:
         ink: (H, W) in [0, 1].

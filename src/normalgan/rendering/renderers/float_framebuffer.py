@@ -15,7 +15,7 @@ _SIZES = 3  # framebuffers kept at a time; one of 1024 pixels takes 20 MB
 
 
 class FloatFramebuffer:
-    """What a pyrender ``Renderer`` does differently here: one float32 sample a pixel, a camera of ours.
+    """A mixin for pyrender's ``Renderer``: one float32 sample a pixel, and our camera.
 
     pyrender itself multisamples and keeps 8 bits: along every silhouette that blends the object with the
     background, and normals end 0.2° off. Nor can its cameras shift their window. A mixin, put before

@@ -1,4 +1,4 @@
-"""Animations of glTF: read, checked, and where a node is at a time."""
+"""Animations of glTF: reading, checks, and evaluation at a time."""
 
 from typing import Any
 
@@ -6,9 +6,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.rigs.accessors import read_accessor
-from normalgan.rendering.rigs.container import Container, bad_rig
-from normalgan.rendering.rigs.rig import Clip, Nodes, Track
+from normalgan.rendering.gltf.accessors import read_accessor
+from normalgan.rendering.gltf.container import Container, bad_gltf
+from normalgan.rendering.gltf.nodes import Nodes
+from normalgan.rendering.rigs.rig import Clip, Track
 
 __all__ = ["INTERPOLATIONS", "KINDS", "MOST_CHANNELS", "MOST_MOVED", "pose_at", "read_clips", "track_at"]
 
@@ -29,7 +30,7 @@ def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
     animations = container.tree.get("animations", [])
     channels = sum(len(animation["channels"]) for animation in animations)
     if channels > MOST_CHANNELS or len(animations) * len(nodes.parents) > MOST_MOVED:
-        raise bad_rig(
+        raise bad_gltf(
             container.path, f"it has {len(animations)} animations of {channels} channels; delete most of them"
         )
     clips = []
@@ -48,11 +49,11 @@ def _track(container: Container, nodes: Nodes, animation: dict[str, Any], channe
     node, path = channel["target"]["node"], channel["target"]["path"]
     container.item("nodes", node)
     if node in nodes.matrices:
-        raise bad_rig(container.path, f"an animation moves node {node}, which is placed by a matrix")
+        raise bad_gltf(container.path, f"an animation moves node {node}, which is placed by a matrix")
     sampler = animation["samplers"][channel["sampler"]]
     interpolation = sampler.get("interpolation", "LINEAR")
     if interpolation not in INTERPOLATIONS:
-        raise bad_rig(container.path, f"an animation is interpolated by {interpolation!r}")
+        raise bad_gltf(container.path, f"an animation is interpolated by {interpolation!r}")
     times = read_accessor(container, sampler["input"], "SCALAR")[:, 0].astype(np.float64)
     values = read_accessor(container, sampler["output"], KINDS[path]).astype(np.float64)
     triples = np.zeros((len(times), 3, values.shape[1]))
@@ -63,11 +64,11 @@ def _track(container: Container, nodes: Nodes, animation: dict[str, Any], channe
         sound = len(values) == len(times)
         triples[:, 1] = values if sound else 0.0
     if not sound:
-        raise bad_rig(container.path, f"an animation has {len(values)} values for {len(times)} times")
+        raise bad_gltf(container.path, f"an animation has {len(values)} values for {len(times)} times")
     if not (np.isfinite(times).all() and np.isfinite(values).all() and (np.diff(times) > 0).all()):
-        raise bad_rig(container.path, "an animation's times do not ascend, or a number is not finite")
+        raise bad_gltf(container.path, "an animation's times do not ascend, or a number is not finite")
     if path == "rotation" and (np.linalg.norm(triples[:, 1], axis=1) < 1e-6).any():
-        raise bad_rig(container.path, "an animation has a rotation of length 0")
+        raise bad_gltf(container.path, "an animation has a rotation of length 0")
     return Track(node, path, interpolation, times, triples)
 
 
@@ -106,7 +107,7 @@ def track_at(track: Track, moments: Doubles) -> Doubles:
 
 
 def pose_at(nodes: Nodes, clip: Clip, moment: float) -> Nodes:
-    """Return the nodes where they are at a time of a clip; those that it does not move stay at rest."""
+    """Return the nodes at a time of a clip; those that it does not move stay at rest."""
     moved = {"translation": nodes.translations, "rotation": nodes.rotations, "scale": nodes.scales}
     moved = {path: values.copy() for path, values in moved.items()}
     for track in clip.tracks:

@@ -7,12 +7,13 @@ import numpy as np
 
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError, did_you_mean
+from normalgan.rendering.gltf.nodes import Indices, world_matrices
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, finish
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Clip, Indices
-from normalgan.rendering.rigs.skinning import posed_surface, world_matrices
+from normalgan.rendering.rigs.rig import Clip
+from normalgan.rendering.rigs.skinning import posed_surface
 
 __all__ = ["ClipMeshes"]
 

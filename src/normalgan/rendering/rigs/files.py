@@ -1,4 +1,4 @@
-"""RiggedFile: a pose of a rigged glTF file as a mesh; and how rigs among mesh files become their poses."""
+"""RiggedFile: a pose of a rigged glTF file as a mesh; and the poses of all rigs among mesh files."""
 
 import hashlib
 import json
@@ -10,9 +10,9 @@ import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.rendering.families import pose_name
+from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, finish
-from normalgan.rendering.rigs.container import bad_rig, has_skin
 from normalgan.seeds import rng_of
 
 __all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]
@@ -80,9 +80,9 @@ class RiggedFile:
             try:
                 vertices, faces = posed_surface(rig, draw_pose(rig, rng, self.postures))
             except LooseRigError as error:
-                raise bad_rig(Path(self.file.path), str(error)) from error
+                raise bad_gltf(Path(self.file.path), str(error)) from error
         if not np.isfinite(vertices).all():
-            raise bad_rig(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
+            raise bad_gltf(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
         return finish(self.name, self.file, vertices, faces)
 
 

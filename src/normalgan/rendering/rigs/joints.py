@@ -1,4 +1,4 @@
-"""How the joints of a rig may turn: what hangs on what, and how far animations turn each."""
+"""The joints of a rig: their hierarchy, and the ranges in which animations turn them."""
 
 from dataclasses import dataclass
 
@@ -7,9 +7,10 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import BoolMask, Doubles
+from normalgan.rendering.gltf.nodes import Indices, world_matrices
 from normalgan.rendering.rigs.animations import track_at
-from normalgan.rendering.rigs.rig import Indices, Rig
-from normalgan.rendering.rigs.skinning import posed_vertices, world_matrices
+from normalgan.rendering.rigs.rig import Rig
+from normalgan.rendering.rigs.skinning import posed_vertices
 from normalgan.rendering.topology import components
 
 __all__ = [
@@ -40,7 +41,7 @@ MOST_SEARCHED = 2**23
 
 
 class LooseRigError(ValueError):
-    """A rig falls into too many loose parts to find what hangs on what."""
+    """A rig has too many loose parts to find its hierarchy."""
 
 
 @dataclass(frozen=True)

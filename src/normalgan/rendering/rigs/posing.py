@@ -4,17 +4,17 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.joints import Joints, find_joints
 from normalgan.rendering.rigs.postures import draw_posture, find_skeleton, in_posture
 from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import world_matrices
 
 __all__ = ["draw_pose", "turned"]
 
 
 def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doubles:
-    """Return where (N, 4, 4) the nodes are in a pose drawn at random.
+    """Return the nodes' matrices (N, 4, 4) in a random pose.
 
     Of the poses that are no posture, half are a moment of an animation. The others, and all of a rig without
     animations, start from rest and turn each joint by a rotation vector drawn from its range, its middle

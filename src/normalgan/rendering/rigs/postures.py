@@ -7,9 +7,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.rigs.joints import find_joints, owned_vertices
 from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import world_matrices
 
 __all__ = ["POSTURES", "Posture", "Skeleton", "draw_posture", "find_skeleton", "in_posture"]
 

@@ -1,41 +1,16 @@
-"""What a rig is: nodes in a tree, pieces of surface bound to them, clips that move them."""
+"""Rig: nodes in a tree, pieces of surface bound to them, clips that move them."""
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from normalgan.arrays import Doubles
+from normalgan.rendering.gltf.nodes import Indices, Nodes
 
-__all__ = ["Clip", "Indices", "Nodes", "Piece", "Rig", "Skin", "Track"]
-
-Indices = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Nodes:
-    """The nodes of a scene; each moves its children.
-
-    Args:
-        parents: (N,) index of each node's parent, -1 for none.
-        order: (N,) all indices, parents before their children.
-        translations: (N, 3) in the parent's axes, at rest.
-        rotations: (N, 4) unit quaternions x, y, z, w, at rest.
-        scales: (N, 3), at rest.
-        matrices: the (4, 4) matrices, for column vectors, of nodes that have one instead of these three.
-    """
-
-    parents: Indices
-    order: Indices
-    translations: Doubles
-    rotations: Doubles
-    scales: Doubles
-    matrices: dict[int, Doubles]
+__all__ = ["Clip", "Piece", "Rig", "Skin", "Track"]
 
 
 @dataclass(frozen=True)
 class Skin:
-    """Which nodes move a surface.
+    """The nodes that move a surface.
 
     Args:
         joints: (J,) indices of nodes.

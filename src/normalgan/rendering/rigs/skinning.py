@@ -1,35 +1,12 @@
-"""Linear blend skinning: from the places of the nodes to the places of the vertices."""
+"""Linear blend skinning: vertex positions from node matrices."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.rigs.rig import Indices, Nodes, Piece, Rig
+from normalgan.rendering.gltf.nodes import Indices
+from normalgan.rendering.rigs.rig import Piece, Rig
 
-__all__ = ["local_matrices", "posed_surface", "posed_vertices", "world_matrices"]
-
-
-def local_matrices(nodes: Nodes) -> Doubles:
-    """Return the (N, 4, 4) matrices from each node's axes to its parent's, for column vectors."""
-    matrices = np.zeros((len(nodes.parents), 4, 4))
-    if len(matrices):
-        turns = Rotation.from_quat(nodes.rotations).as_matrix()
-        matrices[:, :3, :3] = turns * nodes.scales[:, None, :]
-    matrices[:, :3, 3] = nodes.translations
-    matrices[:, 3, 3] = 1.0
-    for index, matrix in nodes.matrices.items():
-        matrices[index] = matrix
-    return matrices
-
-
-def world_matrices(nodes: Nodes) -> Doubles:
-    """Return the (N, 4, 4) matrices from each node's axes to the world's."""
-    matrices = local_matrices(nodes)
-    for index in nodes.order:
-        parent = nodes.parents[index]
-        if parent >= 0:
-            matrices[index] = matrices[parent] @ matrices[index]
-    return matrices
+__all__ = ["posed_surface", "posed_vertices"]
 
 
 def posed_vertices(piece: Piece, world: Doubles) -> Doubles:

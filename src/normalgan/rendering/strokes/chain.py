@@ -1,4 +1,4 @@
-"""Chaining: from linked points to paths in order, straight on through junctions."""
+"""Chaining: from linked points to ordered paths that run straight through junctions."""
 
 from collections import defaultdict
 
@@ -116,7 +116,7 @@ def _direction(points: Doubles, piece: Piece, side: int, reach: float) -> Double
 
 
 def _joined(pieces: list[Piece], partner: dict[End, End]) -> list[Piece]:
-    """Return the pieces strung together, from every end that has no partner; then what goes in circles."""
+    """Return the joined pieces, starting at ends without a partner; then the closed ones."""
     done = [False] * len(pieces)
     paths = []
     loose = [(number, side) for number in range(len(pieces)) for side in (0, -1)]

@@ -2,7 +2,7 @@
 
 import { clear, context2d } from "./canvas.js";
 import { Camera } from "./camera.js";
-import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions } from "./marks.js";
+import { drawArea, drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions } from "./marks.js";
 import { drawSelection } from "./selecting.js";
 import { Sheet } from "./sheet.js";
 
@@ -39,6 +39,8 @@ export class Board {
     this.cursor = null;
     /** @type {Point | null} where the pointer is, in the drawing */
     this.pointer = null;
+    /** Returns the area between lines about a point. @type {(at: Point) => import("./areas.js").Area | null} */
+    this.areaAt = () => null;
     /** Whether points are on show. @type {() => boolean} */
     this.marked = () => true;
     /** Called after each picture, for what floats above. @type {() => void} */
@@ -103,6 +105,8 @@ export class Board {
     clear(context);
     context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
     if (this.marked()) drawGuides(context, camera, editor);
+    const over = this.cursor ?? this.pointer;
+    if (editor.tool === "mask" && editor.fills && over) drawArea(context, camera, this.areaAt(over));
     drawMaskStroke(context, camera, editor);
     drawAreas(context, camera, editor);
     drawSuggestions(context, camera, editor);
@@ -119,7 +123,7 @@ export class Board {
     /** @type {Record<string, number | undefined>} */
     const widths = editor.widths;
     const width = widths[editor.tool];
-    if (!at || (!width && !this.cursor)) return;
+    if (!at || (!width && !this.cursor) || (editor.tool === "mask" && editor.fills && !this.cursor)) return;
     const { x, y } = camera.toPane(at.x, at.y);
     const radius = Math.max(2, ((width ?? 8) / 2) * camera.scale);
     for (const [colour, line] of [["rgb(255 255 255 / 80%)", 3], ["rgb(40 40 60 / 80%)", 1]]) {

@@ -15,8 +15,8 @@ import { say, text } from "./text.js";
  *   reach: how far it has an effect
  * @typedef {{points: number[], normal: Normal, size?: number}} Area x, y, x, y, … of a polygon that is turned as a
  *   whole, or of a stroke of that width that is brushed with a direction
- * @typedef {{adds: boolean, size: number, points: number[]}} MaskStroke x, y, x, y, … where the object is added to or
- *   cut from
+ * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
+ *   added to or cut from; fills: a click, for all of the area between lines about it
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
  *   mask: MaskStroke[], source: Source}} Layer a part of the drawing, which is painted for itself
  * @typedef {null | "outline" | "model"} Source where a layer's object is: by itself, inside the outline, as the model sees it
@@ -209,7 +209,7 @@ const isArea = (value) =>
   (value.size === undefined || (isNumber(value.size) && value.size > 0));
 /** @type {Check} */
 const isMaskStroke = (value) =>
-  typeof value.adds === "boolean" && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
+  typeof value.adds === "boolean" && [undefined, true].includes(value.fills) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 2 && value.points.length % 2 === 0 && value.points.every(isNumber);
 /** @type {Check} */
 const isPicture = (value) => isPlaced(value) && isNumber(value.opacity) && typeof value.visible === "boolean";

@@ -1,25 +1,13 @@
 /** Exporting: the dialog that asks for a file or for all of them, and what comes of it: a download or the clipboard. */
 
-import { exported } from "./api.js";
+import { exported, predict } from "./api.js";
+import { context2d } from "./canvas.js";
 import { drawnLayers } from "./document.js";
 import { $, download, enable, field, make, open } from "./dom.js";
 import { linesAt } from "./ink.js";
 import { recalled, remember } from "./settings.js";
 import { say, text, wordsOf } from "./text.js";
 
-/** @type {Record<string, string[]>} */
-const FORMATS = {
-  map: ["png8", "png16", "exr", "tiff"],
-  all: ["plain", "unity", "unreal", "godot", "godot3", "blender"],
-  preview: ["png", "gif"],
-  height: ["png", "tiff"],
-  occlusion: ["png"],
-  curvature: ["png"],
-  specular: ["png"],
-  mask: ["png"],
-  lines: ["png"],
-  relief: ["glb", "obj"],
-};
 const KEY = "normalgan-export";
 
 /** @param {HTMLCanvasElement} canvas @returns {Promise<Blob>} a PNG */
@@ -42,13 +30,17 @@ export class Exporting {
    * @param {import("./editor.js").Editor} editor
    * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
+   * @param {(map: import("./predictor.js").Painted) => Uint8ClampedArray<ArrayBuffer>} shaded RGBA of a map as the result shows it
    */
-  constructor(editor, predictor, status) {
+  constructor(editor, predictor, status, shaded) {
+    this.shaded = shaded;
     this.editor = editor;
     this.predictor = predictor;
     this.status = status;
     /** @type {Record<string, string[]>} */
-    this.offered = FORMATS;
+    /** @type {Record<string, string[]>} the formats of each kind of file, as the menu lists them */
+    this.formats = Object.fromEntries([.../** @type {HTMLSelectElement} */ ($("export-what")).options].map((each) => [each.value, (each.dataset.formats ?? "").split(" ")]));
+    this.offered = this.formats;
     $("export-what").addEventListener("change", () => this.#formats());
     $("export-format").addEventListener("change", () => this.#rows());
     this.#recall();
@@ -56,11 +48,11 @@ export class Exporting {
 
   /** Has only what can be exported here be chosen. @param {Record<string, string[]>} offered formats of each kind of file */
   offer(offered) {
-    this.offered = offered;
+    this.offered = { ...offered, lit: this.formats.lit }; // the page makes it
     /** @type {HTMLSelectElement} */
     const what = $("export-what");
     for (const option of what.options) {
-      option.disabled = !(option.value in offered);
+      option.disabled = !(option.value in this.offered);
       option.title = option.disabled ? text.needsPython : "";
     }
     if (what.selectedOptions[0]?.disabled) what.value = Object.keys(offered)[0];
@@ -78,17 +70,29 @@ export class Exporting {
     const way = await open($("export-dialog"));
     if (!way) return;
     this.#remember();
+    await this.#made(way === "copy" ? () => this.#copy() : () => this.#save(this.#wish()));
+  }
+
+  /** Hands the lit result to the browser's downloads, at the drawing's own size. */
+  async saveLit() {
+    await this.#made(() => this.#save({ ...this.#wish(), name: this.editor.doc.settings.name || text.untitled.toLowerCase(), what: "lit", size: null }));
+  }
+
+  /** @param {() => Promise<void>} make */
+  async #made(make) {
     this.status.say(text.exporting);
     try {
-      if (way === "copy") await this.#copy();
-      else {
-        const { blob, name } = await this.#file(this.#wish());
-        download(blob, name);
-        this.status.say(say("exported", { name }));
-      }
+      await make();
     } catch (error) {
       this.status.fail(error);
     }
+  }
+
+  /** @param {Record<string, any>} wish */
+  async #save(wish) {
+    const { blob, name } = await this.#file(wish);
+    download(blob, name);
+    this.status.say(say("exported", { name }));
   }
 
   /** Puts the picture onto the clipboard. */
@@ -113,6 +117,7 @@ export class Exporting {
     const { doc } = this.editor;
     const own = Math.max(doc.width, doc.height);
     const longest = wish.size ?? own;
+    if (wish.what === "lit") return { blob: await this.#lit(longest === own ? null : longest), name: `${wish.name}_lit.png` };
     const more = { ...wish };
     if (["lines", "all"].includes(wish.what)) {
       const lines = await toPng(linesAt(doc, longest));
@@ -121,6 +126,18 @@ export class Exporting {
     }
     // At its own size the file is of the very pixels that the map on show is of.
     return longest === own ? this.predictor.ask(exported, more) : this.predictor.askAt(longest, exported, more);
+  }
+
+  /** Returns the result under the light as it is seen, a PNG. @param {number | null} longest longer side; null is the drawing's own @returns {Promise<Blob>} */
+  async #lit(longest) {
+    const { predictor } = this;
+    const shown = longest === null && predictor.whole ? predictor.painted : null;
+    const map = shown ?? (longest === null ? await predictor.ask((request) => predict(request)) : await predictor.askAt(longest, (request) => predict(request), {}));
+    if (!map) throw new Error(text.busy);
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [map.width, map.height];
+    context2d(canvas).putImageData(new ImageData(this.shaded(map), map.width), 0, 0);
+    return toPng(canvas);
   }
 
   #wish() {
@@ -143,9 +160,9 @@ export class Exporting {
   /** Shows what was chosen the last time. */
   #recall() {
     const before = recalled(KEY) ?? {};
-    if (Object.hasOwn(FORMATS, before.what)) field("export-what").value = before.what;
+    if (Object.hasOwn(this.formats, before.what)) field("export-what").value = before.what;
     this.#formats();
-    if (FORMATS[field("export-what").value].includes(before.format)) field("export-format").value = before.format;
+    if (this.formats[field("export-what").value].includes(before.format)) field("export-format").value = before.format;
     if (["up", "down"].includes(before.y)) field("export-y").value = before.y;
     if (typeof before.alpha === "boolean") field("export-alpha").checked = before.alpha;
     if (Number.isInteger(before.size)) field("export-size").value = String(before.size);
@@ -154,9 +171,9 @@ export class Exporting {
 
   #formats() {
     const what = field("export-what").value;
-    const words = (/** @type {string} */ format) => wordsOf(what === "height" && format === "png" ? "png16" : format);
+    const words = (/** @type {string} */ format) => (format in text ? wordsOf(what === "height" && format === "png" ? "png16" : format) : format.toUpperCase());
     const has = (/** @type {string} */ format) => this.offered[what]?.includes(format) ?? false;
-    $("export-format").replaceChildren(...FORMATS[what].map((format) => make("option", { value: format, text: words(format), disabled: !has(format) })));
+    $("export-format").replaceChildren(...this.formats[what].map((format) => make("option", { value: format, text: words(format), disabled: !has(format) })));
     this.#rows();
   }
 

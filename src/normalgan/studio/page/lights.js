@@ -1,4 +1,4 @@
-/** Lights: their colours, which of the two is moved, and a button that lets the light go around. */
+/** Lights: their colours, height, intensity and falloff, which of the two is moved, and a button that lets the light go around. */
 
 import { $, field, label } from "./dom.js";
 import { recalled, remember } from "./settings.js";
@@ -23,6 +23,15 @@ function linear(colour) {
   });
 }
 
+/** Returns a direction at a height above the paper, in degrees. @param {number[]} direction @param {number} degrees */
+function raised([x, y], degrees) {
+  const angle = (degrees * Math.PI) / 180;
+  const along = Math.hypot(x, y) > 1e-3 ? Math.atan2(y, x) : (3 * Math.PI) / 4;
+  return [Math.cos(angle) * Math.cos(along), Math.cos(angle) * Math.sin(along), Math.sin(angle)];
+}
+
+/** @param {unknown} value @param {number} most */
+const isShare = (value, most) => typeof value === "number" && value >= 0 && value <= most;
 const isColour = (/** @type {unknown} */ value) => typeof value === "string" && /^#[0-9a-f]{6}$/.test(value);
 
 export class Lights {
@@ -32,6 +41,10 @@ export class Lights {
     this.view = view;
     this.show = show;
     this.colours = ["#ffffff", "#5080ff"];
+    /** How bright they are; 1 is usual. */
+    this.intensities = [1, 1];
+    /** How fast they fade, 0 to 1. */
+    this.falloff = 0;
     /** Whether there is a second light. */
     this.both = false;
     /** Which of them is moved. */
@@ -53,11 +66,32 @@ export class Lights {
       this.moved = this.both ? 1 : 0;
       this.#changed();
     });
+    field("light-height").addEventListener("input", () => {
+      this.stop();
+      this.directions[this.moved] = raised(this.directions[this.moved], field("light-height").valueAsNumber);
+      this.#shine();
+    });
+    field("light-intensity").addEventListener("input", () => {
+      this.intensities[this.moved] = field("light-intensity").valueAsNumber / 100;
+      this.#changed();
+    });
+    field("light-falloff").addEventListener("input", () => {
+      this.falloff = field("light-falloff").valueAsNumber / 100;
+      this.#changed();
+    });
+    $("lamp-more").addEventListener("click", () => this.open($("lamp-options").hidden === true));
     $("light-moved").addEventListener("click", () => {
       this.moved = 1 - this.moved;
       this.#changed();
     });
     this.#changed();
+  }
+
+  /** Shows all settings of the lights, or hides them. @param {boolean} open */
+  open(open) {
+    $("lamp-options").hidden = !open;
+    $("lamp-more").setAttribute("aria-expanded", String(open));
+    $("lamp-more").setAttribute("aria-pressed", String(open));
   }
 
   /** Moves a light over a point of the result. @param {number} x @param {number} y */
@@ -71,6 +105,7 @@ export class Lights {
   took(direction) {
     this.stop();
     this.directions[0] = direction;
+    this.#height();
   }
 
   /** Lets the light go around, or stops it. */
@@ -106,10 +141,17 @@ export class Lights {
   }
 
   #shine() {
-    this.viewer.setLights(
-      { direction: this.directions[0], colour: linear(this.colours[0]) },
-      this.both ? { direction: this.directions[1], colour: linear(this.colours[1]) } : null,
-    );
+    const lamp = (/** @type {number} */ i) => ({
+      direction: this.directions[i], colour: linear(this.colours[i]).map((value) => value * this.intensities[i]),
+    });
+    this.viewer.setLights(lamp(0), this.both ? lamp(1) : null, this.falloff);
+    this.#height();
+  }
+
+  /** Shows how high the light is that is moved. */
+  #height() {
+    const [x, y, z] = this.directions[this.moved];
+    field("light-height").value = String(Math.round((Math.atan2(z, Math.hypot(x, y)) * 180) / Math.PI));
   }
 
   #changed() {
@@ -117,15 +159,18 @@ export class Lights {
     field("light-both").checked = this.both;
     $("light-2").hidden = !this.both;
     $("light-moved").hidden = !this.both;
-    $("light-help").hidden = this.both; // there is no room for it
+    field("light-intensity").value = String(Math.round(100 * this.intensities[this.moved]));
+    field("light-falloff").value = String(Math.round(100 * this.falloff));
     $("light-moved").textContent = this.moved ? text.lightMovesSecond : text.lightMovesFirst;
-    remember(KEY, { colours: this.colours, both: this.both });
+    remember(KEY, { colours: this.colours, both: this.both, intensities: this.intensities, falloff: this.falloff });
     this.#shine();
   }
 
   #recall() {
     const before = recalled(KEY) ?? {};
     if (Array.isArray(before.colours) && before.colours.length === 2 && before.colours.every(isColour)) this.colours = before.colours;
+    if (Array.isArray(before.intensities) && before.intensities.length === 2 && before.intensities.every((/** @type {unknown} */ each) => isShare(each, 2))) this.intensities = before.intensities;
+    if (isShare(before.falloff, 1)) this.falloff = before.falloff;
     if (typeof before.both === "boolean") this.both = before.both;
   }
 }

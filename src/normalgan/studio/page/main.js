@@ -17,6 +17,7 @@ import { followKeyboard } from "./keyboard_pen.js";
 import { followLayers } from "./layers.js";
 import { Lights } from "./lights.js";
 import { Predictor } from "./predictor.js";
+import { Materials } from "./materials.js";
 import { Panes } from "./panes.js";
 import { followPaper } from "./paper.js";
 import { followPointers } from "./pointer.js";
@@ -48,6 +49,7 @@ const predictor = new Predictor(editor, inks, connection, tab);
 const result = new Result(predictor, status);
 const lights = new Lights(result.viewer, () => result.view, (each) => result.show(each));
 result.onLight = (/** @type {number[]} */ light) => lights.took(light);
+const materials = new Materials(editor, predictor, result, lights);
 const panes = new Panes(board, overlay, predictor, status);
 // Marks would hide the map from whoever only looks at it.
 overlay.marked = () => panes.layout === "result" || ["hint", "region", "brush"].includes(editor.tool);
@@ -59,12 +61,14 @@ overlay.onMoved = () => {
 const autosave = new Autosave(editor, connection, tab);
 const projects = new Projects(editor, autosave, status);
 const importing = new Importing(editor, view, status, projects);
-const exporting = new Exporting(editor, predictor, status);
+const exporting = new Exporting(editor, predictor, status, (map) =>
+  result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));
 const lines = new LineTool(editor, inks);
 const pins = new HintTool(editor, () => predictor.painted, (words) => status.say(words));
 const areas = new AreaTool(editor, () => predictor.painted, (words) => status.say(words));
 const points = new Points([board, overlay], pins, predictor, status);
-const mask = new MaskTool(editor, (words) => status.say(words));
+const mask = new MaskTool(editor, () => predictor.painted, (words) => status.say(words));
+for (const each of [board, overlay]) each.areaAt = (at) => mask.areaAt(at);
 const select = new SelectTool(editor);
 const arranging = new Arranging(editor, (words) => status.say(words));
 const light = new LightTool((x, y) => lights.move(x, y));
@@ -145,7 +149,7 @@ const remove = () => {
 $("select-remove").addEventListener("click", remove);
 const clicks = {
   new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs(),
-  import: () => importing.pick(), export: () => exporting.ask(), undo, redo, help,
+  import: () => importing.pick(), export: () => exporting.ask(), "lit-save": () => exporting.saveLit(), undo, redo, help,
   "zoom-in": () => zoom(1.25), "zoom-out": () => zoom(0.8), "zoom-fit": () => view.fit(),
 };
 for (const [id, action] of Object.entries(clicks)) $(id).addEventListener("click", action);
@@ -158,7 +162,8 @@ followKeys({
   "ctrl+s": clicks.save, "ctrl+o": clicks.open, "ctrl+i": clicks.import, "ctrl+e": clicks.export,
   "+": clicks["zoom-in"], "=": clicks["zoom-in"], "-": clicks["zoom-out"], 0: clicks["zoom-fit"],
   f: () => panes.enlarge("result"), "shift+f": () => panes.enlarge("drawing"), c: () => panes.compare(), o: () => panes.overlay(),
-  x: () => editor.set({ adds: !editor.adds }),
+  x: () => editor.set({ adds: !editor.adds, fills: false }),
+  a: () => editor.set({ tool: "mask", fills: true }),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
   n: () => points.next(1), "shift+n": () => points.next(-1),

@@ -143,6 +143,19 @@ export function drawMaskStroke(context, camera, editor) {
   context.globalAlpha = 1;
 }
 
+/**
+ * Tints the area between lines that a click would change; one that lies open to the paper's edge has no tint.
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("./areas.js").Area | null} area
+ */
+export function drawArea(context, camera, area) {
+  if (!area || area.open) return;
+  context.save();
+  context.transform(...camera.transform());
+  context.globalAlpha = 0.25;
+  context.drawImage(area.picture, 0, 0, camera.doc.width, camera.doc.height);
+  context.restore();
+}
+
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
 export function drawSuggestions(context, camera, editor) {
   for (const point of editor.suggestions) {

@@ -25,6 +25,8 @@ export class Result {
     this.status = status;
     /** Called with the light that keys have moved. @type {(light: number[]) => void} */
     this.onLight = () => {};
+    /** Called when another view is on show. @type {() => void} */
+    this.onView = () => {};
     this.viewer = createViewer($("viewer"), {
       text: text.viewerTexts, onError: (words) => this.#say(words), onMove: ({ light }) => this.onLight(light),
     });
@@ -54,6 +56,7 @@ export class Result {
     this.view = view;
     $("result").dataset.view = view;
     this.viewer.setView(view);
+    this.onView();
     this.predictor.wantHeight(view === "relief" && this.viewer.available);
   }
 

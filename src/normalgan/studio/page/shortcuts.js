@@ -13,7 +13,7 @@ export const SHOWN = [
   ["Ctrl+A", "keySelect"],
   ["Ctrl+D  Ctrl+C  Ctrl+X  Ctrl+V", "keyArrange"],
   ["Y", "keySymmetry"],
-  ["X", "keyMask"],
+  ["X  A", "keyMask"],
   [",  .", "keyTurn"],
   ["PgUp  PgDn", "keyLayer"],
   ["N  Shift+N", "keyHint"],

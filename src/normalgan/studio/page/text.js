@@ -1,4 +1,9 @@
-/** All words of the page, so that another language is one file. `{…}` are filled in by `say`. */
+/**
+ * All words of the page, in English; another language is a file `text_….js` beside it. `{…}` are filled in by `say`.
+ */
+
+/** Languages that have a file. */
+export const LANGUAGES = ["de", "es", "fr", "ja", "zh"];
 
 export const text = {
   title: "normalgan studio",
@@ -67,10 +72,23 @@ export const text = {
   mask: "Mask brush",
   maskAdd: "Add to the object",
   maskCut: "Cut from the object",
+  maskArea: "Click an area: object or hole",
+  areaOpen: "This area is open to the paper's edge. Close its outline first.",
+  areaObject: "The area is object now.",
+  areaHole: "The area is a hole now.",
   maskClear: "Clear the mask strokes",
   tooManyMaskStrokes: "This layer has the maximum number of mask strokes.",
   light: "Move the light",
   lightHelp: "Drag over the result.",
+  lamp: "Light and material",
+  lampMore: "Settings of the light",
+  material: "Material",
+  clay: "Clay",
+  myColours: "My colours",
+  litSave: "Export the lit picture as you see it",
+  lightHeight: "Height",
+  lightIntensity: "Intensity",
+  lightFalloff: "Falloff",
   lightPlay: "Rotate the light",
   lightStop: "Stop the light",
   lightFirst: "Light colour",
@@ -223,14 +241,8 @@ export const text = {
   exportTitle: "Export",
   what: "What",
   whatMap: "Normal map",
-  whatPreview: "Lit preview, eight lights",
-  whatHeight: "Height map",
-  whatRelief: "Relief mesh",
+  whatLit: "Lit picture, as shown",
   whatAll: "All files, zipped",
-  whatOcclusion: "Ambient occlusion",
-  whatCurvature: "Curvature",
-  whatSpecular: "Specular",
-  whatMask: "Mask",
   whatLines: "Line art",
   allHelp: "Map, line art, mask, height, ambient occlusion, curvature, specular and preview, with the engine's file names, green direction and bit depth.",
   plain: "Plain",
@@ -279,7 +291,7 @@ export const text = {
   keyPanes: "Result only, compare, lines over the result",
   keySelect: "Select all lines",
   keySymmetry: "Mirror while drawing",
-  keyMask: "Mask brush: add or cut",
+  keyMask: "Mask brush: add or cut, areas by a click",
   keyTurn: "Rotate the view left, right",
   keyHint: "Next, previous point",
   keyDelete: "Delete the point or the selection",
@@ -349,6 +361,24 @@ export const text = {
   discard: "Discard",
   pixels: "{width} × {height}",
 };
+
+/** @typedef {Record<string, string>} Words of another language; the viewer's own stand among the others */
+
+/** Returns the first language that a user reads and the page has. @param {readonly string[]} wanted as the browser lists them @returns {string} */
+export function languageOf(wanted) {
+  const found = wanted.map((each) => each.toLowerCase().split("-")[0]).find((each) => each === "en" || LANGUAGES.includes(each));
+  return found ?? "en";
+}
+
+const language = languageOf(navigator.languages);
+if (language !== "en") {
+  /** @type {{words: Words}} */
+  const { words } = await import(`./text_${language}.js`);
+  for (const part of [text, text.viewerTexts]) {
+    for (const key of Object.keys(part)) if (key in words) Object.assign(part, { [key]: words[key] });
+  }
+}
+if (typeof document !== "undefined") document.documentElement.lang = language;
 
 /** Returns words as a sentence: what comes from elsewhere may begin small and end without a stop. @param {string} words */
 export const sentence = (words) => words && `${words[0].toUpperCase()}${words.slice(1).replace(/[.。]?$/, (end) => end || ".")}`;

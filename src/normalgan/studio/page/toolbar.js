@@ -56,7 +56,8 @@ export function followTools(editor, inks) {
     const chosen = /** @type {"outline" | "model" | ""} */ (source.value);
     editor.commit(withActive(editor.doc, { source: chosen || null }));
   });
-  for (const [id, adds] of /** @type {[string, boolean][]} */ ([["mask-add", true], ["mask-cut", false]])) $(id).addEventListener("click", () => editor.set({ adds }));
+  for (const [id, adds] of /** @type {[string, boolean][]} */ ([["mask-add", true], ["mask-cut", false]])) $(id).addEventListener("click", () => editor.set({ adds, fills: false }));
+  $("mask-area").addEventListener("click", () => editor.set({ fills: true }));
   const colour = field("colour");
   colour.addEventListener("input", () => editor.set({ colour: colour.value }));
   for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
@@ -80,8 +81,9 @@ export function followTools(editor, inks) {
       $(id).hidden = !["pen", "eraser"].includes(tool);
     }
     $("mask-options").hidden = tool !== "mask";
-    $("mask-add").setAttribute("aria-pressed", String(editor.adds));
-    $("mask-cut").setAttribute("aria-pressed", String(!editor.adds));
+    $("mask-add").setAttribute("aria-pressed", String(editor.adds && !editor.fills));
+    $("mask-cut").setAttribute("aria-pressed", String(!editor.adds && !editor.fills));
+    $("mask-area").setAttribute("aria-pressed", String(editor.fills));
     enable("mask-clear", layer.mask.length > 0);
     $("light-options").hidden = tool !== "light";
     if (width) {

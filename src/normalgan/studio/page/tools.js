@@ -1,5 +1,6 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
+import { Areas } from "./areas.js";
 import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, anchorOf, changedHint, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
@@ -260,11 +261,17 @@ export class AreaTool {
   }
 }
 
-/** Mask brush: adds to the object or cuts from it. */
+/** Mask brush: adds to the object or cuts from it; or a click makes an area between lines object or hole. */
 export class MaskTool {
-  /** @param {import("./editor.js").Editor} editor @param {(words: string) => void} announce */
-  constructor(editor, announce) {
+  /**
+   * @param {import("./editor.js").Editor} editor
+   * @param {() => import("./predictor.js").Painted | null} map what was painted last
+   * @param {(words: string) => void} announce
+   */
+  constructor(editor, map, announce) {
     this.editor = editor;
+    this.map = map;
+    this.areas = new Areas();
     this.announce = announce;
     this.step = 1;
   }
@@ -274,6 +281,10 @@ export class MaskTool {
     const { editor } = this;
     if (editor.layer.mask.length >= MOST_MASK_STROKES) {
       this.announce(text.tooManyMaskStrokes);
+      return;
+    }
+    if (editor.fills) {
+      this.#toggle(touch);
       return;
     }
     this.step = touch.reach / 5;
@@ -300,6 +311,35 @@ export class MaskTool {
   cancel() {
     this.editor.maskStroke = null;
     this.editor.mark();
+  }
+
+  /** Returns the area that a click would change. @param {{x: number, y: number}} at @returns {import("./areas.js").Area | null} */
+  areaAt({ x, y }) {
+    return this.areas.at(this.editor.doc, this.editor.layer, x, y);
+  }
+
+  /** Makes an area object, or a hole if it was one. @param {Touch} touch */
+  #toggle({ x, y }) {
+    const { editor } = this;
+    const area = this.areaAt({ x, y });
+    if (!area) return;
+    if (area.open) {
+      this.announce(text.areaOpen);
+      return;
+    }
+    const adds = !this.#isObject(x, y);
+    editor.commit(withMaskStroke(editor.doc, { adds, size: 1, points: [round(x), round(y)], fills: true }));
+    this.announce(adds ? text.areaObject : text.areaHole);
+  }
+
+  /** Whether the map on show has the object at a point. @param {number} x @param {number} y */
+  #isObject(x, y) {
+    const map = this.map();
+    if (!map) return false;
+    const { doc } = this.editor;
+    const column = Math.min(map.width - 1, Math.floor((x / doc.width) * map.width));
+    const row = Math.min(map.height - 1, Math.floor((y / doc.height) * map.height));
+    return map.rgba[4 * (row * map.width + column) + 3] > 127;
   }
 }
 

@@ -1,6 +1,6 @@
 /** The viewer: a normal map under a movable light, as matcap, in flat paints, or as a relief to turn. */
 
-import { createPlainPainter } from "./viewer_2d.js";
+import { createPlainPainter, shadedPixels } from "./viewer_2d.js";
 import { createGlPainter } from "./viewer_gl.js";
 import { DEFAULT_LIGHT, FRONT, listen } from "./viewer_input.js";
 import { WHITE, normalised } from "./viewer_shading.js";
@@ -23,11 +23,13 @@ function checkSize(values, width, height, channels) {
 /**
  * @typedef {{map: Picture | null, heights: Heights | null, view: View, light: number[],
  *   turn: {yaw: number, pitch: number, zoom: number}, ratio: number, frame: Frame | null, colour: number[],
- *   second: Lamp | null}} Scene what is to be shown
+ *   second: Lamp | null, falloff: number, colours: Picture | null}} Scene what is to be shown; falloff: 0 to 1; colours: of
+ *   the surface, which is clay without them
  */
 /**
  * @typedef {object} ScenePainter draws the scene, by WebGL or without
  * @property {(map: Picture | null) => void} setMap
+ * @property {(colours: Picture | null) => void} setColours
  * @property {(heights: Heights | null) => void} setHeight
  * @property {(scene: Scene) => void} draw
  * @property {() => void} dispose
@@ -47,7 +49,10 @@ function checkSize(values, width, height, channels) {
  * @property {(frame: Frame | null) => void} setFrame where the map lies; null fits it into the canvas
  * @property {number[]} light towards the light
  * @property {(x: number, y: number) => number[]} lightAt towards a light over a point of the canvas, in pixels of the page
- * @property {(first: Lamp, second: Lamp | null) => void} setLights colours show in the views Lit and Relief
+ * @property {(first: Lamp, second: Lamp | null, falloff?: number) => void} setLights colours show in the views Lit and Relief
+ * @property {(picture: Picture | null) => void} setColours of the surface in these views; null is clay
+ * @property {(map: Picture, colours: Picture | null) => Uint8ClampedArray<ArrayBuffer>} shaded RGBA of a map as it is seen now, of any
+ *   size; in the views of the map and the relief as lit
  * @property {() => void} resize
  * @property {() => void} dispose
  */
@@ -63,7 +68,7 @@ function checkSize(values, width, height, channels) {
  */
 export function createViewer(canvas, { onError = () => {}, text, onMove = () => {} }) {
 /** @type {Scene} */
-  const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null };
+  const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null, falloff: 0, colours: null };
   const gl = canvas.getContext("webgl2", { antialias: true, depth: true });
   const ending = new AbortController();
   /** @type {ScenePainter | null} */
@@ -91,6 +96,7 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
     }
     painter.setMap(scene.map);
     painter.setHeight(scene.heights);
+    painter.setColours(scene.colours);
     redraw();
   }
 
@@ -171,7 +177,17 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
       return scene.light;
     },
     lightAt,
-    setLights(first, second) {
+    setColours(picture) {
+      scene.colours = picture;
+      painter?.setColours(picture);
+      redraw();
+    },
+    shaded(map, colours) {
+      const { view } = scene;
+      return shadedPixels(map, view === "matcap" || view === "flat" ? view : "lit", { ...scene, colours });
+    },
+    setLights(first, second, falloff = 0) {
+      scene.falloff = falloff;
       scene.light = normalised(first.direction);
       scene.colour = first.colour;
       scene.second = second && { ...second, direction: normalised(second.direction) };

@@ -2,31 +2,45 @@
 
 import { context2d } from "./canvas.js";
 import { CHECKER, placeOf } from "./viewer_fit.js";
-import { celShader, clayShader, matcapShader } from "./viewer_shading.js";
+import { celShader, clayShader, colourAt, dimming, matcapShader } from "./viewer_shading.js";
 
 /** Pixels that are shaded while the light moves, and milliseconds after which it rests: then all are. */
 const [MOVING, REST] = [2 ** 18, 160];
 const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
 
 /**
+ * @typedef {{light: number[], colour: number[], second: import("./viewer.js").Lamp | null, falloff: number,
+ *   colours: import("./viewer.js").Picture | null}} Lamps of a scene
+ */
+
+/**
  * Returns the sRGB RGBA bytes of a map in one of the shaded views.
- * @param {{rgba: Uint8Array}} map
+ * @param {import("./viewer.js").Picture} map
  * @param {"lit" | "matcap" | "flat"} view
- * @param {number[]} light unit vector
- * @param {number[]} [colour] of the light
- * @param {{direction: number[], colour: number[]} | null} [second]
+ * @param {Lamps} lamps
  * @returns {Uint8ClampedArray<ArrayBuffer>}
  */
-export function shadedPixels({ rgba }, view, light, colour, second) {
+export function shadedPixels({ rgba, width, height }, view, { light, colour, second, falloff, colours }) {
   const shade = SHADERS[view](light, colour, second);
   const pixels = new Uint8ClampedArray(rgba.length);
-  for (let at = 0; at < rgba.length; at += 4) {
+  const [base, dim] = [[0, 0, 0], [1, 1]];
+  const place = view === "lit" && (colours || falloff > 0);
+  const longer = Math.max(width, height);
+  for (let at = 0, pixel = 0; at < rgba.length; at += 4, pixel++) {
     if (rgba[at + 3] === 0) continue;
     const x = rgba[at] / 127.5 - 1;
     const y = rgba[at + 1] / 127.5 - 1;
     const z = rgba[at + 2] / 127.5 - 1;
     const length = Math.sqrt(x * x + y * y + z * z);
-    shade(x / length, y / length, z / length, pixels, at);
+    if (place) {
+      const [column, row] = [(pixel % width) + 0.5, Math.floor(pixel / width) + 0.5];
+      const [right, up] = [(2 * column - width) / longer, (height - 2 * row) / longer];
+      dim[0] = dimming(falloff, right, up, light);
+      if (second) dim[1] = dimming(falloff, right, up, second.direction);
+      shade(x / length, y / length, z / length, pixels, at, colours ? colourAt(colours, column / width, row / height, base) : undefined, dim);
+    } else {
+      shade(x / length, y / length, z / length, pixels, at);
+    }
     pixels[at + 3] = rgba[at + 3];
   }
   return pixels;
@@ -61,6 +75,7 @@ export function createPlainPainter(canvas, text, redraw) {
   /** @type {import("./viewer.js").Picture | null} some of the map's pixels, if it has many */
   let few = null;
   let resting = 0;
+  let paints = 0; // how often other colours came
   let restsAt = 0;
 
   /** @param {import("./viewer.js").Picture | null} map */
@@ -79,9 +94,10 @@ export function createPlainPainter(canvas, text, redraw) {
   }
 
   /** @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
-  function fillSheet(map, { view, light, colour, second }) {
+  function fillSheet(map, scene) {
+    const { view, light, colour, second, falloff } = scene;
     if (view === "relief") return;
-    const wanted = view === "map" ? view : JSON.stringify([view, light, colour, second]);
+    const wanted = view === "map" ? view : JSON.stringify([view, light, colour, second, falloff, paints]);
     const rests = performance.now() >= restsAt;
     if (drawn === wanted && !(coarse && rests)) return;
     if (view === "map") {
@@ -91,7 +107,7 @@ export function createPlainPainter(canvas, text, redraw) {
       // A light that follows the hand shades some pixels at once, and all when it rests.
       coarse = few !== null && shown === view && drawn !== wanted;
       const picture = coarse && few ? few : map;
-      put(picture, shadedPixels(picture, view, light, colour, second));
+      put(picture, shadedPixels(picture, view, scene));
     }
     if (coarse) {
       restsAt = performance.now() + REST;
@@ -158,5 +174,5 @@ export function createPlainPainter(canvas, text, redraw) {
   }
 
   setMap(null);
-  return { setMap, setHeight() {}, draw, dispose: () => setMap(null) };
+  return { setMap, setColours: () => { paints++; }, setHeight() {}, draw, dispose: () => setMap(null) };
 }

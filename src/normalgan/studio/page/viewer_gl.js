@@ -1,7 +1,7 @@
 /** Draws the views by WebGL 2. */
 
 import { CHECKER, fitted, inverted, placeOf } from "./viewer_fit.js";
-import { createProgram, createTexture, setLamps } from "./viewer_program.js";
+import { PAINT_UNIT, createProgram, createTexture, setLamps } from "./viewer_program.js";
 import { createRelief } from "./viewer_relief.js";
 import { FLAT_FRAGMENTS, FLAT_VERTEX } from "./viewer_shaders.js";
 import { MATCAP_SIZE, matcapPixels } from "./viewer_shading.js";
@@ -39,6 +39,7 @@ export function createGlPainter(canvas, gl) {
   const nothing = gl.createVertexArray(); // the triangle comes from gl_VertexID
   const map = createTexture(gl, MAP_UNIT, gl.LINEAR_MIPMAP_LINEAR);
   const ball = createTexture(gl, BALL_UNIT, gl.LINEAR);
+  const paints = createTexture(gl, PAINT_UNIT, gl.LINEAR_MIPMAP_LINEAR);
   let ballLight = "";
   gl.disable(gl.DITHER);
   gl.clearColor(0, 0, 0, 0);
@@ -54,6 +55,13 @@ export function createGlPainter(canvas, gl) {
   function setMap(picture) {
     const { rgba, width, height } = picture ?? { rgba: new Uint8Array(4), width: 1, height: 1 };
     upload(MAP_UNIT, width, height, premultiplied(rgba));
+    gl.generateMipmap(gl.TEXTURE_2D);
+  }
+
+  /** @param {import("./viewer.js").Picture | null} picture */
+  function setColours(picture) {
+    const { rgba, width, height } = picture ?? { rgba: new Uint8Array(4), width: 1, height: 1 };
+    upload(PAINT_UNIT, width, height, premultiplied(rgba));
     gl.generateMipmap(gl.TEXTURE_2D);
   }
 
@@ -101,8 +109,10 @@ export function createGlPainter(canvas, gl) {
     gl.deleteVertexArray(nothing);
     gl.deleteTexture(map);
     gl.deleteTexture(ball);
+    gl.deleteTexture(paints);
   }
 
   setMap(null);
-  return { setMap, setHeight: relief.setHeight, draw, dispose };
+  setColours(null);
+  return { setMap, setColours, setHeight: relief.setHeight, draw, dispose };
 }

@@ -56,13 +56,19 @@ export function createTexture(gl, unit, minFilter) {
   return texture;
 }
 
+/** The texture unit that holds the drawing's colours. */
+export const PAINT_UNIT = 2;
+
 /**
  * Sets the colours of the lights, and where the second one is.
  * @param {WebGL2RenderingContext} gl
  * @param {Record<string, WebGLUniformLocation | null>} at
- * @param {{light: number[], colour: number[], second: {direction: number[], colour: number[]} | null}} scene
+ * @param {import("./viewer.js").Scene} scene
  */
-export function setLamps(gl, at, { light, colour, second }) {
+export function setLamps(gl, at, { light, colour, second, falloff, colours }) {
+  gl.uniform1f(at.falloff, falloff);
+  gl.uniform1f(at.painted, colours ? 1 : 0);
+  gl.uniform1i(at.paints, PAINT_UNIT);
   gl.uniform3fv(at.second, second?.direction ?? light);
   gl.uniform3fv(at["lamps[0]"], [...colour, ...(second?.colour ?? [0, 0, 0])]);
 }

@@ -1,6 +1,6 @@
 /** GLSL of the viewer; numbers come from viewer_shading.js, which shades the same by CPU. */
 
-import { CEL, CLAY } from "./viewer_shading.js";
+import { CEL, CLAY, FADE } from "./viewer_shading.js";
 
 /** @param {number} value */
 const number = (value) => (Number.isInteger(value) ? `${value}.0` : `${value}`);
@@ -16,20 +16,47 @@ vec3 srgb(vec3 linear) {
 
 uniform vec3 second; // another light
 uniform vec3 lamps[2]; // their colours, linear; black is off
+uniform float falloff;
+uniform float painted; // 1 where the surface has the drawing's colours, 0 where it is clay
+uniform sampler2D paints; // those colours, premultiplied
 
-// Linear colour of clay under one lamp.
-vec3 lamplit(vec3 n, vec3 light, vec3 lamp) {
+vec3 linear_of(vec3 level) {
+  return mix(pow((level + 0.055) / 1.055, vec3(2.4)), level / 12.92, vec3(lessThanEqual(level, vec3(0.04045))));
+}
+
+// Linear colour of the surface at a share of the map.
+vec3 base_at(vec2 at) {
+  if (painted < 0.5) return ${vec(CLAY.colour)};
+  vec4 paint = texture(paints, at);
+  return linear_of(paint.rgb + 1.0 - paint.a);
+}
+
+// How much comes from a lamp over a place, from the map's middle in halves of its longer side.
+float dimming(vec2 place, vec3 light) {
+  vec2 away = place - light.xy;
+  return 1.0 / (1.0 + ${number(FADE * FADE)} * falloff * falloff * dot(away, away));
+}
+
+// Linear colour of a surface under one lamp.
+vec3 lamplit(vec3 n, vec3 light, vec3 lamp, vec3 base) {
   vec3 halfway = normalize(light + vec3(0.0, 0.0, 1.000001));
   float lambert = max(dot(n, light), 0.0);
   float glint = pow(max(dot(n, halfway), 1e-6), ${number(CLAY.sharpness)}) * min(4.0 * lambert, 1.0);
-  return (${vec(CLAY.colour)} * lambert + ${number(CLAY.gloss)} * glint) * ${vec(CLAY.lamp)} * lamp;
+  return (base * lambert + ${number(CLAY.gloss)} * glint) * ${vec(CLAY.lamp)} * lamp;
 }
 
 // And under the sky.
-vec3 clay(vec3 n, vec3 light) {
+vec3 clay(vec3 n, vec3 light, vec3 base, vec2 place) {
   float up = (n.y + 1.0) / 2.0;
-  vec3 around = ${vec(CLAY.colour)} * (up * ${vec(CLAY.sky)} + (1.0 - up) * ${vec(CLAY.ground)});
-  return around + lamplit(n, light, lamps[0]) + lamplit(n, second, lamps[1]);
+  vec3 around = base * (up * ${vec(CLAY.sky)} + (1.0 - up) * ${vec(CLAY.ground)});
+  vec3 first = lamplit(n, light, lamps[0], base) * dimming(place, light);
+  return around + first + lamplit(n, second, lamps[1], base) * dimming(place, second);
+}
+
+// A share of the map as dimming takes it.
+vec2 place_of(vec2 at, sampler2D map) {
+  vec2 size = vec2(textureSize(map, 0));
+  return (2.0 * at - 1.0) * vec2(1.0, -1.0) * size / max(size.x, size.y);
 }`;
 
 const CEL_SHADING = `
@@ -76,7 +103,7 @@ void main() {${FLAT_PLACE}
   colour = vec4(texel.rgb + 0.5 * grey, texel.a + grey);
 }`;
 
-/** @param {string} shading GLSL with `vec3 shaded(vec3 n)`, the sRGB colour of a normal */
+/** @param {string} shading GLSL with `vec3 shaded(vec3 n, vec2 at)`, the sRGB colour of a normal at a share of the map */
 const shadedFragment = (shading) => `${FLAT_HEAD}
 ${shading}
 void main() {${FLAT_PLACE}
@@ -88,7 +115,7 @@ void main() {${FLAT_PLACE}
   }
   if (alpha * texel.a < 0.002) { colour = vec4(0.0); return; }
   vec3 n = normalize(texel.rgb / texel.a * 2.0 - 1.0);
-  colour = vec4(shaded(n) * alpha, alpha);
+  colour = vec4(shaded(n, at) * alpha, alpha);
 }`;
 
 /**
@@ -101,16 +128,16 @@ export const FLAT_FRAGMENTS = {
   map: MAP_FRAGMENT,
   lit: shadedFragment(`${CLAY_SHADING}
 uniform vec3 light;
-vec3 shaded(vec3 n) { return srgb(clay(n, light)); }`),
+vec3 shaded(vec3 n, vec2 at) { return srgb(clay(n, light, base_at(at), place_of(at, map))); }`),
   matcap: shadedFragment(`
 uniform sampler2D ball;
-vec3 shaded(vec3 n) {
+vec3 shaded(vec3 n, vec2 at) {
   vec2 place = n.z < 0.0 ? normalize(n.xy) : n.xy;
   return texture(ball, (place + 1.0) / 2.0).rgb;
 }`),
   flat: shadedFragment(`${CEL_SHADING}
 uniform vec3 light;
-vec3 shaded(vec3 n) { return cel(n, light); }`),
+vec3 shaded(vec3 n, vec2 at) { return cel(n, light); }`),
 };
 
 /** The relief: a unit is half the longer side of the drawing; the viewer stands `eye` units before it. */
@@ -143,6 +170,6 @@ void main() {
   vec3 n = texel.a < 0.002 ? vec3(0.0, 0.0, 1.0) : normalize(texel.rgb / texel.a * 2.0 - 1.0);
   vec3 turned = turn * n;
   // Seen from behind, it is the inside of a shell: darker, so that nobody takes it for the front.
-  vec3 shaded = gl_FrontFacing ? clay(turned, light) : 0.35 * clay(-turned, light);
+  vec3 shaded = gl_FrontFacing ? clay(turned, light, base_at(at), place_of(at, map)) : 0.35 * clay(-turned, light, base_at(at), place_of(at, map));
   colour = vec4(srgb(shaded), 1.0);
 }`;

@@ -67,15 +67,46 @@ function toSrgb(linear) {
   return TABLE[Math.round(4096 * Math.min(Math.max(linear, 0), 1))];
 }
 
+/** Linear values of sRGB levels. */
+const LINEAR = Float32Array.from({ length: 256 }, (_, level) => {
+  const value = level / 255;
+  return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+});
+
 /** Light that is white. */
 export const WHITE = [1, 1, 1];
+/** How fast a light fades at full falloff: to a half within a quarter of a picture's longer half. */
+export const FADE = 4;
+const UNDIMMED = [1, 1];
+
+/**
+ * Returns how much light comes from a lamp that hangs over a picture.
+ * @param {number} falloff 0 to 1
+ * @param {number} x right, from the picture's middle, in halves of its longer side @param {number} y up
+ * @param {number[]} light direction towards it
+ */
+export function dimming(falloff, x, y, light) {
+  return 1 / (1 + (FADE * falloff) ** 2 * ((x - light[0]) ** 2 + (y - light[1]) ** 2));
+}
+
+/**
+ * Writes the linear colour of a picture at a share of its sides, over white.
+ * @param {{rgba: Uint8Array | Uint8ClampedArray, width: number, height: number}} picture @param {number} right @param {number} down @param {number[]} out
+ */
+export function colourAt({ rgba, width, height }, right, down, out) {
+  const from = 4 * (Math.min(height - 1, Math.floor(down * height)) * width + Math.min(width - 1, Math.floor(right * width)));
+  const alpha = rgba[from + 3] / 255;
+  for (let i = 0; i < 3; i++) out[i] = LINEAR[Math.round(rgba[from + i] * alpha + 255 * (1 - alpha))];
+  return out;
+}
 
 /**
  * Lambert's law, the highlight of Blinn 1977, and a sky that shines on what faces up.
  * @param {number[]} light unit vector
  * @param {number[]} [colour] linear
  * @param {{direction: number[], colour: number[]} | null} [second] another light, without a sky
- * @returns {Shader}
+ * @returns {(x: number, y: number, z: number, out: Uint8ClampedArray, at: number, base?: number[], dim?: number[]) => void} a
+ *   shader; base: linear colour of the surface, dim: how much comes from either lamp
  */
 export function clayShader(light, colour = WHITE, second = null) {
   const lamps = [{ direction: light, colour }, ...(second ? [second] : [])].map((each) => ({
@@ -83,16 +114,16 @@ export function clayShader(light, colour = WHITE, second = null) {
   }));
   const { colour: clay, sky, ground, gloss, sharpness } = CLAY;
   const sum = [0, 0, 0]; // one for all pixels: a new one for each would take more time than all else
-  return (x, y, z, out, at) => {
+  return (x, y, z, out, at, base = clay, dim = UNDIMMED) => {
     const up = (y + 1) / 2;
-    for (let i = 0; i < 3; i++) sum[i] = clay[i] * (up * sky[i] + (1 - up) * ground[i]);
+    for (let i = 0; i < 3; i++) sum[i] = base[i] * (up * sky[i] + (1 - up) * ground[i]);
     for (let k = 0; k < lamps.length; k++) {
       const { direction, half, lamp } = lamps[k];
       const lambert = dot(direction, x, y, z);
       if (lambert <= 0) continue;
       const facing = Math.max(dot(half, x, y, z), 0);
       const glint = gloss * facing ** sharpness * Math.min(4 * lambert, 1);
-      for (let i = 0; i < 3; i++) sum[i] += (clay[i] * lambert + glint) * lamp[i];
+      for (let i = 0; i < 3; i++) sum[i] += (base[i] * lambert + glint) * lamp[i] * dim[k];
     }
     for (let i = 0; i < 3; i++) out[at + i] = toSrgb(sum[i]);
   };

@@ -1,4 +1,4 @@
-"""The glTF container: its JSON and its buffers, out of a .glb or out of a .gltf with files beside it."""
+"""The container of glTF: its JSON and its buffers, out of a .glb or out of a .gltf with files beside it."""
 
 import base64
 import binascii
@@ -8,22 +8,23 @@ from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError, brief
-from normalgan.rendering.gltf import read_gltf
+from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import name_in_folder
 
-__all__ = ["PACKED", "RIG_SUFFIXES", "Container", "bad_rig", "has_skin", "read_container"]
+__all__ = ["RIG_SUFFIXES", "Container", "bad_gltf", "has_skin", "read_container"]
 
 RIG_SUFFIXES = (".glb", ".gltf")
 """The file formats that can hold a skin."""
 
-PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
-"""Extensions that keep the numbers where only their own decoders find them."""
+_KNOWN = ("KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility")
+_LOOKS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "EXT_lights_", "MSFT_")
+"""Required extensions that are read, and beginnings of those that alter no surface; others are refused."""
 
 
 @dataclass(frozen=True)
 class Container:
-    """What a glTF 2.0 file holds, not yet interpreted (Khronos Group, glTF 2.0 Specification, 2021).
+    """The raw content of a glTF 2.0 file (Khronos Group, glTF 2.0 Specification, 2021).
 
     Args:
         path: the file.
@@ -44,20 +45,20 @@ class Container:
         items = self.tree.get(kind, [])
         # Not items[index]: Python would take -1 for the last.
         if type(index) is not int or not 0 <= index < len(items):
-            raise bad_rig(self.path, f"it refers to entry {index} of its {len(items)} {kind}")
+            raise bad_gltf(self.path, f"it refers to entry {index} of its {len(items)} {kind}")
         entry = items[index]
         if not isinstance(entry, dict):
-            raise bad_rig(self.path, f"entry {index} of its {kind} is no object")
+            raise bad_gltf(self.path, f"entry {index} of its {kind} is no object")
         return entry
 
 
-def bad_rig(path: Path, reason: str) -> InputError:
-    """Return what to raise for a rig that cannot be used."""
-    return InputError(f"the rig in {path} cannot be used: {reason}.")
+def bad_gltf(path: Path, reason: str) -> InputError:
+    """Return the error for a file that cannot be used."""
+    return InputError(f"{path} cannot be read as a mesh: {reason}.")
 
 
 def has_skin(path: Path) -> bool:
-    """Return whether a file is glTF and holds a skin; a broken one is said to hold none."""
+    """Return whether a file is glTF with a skin; False for a broken one."""
     if path.suffix.lower() not in RIG_SUFFIXES:
         return False
     try:
@@ -70,20 +71,21 @@ def read_container(path: Path) -> Container:
     """Return the JSON and the buffers of a glTF file.
 
     Raises:
-        InputError: if it cannot be read, is no glTF 2.0, is compressed, or lacks a buffer.
+        InputError: if it cannot be read, is no glTF 2.0, needs an extension that is not supported, or lacks a
+            buffer.
     """
     tree, binary = _tree(path)
-    required = tree.get("extensionsRequired", [])
-    if packed := [name for name in PACKED if name in required]:
-        raise bad_rig(path, f"it is compressed by {packed[0]}; export it without")
+    for name in map(str, tree.get("extensionsRequired", [])):
+        if name not in _KNOWN and not name.startswith(_LOOKS):
+            raise bad_gltf(path, f"it needs the extension {name[:60]}, which is not read; export it without")
     buffers = []
     for index, entry in enumerate(tree.get("buffers", [])):
         uri = entry.get("uri")
         content = _linked(path, uri) if uri is not None else binary if index == 0 else None
         if content is None:
-            raise bad_rig(path, f"its buffer {index} is missing")
+            raise bad_gltf(path, f"its buffer {index} is missing")
         if len(content) < entry["byteLength"]:
-            raise bad_rig(
+            raise bad_gltf(
                 path,
                 f"its buffer {index} has {len(content)} bytes of {entry['byteLength']}; is it truncated?",
             )
@@ -99,9 +101,9 @@ def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
     except InputError:
         raise
     except (ValueError, LookupError, TypeError, struct.error, RecursionError) as error:
-        raise bad_rig(path, f"it is no glTF file: {brief(error)}") from error
+        raise bad_gltf(path, f"it is no glTF file: {brief(error)}") from error
     if not version.startswith("2"):
-        raise bad_rig(path, f"it is glTF {version}; export it as 2.0")
+        raise bad_gltf(path, f"it is glTF {version}; export it as 2.0")
     return tree, binary
 
 
@@ -111,10 +113,10 @@ def _linked(path: Path, uri: str) -> bytes:
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
-            raise bad_rig(path, f"a buffer written into it is no base64: {brief(error)}") from error
+            raise bad_gltf(path, f"a buffer written into it is no base64: {brief(error)}") from error
     name = name_in_folder(uri)
     if name is None:
-        raise bad_rig(path, f"its buffer {uri!r} does not lie in its folder")
+        raise bad_gltf(path, f"its buffer {uri!r} does not lie in its folder")
     if not (path.parent / name).is_file():
-        raise bad_rig(path, f"its buffer {uri!r} is missing")
+        raise bad_gltf(path, f"its buffer {uri!r} is missing")
     return mesh_bytes(path.parent / name)

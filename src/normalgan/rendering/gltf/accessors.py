@@ -1,11 +1,11 @@
-"""Accessors of glTF: arrays of numbers out of the buffers, of every component type, strided and sparse."""
+"""Accessors of glTF: arrays of every component type, strided and sparse."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.rigs.container import Container, bad_rig
+from normalgan.rendering.gltf.container import Container, bad_gltf
 
 __all__ = ["COMPONENTS", "MOST", "WIDTHS", "Array", "read_accessor"]
 
@@ -34,9 +34,9 @@ def read_accessor(container: Container, index: Any, kind: str) -> Array:
     entry = container.item("accessors", index)
     code, held, count = entry["componentType"], entry["type"], entry["count"]
     if held != kind or code not in COMPONENTS:
-        raise bad_rig(container.path, f"accessor {index} holds {held} of {code} where {kind} is needed")
+        raise bad_gltf(container.path, f"accessor {index} holds {held} of {code} where {kind} is needed")
     if type(count) is not int or not 1 <= count <= MOST:
-        raise bad_rig(container.path, f"accessor {index} has {count} elements")
+        raise bad_gltf(container.path, f"accessor {index} has {count} elements")
     dtype = np.dtype(COMPONENTS[code])
     if "bufferView" in entry:
         values = _view(
@@ -60,7 +60,7 @@ def _view(
     stride = view.get("byteStride", width * dtype.itemsize)
     last = offset + (count - 1) * stride + width * dtype.itemsize
     if min(start, offset, stride) < 0 or last > view["byteLength"] or start + last > len(buffer):
-        raise bad_rig(container.path, f"buffer view {index} ends before the numbers that are to lie in it")
+        raise bad_gltf(container.path, f"buffer view {index} ends before the numbers that are to lie in it")
     return np.ndarray(shape, dtype, buffer, start + offset, (stride, dtype.itemsize))
 
 
@@ -75,7 +75,7 @@ def _replaced(container: Container, sparse: dict[str, Any], values: Array) -> Ar
         (count, 1),
     )
     if where.max() >= len(values):
-        raise bad_rig(container.path, "a sparse accessor replaces an element that is not there")
+        raise bad_gltf(container.path, "a sparse accessor replaces an element that is not there")
     replaced = values.copy()
     replaced[where[:, 0]] = _view(
         container, given["bufferView"], given.get("byteOffset", 0), values.dtype, (count, values.shape[1])

@@ -1,0 +1,75 @@
+"""Output options: those of the commands that write normal maps, from the registry of outputs."""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import Any, Literal, NamedTuple, get_type_hints
+
+from docstring_parser import DocstringStyle, parse
+from jsonargparse import ArgumentParser
+
+from normalgan.errors import InputError
+from normalgan.inference.normal_map import Format
+from normalgan.inference.outputs import OUTPUTS, Normal, Output
+from normalgan.inference.outputs.outputs import option_of, settings_of
+from normalgan.registry import summary
+
+__all__ = ["add_output_options"]
+
+
+class _Option(NamedTuple):
+    name: str
+    type: Any
+    default: Any
+    help: str
+
+
+def add_output_options(
+    parser: ArgumentParser, group: argparse._ArgumentGroup, section: str = "", form: Format | None = "png"
+) -> None:
+    """Add the options that `outputs_of` reads.
+
+    Args:
+        parser: of the command.
+        group: of the help in which the options stand.
+        section: what their names begin with, such as ``output.``; empty spells them for a shell.
+        form: default format of the map.
+
+    Raises:
+        InputError: if a plug-in's option is taken.
+    """
+    group.add_argument(f"--{section}format", type=Format | None, default=form, help=_told(Normal)["format"])  # type: ignore[arg-type]
+    for kind in (Normal, *OUTPUTS):
+        for option in _options(kind):
+            name = option.name if section else option.name.replace("_", "-")
+            flag = option.type is bool and not section
+            how = {"action": "store_true"} if flag else {"type": option.type, "default": option.default}
+            try:
+                group.add_argument(f"--{section}{name}", help=option.help, **how)
+            except (argparse.ArgumentError, ValueError):
+                raise InputError(
+                    f"the output {kind.__name__} has an option --{name}, and so has the command; "
+                    "its author has to rename it. Until then, uninstall it."
+                ) from None
+
+
+def _options(kind: type[Output]) -> Iterator[_Option]:
+    told, types = _told(kind), get_type_hints(kind)
+    if kind is not Normal:
+        formats, name = kind.formats(), f"<sketch>_{kind.name}"
+        what = summary(kind).rstrip(".")
+        words = f"write {what[0].lower()}{what[1:]}"
+        if len(formats) > 1:
+            asked: Any = Literal[formats] | None
+            yield _Option(option_of(kind), asked, None, f"{words}: {told['format'].rstrip('.')}")
+        else:
+            yield _Option(option_of(kind), bool, False, f"{words}, {name}.{formats[0]}")
+    defaults = {field.name: field.default for field in fields(kind)}
+    for name in settings_of(kind):
+        yield _Option(name, types[name], defaults[name], told[name].rstrip("."))
+
+
+def _told(kind: type[Output]) -> dict[str, str]:
+    """Return what the docstring of an output says of its settings."""
+    found = parse(kind.__doc__ or "", style=DocstringStyle.GOOGLE).params
+    return {each.arg_name: " ".join((each.description or "").split()) for each in found}

@@ -1,0 +1,188 @@
+"""Files by address: https:// and hf://, kept on this machine once their hash is known to be right."""
+
+import hashlib
+import json
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from http.client import HTTPException
+from pathlib import Path
+from urllib.error import HTTPError, URLError
+from urllib.parse import unquote, urlsplit
+from urllib.request import Request, urlopen
+
+from platformdirs import user_cache_path
+
+from normalgan.errors import InputError, brief
+from normalgan.files.limits import MOST_BYTES
+from normalgan.files.writing import write_bytes
+
+__all__ = ["Address", "Kept", "is_address", "kept_files", "local_file", "parse_address"]
+
+CACHE = "NORMALGAN_CACHE"
+"""The environment variable that names the folder of files that were fetched."""
+_WAIT = 30
+"""Seconds that a server may say nothing."""
+_HASH = re.compile(r"sha256=([0-9a-fA-F]{64})")
+_HUB_FILE = "model.onnx"
+"""The file of a repository on the hub, if the address names none."""
+_SOURCE = "source.json"
+
+
+@dataclass(frozen=True)
+class Address:
+    """A file elsewhere.
+
+    Args:
+        text: as it was given, without the hash.
+        sha256: of the file's content, 64 lower-case digits.
+        name: of the file.
+    """
+
+    text: str
+    sha256: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A file that was fetched.
+
+    Args:
+        path: where it is.
+        address: where it came from, with its hash.
+    """
+
+    path: Path
+    address: str
+
+
+def is_address(name: str) -> bool:
+    r"""Return whether a name is an address rather than a path.
+
+    >>> is_address("hf://owner/name"), is_address("runs/last.ckpt"), is_address(r"C:\model.onnx")
+    (True, False, False)
+    """
+    return re.match(r"[A-Za-z][A-Za-z0-9+.-]+://", name) is not None
+
+
+def parse_address(text: str) -> Address:
+    """Return an address that can be fetched.
+
+    Args:
+        text: ``https://host/file#sha256=…`` or ``hf://owner/name[@revision][/file]#sha256=…``.
+
+    Raises:
+        InputError: if it is another one, or has no hash.
+
+    >>> parse_address("hf://owner/name@v1#sha256=" + 64 * "a").name
+    'model.onnx'
+    """
+    address, _, fragment = text.partition("#")
+    scheme = address.partition("://")[0].lower()
+    if scheme not in {"https", "http", "hf"}:
+        raise InputError(f"{address} has the scheme {scheme}; a model is at https://… or hf://owner/name.")
+    found = _HASH.fullmatch(fragment)
+    if found is None:
+        raise InputError(
+            f"{address} needs the hash of its file, so that nobody can exchange it: end it in #sha256= and "
+            "64 digits, as its author publishes them."
+        )
+    name = _hub_place(address)[2] if scheme == "hf" else unquote(urlsplit(address).path)
+    name = re.split(r"[/\\]", name)[-1]
+    if not re.fullmatch(r"\w[\w.+ -]{0,200}", name):
+        raise InputError(f"{address} does not end in the name of a file, such as model.onnx.")
+    return Address(address, found[1].lower(), name)
+
+
+def local_file(name: str) -> Path:
+    """Return the path of a file; one that an address names is fetched, unless it was before.
+
+    Raises:
+        InputError: if an address cannot be used, does not answer, or its file has another hash.
+        OSError: if the file cannot be kept.
+    """
+    if not is_address(name):
+        return Path(name)
+    address = parse_address(name)
+    path = _folder() / address.sha256 / address.name
+    if path.is_file() and _hash(path.read_bytes()) == address.sha256:
+        return path
+    content = _from_hub(address) if address.text.lower().startswith("hf://") else _from_web(address)
+    if (found := _hash(content)) != address.sha256:
+        raise InputError(
+            f"the file at {address.text} has the SHA-256 hash {found}, not {address.sha256}; it was not kept."
+        )
+    write_bytes(path, content)
+    source = json.dumps({"address": f"{address.text}#sha256={address.sha256}", "name": address.name})
+    write_bytes(path.with_name(_SOURCE), source.encode())
+    return path
+
+
+def kept_files() -> Iterator[Kept]:
+    """Yield the files that were fetched."""
+    for source in sorted(_folder().glob(f"*/{_SOURCE}")):
+        try:
+            said = json.loads(source.read_text(encoding="utf-8"))
+            kept = Kept(source.with_name(str(said["name"])), str(said["address"]))
+        except (OSError, ValueError, KeyError, TypeError):
+            continue  # not ours, or removed meanwhile
+        if kept.path.is_file():
+            yield kept
+
+
+def _folder() -> Path:
+    return Path(os.environ[CACHE]) if os.environ.get(CACHE) else user_cache_path("normalgan") / "models"
+
+
+def _hash(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _from_web(address: Address) -> bytes:
+    try:
+        with urlopen(Request(address.text, headers={"User-Agent": "normalgan"}), timeout=_WAIT) as answer:
+            content: bytes = answer.read(MOST_BYTES + 1)
+    except HTTPError as error:
+        raise InputError(f"{address.text} answers {error.code} {error.reason}.") from error
+    except (URLError, TimeoutError, HTTPException, OSError, ValueError) as error:
+        reason = error.reason if isinstance(error, URLError) else brief(error)
+        raise InputError(f"{address.text} does not answer: {reason}.") from error
+    if len(content) > MOST_BYTES:
+        raise InputError(
+            f"the file at {address.text} has more than {MOST_BYTES} bytes; no model is that large."
+        )
+    return content
+
+
+def _hub_place(address: str) -> tuple[str, str | None, str]:
+    """Return the repository, the revision and the file that an address of the hub names."""
+    found = re.fullmatch(
+        r"hf://(?P<repo>[\w.-]+/[\w.-]+)(?:@(?P<revision>[\w.-]+))?(?:/(?P<file>[^?]+))?",
+        address,
+        re.IGNORECASE,
+    )
+    if found is None:
+        raise InputError(f"{address} is not hf://owner/name, perhaps followed by @revision and /file.")
+    return found["repo"], found["revision"], found["file"] or _HUB_FILE
+
+
+def _from_hub(address: Address) -> bytes:
+    try:
+        from huggingface_hub import hf_hub_download
+        from huggingface_hub.errors import EntryNotFoundError, HfHubHTTPError, RepositoryNotFoundError
+    except ImportError:
+        raise InputError(
+            f"{address.text} needs huggingface_hub; install it with pip install 'normalgan[hub]'."
+        ) from None
+    repository, revision, name = _hub_place(address.text)
+    try:
+        path = hf_hub_download(repository, name, revision=revision, endpoint=os.environ.get("HF_ENDPOINT"))
+    except EntryNotFoundError as error:
+        raise InputError(f"{repository} on the hub has no file {name}.") from error
+    except RepositoryNotFoundError as error:
+        raise InputError(f"the hub has no repository {repository}, or it is private.") from error
+    except (HfHubHTTPError, OSError, ValueError) as error:
+        raise InputError(f"{address.text} does not answer: {brief(error)}.") from error
+    return Path(path).read_bytes()

@@ -1,0 +1,140 @@
+"""Figures: the separate objects of a page, told apart before any gap in them is closed."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.islands import in_rows
+from normalgan.inference.mask.decision import Decision
+from normalgan.inference.mask.reader import Reading
+from normalgan.inference.reading.drawings import SMALLEST
+
+__all__ = ["find_figures"]
+
+_ALIKE = 0.25
+"""Least share of the largest figure's area that a figure has; smaller areas are parts of their neighbour."""
+_OWN_MIDDLE = 0.35
+"""How far the middle that the reader sees may be from that of the figure's box, as a share of its span."""
+_ROOM = 0.04
+"""Margin about a figure, as a share of its span."""
+_LEAST = 0.4
+"""Least mean presence in a figure."""
+
+
+def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -> list[Cell]:
+    """Return where the figures of a page lie, in reading order; a single one if they are parts of one object.
+
+    The reader sees for each pixel where the middle of its object is. An area that sees it outside of itself
+    is a part of a larger object, and so are areas that one line connects.
+
+    Args:
+        decision: on the whole page.
+        reading: of the whole page.
+        shape: (H, W) of the drawing, in whose pixels the figures are given.
+    """
+    size = decision.small.shape[0], decision.small.shape[1]
+    presence = reading.presence_at(size)
+    inked = decision.ink > 0.35
+    body = (presence > 0.5) | inked
+    count, labels, measured, _ = cv2.connectedComponentsWithStats(body.astype(np.uint8), connectivity=8)
+    stats = np.asarray(measured, np.int32)
+    areas = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
+    areas[0] = 0
+    large = np.flatnonzero(areas > _ALIKE * areas.max(initial=0))
+    means = np.bincount(labels.ravel(), weights=presence.ravel(), minlength=count) / np.maximum(areas, 1)
+    large = large[means[large] > _LEAST]
+    if len(large) < 2:
+        return []
+    owner = np.full(count, -1)
+    owner[large] = np.arange(len(large))
+    figure = owner[labels]
+    boxes = stats[large][:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP, cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]]
+    groups = _connected(inked, figure, len(large))
+    groups = _joined(groups, _strangers(figure, boxes, reading, size))
+    numbers = np.unique(groups)
+    if len(numbers) < 2:
+        return []
+    renamed = np.append(np.searchsorted(numbers, groups), -1)
+    return _cells(renamed[figure], inked | body, len(numbers), shape)
+
+
+def _connected(inked: BoolMask, figure: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Return the group (count,) of each area; areas that one line touches are of one group."""
+    groups = np.arange(count)
+    lines = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)[1]
+    touching = np.unique(np.stack([lines, figure], -1)[inked & (figure >= 0)], axis=0)
+    for line in np.unique(touching[:, 0]):
+        own = touching[touching[:, 0] == line, 1]
+        for each in own[1:]:
+            groups = _joined(groups, [(int(own[0]), int(each))])
+    return groups
+
+
+def _strangers(
+    figure: NDArray[np.intp], boxes: NDArray[np.int32], reading: Reading, size: tuple[int, int]
+) -> list[tuple[int, int]]:
+    """Return pairs of areas of one object: one sees its middle off its own, and near the other's."""
+    seen = [cv2.resize(each, size[::-1], interpolation=cv2.INTER_LINEAR) for each in reading.middle]
+    there = figure >= 0
+    counts = np.bincount(figure[there], minlength=len(boxes))
+    found = np.stack(
+        [
+            np.bincount(figure[there], weights=each[there], minlength=len(boxes)) / counts * side
+            for each, side in zip(seen, size[::-1], strict=True)
+        ],
+        axis=-1,
+    )
+    own = boxes[:, :2] + boxes[:, 2:] / 2
+    spans = boxes[:, 2:].max(1)
+    off = np.hypot(*(found - own).T) / spans
+    pairs = []
+    for each in np.flatnonzero(off > _OWN_MIDDLE):
+        away = np.maximum(boxes[:, :2] - found[each], found[each] - boxes[:, :2] - boxes[:, 2:]).max(1)
+        away[each] = np.inf
+        pairs.append((int(each), int(away.argmin())))
+    return pairs
+
+
+def _joined(groups: NDArray[np.intp], pairs: list[tuple[int, int]]) -> NDArray[np.intp]:
+    groups = groups.copy()
+    for one, other in pairs:
+        groups[groups == groups[other]] = groups[one]
+    return groups
+
+
+def _cells(figure: NDArray[np.intp], drawn: BoolMask, count: int, shape: tuple[int, int]) -> list[Cell]:
+    """Return a cell for each figure: its box, and of that what is nearer to it than to another.
+
+    Args:
+        figure: (h, w), the number of each pixel's figure, -1 for none.
+        drawn: (h, w), lines and bodies.
+        count: of the figures.
+        shape: (H, W) of the drawing.
+    """
+    free = (figure < 0).astype(np.uint8)
+    _, nearest = cv2.distanceTransformWithLabels(free, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    name_of = np.zeros(int(nearest.max()) + 1, np.intp)
+    name_of[nearest[free == 0]] = figure[free == 0]
+    owner = name_of[nearest]
+    whole = cv2.resize(owner.astype(np.int32), shape[::-1], interpolation=cv2.INTER_NEAREST)
+    scale = np.array([shape[0] / figure.shape[0], shape[1] / figure.shape[1]], np.float64)
+    cells = []
+    for number in range(count):
+        rows, columns = np.nonzero((owner == number) & drawn)
+        low = np.array([rows.min(), columns.min()]) * scale
+        high = (np.array([rows.max(), columns.max()]) + 1) * scale
+        room = _ROOM * float((high - low).max()) + 2
+        top, left = (max(int(each - room), 0) for each in low)
+        bottom, right = (min(int(each + room) + 1, side) for each, side in zip(high, shape, strict=True))
+        own = whole[top:bottom, left:right] == number
+        if min(own.shape) >= SMALLEST:
+            cells.append(Cell("", left, top, right - left, bottom - top, own=own))
+    return in_rows(cells, "figure")
+
+
+def alike(cells: list[Cell]) -> bool:
+    """Return whether the islands of a page look like separate figures: at least two are of like size."""
+    areas: Floats = np.array([float(c.own.sum()) if c.own is not None else c.width * c.height for c in cells])
+    return int((areas > _ALIKE * areas.max(initial=0)).sum()) > 1

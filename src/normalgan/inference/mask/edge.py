@@ -1,0 +1,216 @@
+"""Edge: where an object ends, to a part of a pixel, by the ink of its outline at the drawing's own size."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.mask.regions import region_sums
+from normalgan.inference.network.framing import around, box_of
+from normalgan.inference.network.line_width import line_width
+from normalgan.inference.reading.picture import resize
+
+__all__ = ["snap", "soft_edge"]
+
+_PALEST = 0.35
+"""Least ink of a line at its darkest."""
+_ONE_SIDED = 0.97
+"""Share of a region between lines from which all of it is object, or none."""
+_OWN = 0.6
+"""Share of ink that lies in the mask from which it is object although no region of it touches it."""
+_LARGE = 1024
+"""Longest side at which regions and lines are told apart; of a larger drawing only the last pixels are."""
+_MERGED = 1.5
+"""Times as wide as a line is where two lines meet in a tip."""
+_TIP = 0.25
+"""Longest tip, as a share of what the object spans."""
+_TOUCHING, _FINER = 1.3, 1.25
+"""How far from the inside a line's middle may be, in halves of its width; and the step between widths."""
+_CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+_SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
+_Bytes = NDArray[np.uint8]
+
+
+def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:
+    """Return how much of each pixel (H, W) an object covers, whose mask is known to a few pixels.
+
+    Lines divide the drawing into regions, and each region belongs to the object or not, as most of it does.
+    Where a gap joins two regions, inside and outside meet half-way between the places where the mask is sure.
+    The outline's ink is part of the object, so the edge is the ink's outer edge, as soft as that.
+
+    Args:
+        mask: (H, W), the object, whose edge may be off by ``reach`` pixels.
+        ink: (H, W) in [0, 1], the lines.
+        reach: how far the mask's edge may be from the outer edge of the line that it follows, in pixels.
+
+    Example:
+        >>> ink = np.zeros((32, 32), np.float32)
+        >>> ink[8:24, 8:24] = 1
+        >>> ink[10:22, 10:22] = 0
+        >>> rough = np.pad(np.ones((12, 13), bool), ((9, 11), (10, 9)))
+        >>> found = snap(rough, ink, 3)
+        >>> bool((found[8:24, 8:24] == 1).all()), int((found > 0.5).sum()) == 16 * 16
+        (True, True)
+    """
+    covered = np.zeros(mask.shape, np.float32)
+    if not mask.any():
+        return covered
+    top, bottom, left, right = box_of(mask)
+    # A tip may be as far outside of the mask.
+    box = around(mask, int(_TIP * max(bottom - top, right - left)) + int(reach) + 4)
+    lines = ink[box]
+    darkest = cv2.dilate(lines, _WIDE)
+    share = np.minimum(lines / np.maximum(darkest, _PALEST), 1)
+    inked = share > 0.5
+    covered[box] = _soft(_body(mask[box], lines, inked, reach), inked, share)
+    return covered
+
+
+def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMask:
+    """Return an object with all of its ink, from its mask and the drawing's lines.
+
+    Args:
+        mask: (H, W), the object, whose edge may be off.
+        ink: (H, W) in [0, 1], the lines.
+        inked: (H, W), where there is more ink than paper.
+        reach: how far the mask's edge may be off, in pixels.
+    """
+    shape = (mask.shape[0], mask.shape[1])
+    if max(shape) > _LARGE:
+        # At half the size all is decided but the last pixels.
+        half = ((shape[0] + 1) // 2, (shape[1] + 1) // 2)
+        small = resize(ink, half)
+        rough = _body(resize(mask.astype(np.float32), half) > 0.5, small, small > _PALEST, reach / 2)
+        return _finish(resize(rough.astype(np.float32), shape) > 0.5, inked)
+    inside, thin = _divide(mask, inked, reach)
+    whole = inside | _own_ink(mask, inside, inked)
+    top, bottom, left, right = box_of(mask)
+    return whole | _tips(whole, inked, thin & ~inside, max(bottom - top, right - left))
+
+
+def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
+    """Return an object whose edge is off by two pixels at most, with the ink that is there."""
+    lines = inked.view(np.uint8)
+    grown, shrunk = cv2.dilate(rough.view(np.uint8), _WIDE), cv2.erode(rough.view(np.uint8), _WIDE)
+    free = 1 - lines
+    one, other = shrunk & free, (1 - grown) & free
+    for _ in range(6):
+        further = cv2.dilate(one, _CROSS) & free & (1 - other)
+        other = cv2.dilate(other, _CROSS) & free & (1 - further)
+        one = further
+    body: BoolMask = (one > 0) | (inked & (grown > 0)) | (rough & (other == 0))
+    return body
+
+
+def soft_edge(mask: BoolMask) -> Floats:
+    """Return a mask as opacity (H, W): its staircase becomes an edge of a pixel."""
+    soft = np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 1.0), np.float32)
+    soft -= 0.5
+    soft *= 1.6
+    soft += 0.5
+    return np.clip(soft, 0, 1, out=soft)
+
+
+def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, BoolMask]:
+    """Return which pixels between the lines are object, and which lie in regions narrower than ``reach``."""
+    free = ~inked
+    count, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
+    depth = cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, 3)
+    size, held = region_sums(labels, count), region_sums(labels, count, mask)
+    deep = region_sums(labels, count, depth > reach)
+    among = held / np.maximum(size, 1)
+    narrow = deep == 0
+    whole = (among >= _ONE_SIDED) | (among <= 1 - _ONE_SIDED) | narrow
+    whole[0] = narrow[0] = False
+    inside: BoolMask = (whole & (among > 0.5))[labels]
+    mixed = free & ~whole[labels]
+    if mixed.any():
+        inside |= _meet(mask, mixed, depth, reach)
+    return inside, narrow[labels]
+
+
+def _meet(mask: BoolMask, mixed: BoolMask, depth: Floats, reach: float) -> BoolMask:
+    """Return which pixels of regions with a gap are object: inside and outside grow until they meet."""
+    within = cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, 3)
+    beyond = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, 3)
+    # Far from any line, nothing is known but the mask.
+    sure = (within > reach) | (beyond > reach) | (depth > reach)
+    free = mixed.astype(np.uint8)
+    one, other = (mixed & sure & mask).astype(np.uint8), (mixed & sure & ~mask).astype(np.uint8)
+    for _ in range(int(2 * reach) + 2):
+        grown = cv2.dilate(one, _CROSS) & free & ~other
+        other = cv2.dilate(other, _CROSS) & free & ~grown
+        one = grown
+    return np.where(other > 0, False, (one > 0) | (mask & mixed))
+
+
+def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
+    """Return the ink of an object: the lines that bound it, each to its own width, and those in it.
+
+    Lines are discs about their middle. A disc belongs to the object if it touches its inside, or if its
+    middle is in the mask, as that of a leg that is a single line.
+    """
+    lines = inked.view(np.uint8)
+    depth = cv2.distanceTransform(lines, cv2.DIST_L2, 5)
+    ridge = inked & (depth >= cv2.dilate(depth, _SQUARE) - np.float32(1e-4))
+    away = cv2.distanceTransform((~inside).view(np.uint8), cv2.DIST_L2, 5)
+    middles = ridge & (mask | (away <= _TOUCHING * depth + 1.5))
+    own = mask & inked & (away <= _TOUCHING * depth + 1.5)
+    radii = depth[middles]
+    for low in np.unique(np.floor(np.log(radii) / np.log(_FINER))) if len(radii) else ():
+        least, most = _FINER**low, _FINER ** (low + 1)
+        centres = middles & (depth >= least) & (depth < most)
+        own |= cv2.distanceTransform((~centres).view(np.uint8), cv2.DIST_L2, 5) < most
+    # Discs leave out the corners of a line.
+    for _ in range(2):
+        own = (cv2.dilate(own.view(np.uint8), _SQUARE) > 0) & inked
+    count, labels = cv2.connectedComponents(own.view(np.uint8), connectivity=8)
+    touching = cv2.dilate(inside.view(np.uint8), _SQUARE) > 0
+    kept = region_sums(labels, count, touching) > 0
+    kept |= region_sums(labels, count, mask) > _OWN * region_sums(labels, count)
+    kept[0] = False
+    found: BoolMask = kept[labels]
+    return found
+
+
+def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMask:
+    """Return the tips in which two lines of an outline meet, beyond what they enclose.
+
+    A line that shot beyond its goal is as wide as any; where two meet, their ink is wider.
+
+    Args:
+        body: (H, W), the object without its tips.
+        inked: (H, W), the lines.
+        slits: (H, W), narrow regions between lines that are not in the object.
+        span: longer side of the object in pixels.
+    """
+    loose = (inked | slits) & ~body
+    near = cv2.dilate(body.view(np.uint8), _SQUARE) > 0
+    if not (loose & near).any():
+        return np.zeros_like(body)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
+    padded = np.pad((inked | slits).view(np.uint8), 1)
+    depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
+    width = line_width(inked)
+    # Where a line leaves the body, the corners between them make it wider.
+    away = cv2.distanceTransform((~body).view(np.uint8), cv2.DIST_L2, 5)
+    merged = loose & (2 * depth - 1 > max(_MERGED * width, width + 1.5)) & (away > width / 2)
+    kept = (region_sums(labels, count, merged) > 0) & (region_sums(labels, count, near) > 0)
+    kept &= np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) <= _TIP * span
+    kept[0] = False
+    tips: BoolMask = kept[labels]
+    return tips
+
+
+def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
+    """Return how much of each pixel an object covers: as much as its ink does, or an edge of a pixel."""
+    covered = soft_edge(body)
+    outside = cv2.dilate((~body).view(np.uint8), _WIDE) > 0
+    line = cv2.dilate((body & inked).view(np.uint8), _WIDE) > 0
+    rim = body & inked & outside
+    covered[rim] = share[rim]
+    # Two pixels beyond its ink a soft line has ended.
+    fringe = ~body & ~inked & line
+    covered[fringe] = share[fringe]
+    covered[body & ~rim & line] = 1
+    return covered

@@ -1,0 +1,86 @@
+"""Output: the base of all kinds of files that are written for a drawing, and their registry."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar, get_args, get_type_hints
+
+import numpy as np
+
+from normalgan.inference.normal_map import NormalMap
+from normalgan.normals import encode_grey
+from normalgan.registry import Registry
+
+__all__ = ["OUTPUTS", "Output", "Scaled"]
+
+
+@dataclass(frozen=True)
+class Output(ABC):
+    """A kind of file that is written beside a normal map, such as a height map.
+
+    Subclasses are frozen dataclasses. Each field is a setting with a default, and an option of the commands.
+
+    Args:
+        format: ending of the file. A kind with several annotates it as a `Literal` of them.
+    """
+
+    name: ClassVar[str]
+    """What its files are called: ``height`` stands for ``fox_height.png``."""
+    label: ClassVar[str]
+    """What the studio's menu calls it."""
+    option: ClassVar[str] = ""
+    """The option of the commands that asks for it; empty is its name."""
+
+    format: str = "png"
+
+    @abstractmethod
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of each file, by its ending; the endings are `endings`.
+
+        Args:
+            preds: the map of a drawing. Its `height` is computed once for all outputs.
+        """
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """What the names of its files end in, after the drawing's, such as ``_height.png``."""
+        return (f"_{self.name}.{self.format}",)
+
+    @property
+    def whole_batch(self) -> bool:
+        """Whether its files depend on all drawings of a command."""
+        return False
+
+    @classmethod
+    def formats(cls) -> tuple[str, ...]:
+        """Return the formats it can have, the default first."""
+        return get_args(get_type_hints(cls)["format"]) or (cls.format,)
+
+
+class Scaled(bytes):
+    """A grey PNG of 16 bits whose scale is known, so that it can be brought to that of others.
+
+    Args:
+        content: of the file.
+        spread: what white stands for.
+    """
+
+    spread: float
+
+    def __new__(cls, content: bytes, spread: float) -> "Scaled":
+        """Keep the scale beside the content."""
+        scaled = super().__new__(cls, content)
+        scaled.spread = spread
+        return scaled
+
+    def at(self, spread: float) -> bytes:
+        """Return the file in which white stands for this much, at least as much as now."""
+        if spread <= self.spread:
+            return self
+        import cv2
+
+        levels: Any = cv2.imdecode(np.frombuffer(self, np.uint8), cv2.IMREAD_UNCHANGED)
+        return encode_grey(np.asarray(levels * (self.spread / spread / 65535), np.float32), ".png", 16)
+
+
+OUTPUTS: Registry[Output] = Registry(Output, "normalgan.outputs")  # type: ignore[type-abstract]
+"""The outputs that can be asked for by name; the normal map itself is always written."""

@@ -1,0 +1,63 @@
+"""Explanation: how the mask of a drawing was found, a picture a stage."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import unwritable
+from normalgan.files.writing import write_bytes
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.preparation import Prepared
+from normalgan.inference.reading.picture import Picture
+
+__all__ = ["STAGES", "write_explanation"]
+
+STAGES = ("input", "ink", "outline", "regions", "presence", "mask")
+"""The stages in their order; the names of the files are numbered so."""
+
+
+def write_explanation(
+    folder: Path, stem: str, picture: Picture, prepared: Prepared, preds: NormalMap
+) -> None:
+    """Write `<stem>_<number>_<stage>.png` for each stage that there was.
+
+    A drawing whose mask was given, or is its opacity, has no outline, regions or presence.
+
+    Args:
+        folder: is made if it does not exist.
+        stem: of the drawing's name.
+        picture: the drawing.
+        prepared: of the drawing.
+        preds: its map, whose mask is the last stage.
+
+    Raises:
+        RunError: if a file cannot be written.
+    """
+    colour = picture.colour if picture.alpha is None else _over_white(picture)
+    stages = {
+        "input": np.rint(255 * colour).astype(np.uint8),
+        "ink": np.rint(255 * (1 - prepared.ink)).astype(np.uint8),
+        **({} if prepared.decision is None else prepared.decision.explain()),
+        "mask": np.where(preds.mask, 255, 0).astype(np.uint8),
+    }
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for number, stage in enumerate(STAGES, 1):
+            if stage in stages:
+                write_bytes(folder / f"{stem}_{number}_{stage}.png", _png(stages[stage]))
+    except OSError as error:
+        raise unwritable(f"the explanation cannot be written to {folder}: {error.strerror}.", error) from None
+
+
+def _over_white(picture: Picture) -> NDArray[np.float32]:
+    assert picture.alpha is not None
+    cover = picture.alpha[..., None]
+    return np.asarray(picture.colour * cover + 1 - cover, np.float32)
+
+
+def _png(pixels: NDArray[np.uint8]) -> bytes:
+    fine, content = cv2.imencode(".png", pixels if pixels.ndim == 2 else pixels[..., ::-1])
+    assert fine
+    return content.tobytes()

@@ -1,0 +1,57 @@
+"""Height: the height map of a normal map."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.base import OUTPUTS, Output, Scaled
+from normalgan.normals import encode_grey
+
+__all__ = ["Height"]
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class Height(Output):
+    """A height map.
+
+    Args:
+        format: png is 16 bits from the lowest to the highest, tiff floats in pixels.
+        height_scale: pixels from black to white of a height png; batch takes those of the highest drawing.
+
+    Raises:
+        InputError: if they do not go together.
+    """
+
+    name: ClassVar[str] = "height"
+    label: ClassVar[str] = "Height map"
+
+    format: Literal["png", "tiff"] = "png"
+    height_scale: float | Literal["batch"] | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse settings that do not go together."""
+        if self.height_scale is not None and self.format != "png":
+            raise InputError("a height_scale is that of a height png; add --height png.")
+        if isinstance(self.height_scale, float | int) and not self.height_scale > 0:
+            raise InputError(f"height_scale is {self.height_scale}; it is pixels, more than 0, or batch.")
+
+    @property
+    def whole_batch(self) -> bool:
+        """Whether all drawings of a command share one scale."""
+        return self.height_scale == "batch"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        height = preds.height()
+        inside = height[preds.mask] if preds.mask.any() else np.zeros(1, np.float32)
+        if self.format == "tiff":
+            return {self.endings[0]: encode_grey(np.where(preds.mask, height, inside.min()), ".tiff")}
+        spread = max(float(np.ptp(inside)), 1e-6)
+        if isinstance(self.height_scale, float | int):
+            spread = float(self.height_scale)
+        levels = np.where(preds.mask, (height - inside.min()) / spread, 0)
+        return {self.endings[0]: Scaled(encode_grey(levels, ".png", 16), spread)}

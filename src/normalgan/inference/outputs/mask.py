@@ -1,0 +1,28 @@
+"""Mask: what was taken for the object."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.normals import encode_grey
+
+__all__ = ["Mask"]
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class Mask(Output):
+    """The object's mask, white on black with a soft edge.
+
+    Args:
+        format: of the picture.
+    """
+
+    name: ClassVar[str] = "mask"
+    label: ClassVar[str] = "Mask"
+    option: ClassVar[str] = "show_mask"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        return {self.endings[0]: encode_grey(preds.alpha)}

@@ -1,0 +1,28 @@
+"""ModelInput: what the network was shown."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.normals import encode_grey
+
+__all__ = ["ModelInput"]
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class ModelInput(Output):
+    """What the model saw, dark lines on white.
+
+    Args:
+        format: of the picture.
+    """
+
+    name: ClassVar[str] = "input"
+    label: ClassVar[str] = "What the model saw"
+    option: ClassVar[str] = "show_input"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        return {self.endings[0]: encode_grey(1 - preds.seen)}

@@ -1,0 +1,68 @@
+"""Normal: the normal map itself, as each program wants it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from normalgan.errors import InputError
+from normalgan.inference.normal_map import Format, NormalMap
+from normalgan.inference.outputs.base import Output
+from normalgan.inference.outputs.engines import CONVENTIONS, Engine, sidecar
+from normalgan.normals import Bits, Green
+
+__all__ = ["Normal", "engine_defaults"]
+
+
+@dataclass(frozen=True)
+class Normal(Output):
+    """The normal map.
+
+    Args:
+        format: of the map; exr and tiff hold floats; null is that of the file that -o names, png of a folder.
+        suffix: of the map's name, after the drawing's.
+        bits: of each channel of a PNG.
+        y: up is green as in OpenGL, down as in DirectX.
+        alpha: write the object's mask as alpha channel.
+        engine: sets y, bits and suffix as it wants them, and writes what it imports the map by.
+
+    Raises:
+        InputError: if they do not go together.
+    """
+
+    name: ClassVar[str] = "normal"
+    label: ClassVar[str] = "Normal map"
+
+    format: Format = "png"
+    suffix: str = "_normal"
+    bits: Bits = 8
+    y: Green = "up"
+    alpha: bool = False
+    engine: Engine | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse settings that do not go together."""
+        if self.bits not in {8, 16}:
+            raise InputError(f"the bits of a normal map are 8 or 16, not {self.bits}.")
+        if self.bits == 16 and self.format != "png":
+            raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
+        if self.suffix and Path(self.suffix).name != self.suffix:
+            raise InputError(f"the suffix {self.suffix!r} is no part of a file's name; it is like _normal.")
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """What the map's name ends in, such as ``_normal.png``."""
+        return (f"{self.suffix}.{self.format}",)
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the map's file."""
+        return {self.endings[0]: preds.encode(self.format, self.bits, self.y, self.alpha)}
+
+    def sidecar(self, target: Path) -> tuple[Path, bytes] | None:
+        """Return the file by which the engine imports a map, and its content; None without an engine."""
+        return None if self.engine is None else sidecar(self.engine, target)
+
+
+def engine_defaults(engine: Engine) -> dict[str, object]:
+    """Return the settings of `Normal` that an engine sets, unless the user does."""
+    convention = CONVENTIONS[engine]
+    return {"y": convention.y, "bits": convention.bits, "suffix": convention.suffix}

@@ -1,0 +1,47 @@
+"""Relief: the object as a closed mesh."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from normalgan.errors import InputError
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.base import OUTPUTS, Output
+
+__all__ = ["FEWEST", "Relief"]
+
+FEWEST = 12
+"""Fewest triangles of a relief that is closed."""
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class Relief(Output):
+    """A relief mesh.
+
+    Args:
+        format: glb is one file for engines, obj is text for other programs.
+        faces: triangles of the relief at most; null is four for each pixel.
+
+    Raises:
+        InputError: if so few triangles close no relief.
+    """
+
+    name: ClassVar[str] = "relief"
+    label: ClassVar[str] = "Relief mesh"
+
+    format: Literal["glb", "obj"] = "glb"
+    faces: int | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse too few triangles."""
+        if self.faces is not None and self.faces < FEWEST:
+            raise InputError(f"faces is {self.faces}; a closed relief has {FEWEST} triangles or more.")
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        # Here: trimesh takes a while to import.
+        from normalgan.inference.heights.relief import encode_relief, relief_mesh, simpler
+
+        shape = preds.height(), preds.mask
+        simple = shape if self.faces is None else simpler(*shape, self.faces)
+        return {self.endings[0]: encode_relief(relief_mesh(*simple), self.format)}

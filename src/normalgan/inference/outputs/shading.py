@@ -1,0 +1,175 @@
+"""Shading maps: what else engines shade by: ambient occlusion, curvature and specular."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from typing import ClassVar
+from weakref import WeakKeyDictionary
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.network.tile import middle, wrapped
+from normalgan.inference.normal_map import NormalMap, part_of
+from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.inference.outputs.occlusion import occlusion
+from normalgan.normals import encode_grey
+
+__all__ = [
+    "AmbientOcclusion",
+    "Curvature",
+    "Specular",
+    "curvature",
+    "curvature_of",
+    "gloss",
+    "occlusion_of",
+    "specular_of",
+]
+
+_FINE = 1 / 256
+"""Width at which a surface is looked at for its curvature, as a share of a drawing's longer side."""
+_BEND = 0.04
+"""Share of a drawing's longer side that is the radius of a ball that is half as light as can be."""
+_BESIDE = 0.25
+"""How much of its repeats is looked at about a map that has some, as a share of its longer side."""
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class AmbientOcclusion(Output):
+    """The ambient occlusion.
+
+    Args:
+        format: of the picture.
+    """
+
+    name: ClassVar[str] = "ao"
+    label: ClassVar[str] = "Ambient occlusion"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        return {self.endings[0]: encode_grey(occlusion_of(preds))}
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class Curvature(Output):
+    """The curvature, ridges light and hollows dark.
+
+    Args:
+        format: of the picture.
+    """
+
+    name: ClassVar[str] = "curvature"
+    label: ClassVar[str] = "Curvature"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        return {self.endings[0]: encode_grey(curvature_of(preds))}
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class Specular(Output):
+    """How much each place reflects, ridges polished and hollows dull.
+
+    Args:
+        format: of the picture.
+    """
+
+    name: ClassVar[str] = "specular"
+    label: ClassVar[str] = "Specular"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        return {self.endings[0]: encode_grey(specular_of(preds))}
+
+
+def _once(compute: Callable[[NormalMap], Floats]) -> Callable[[NormalMap], Floats]:
+    """Compute a picture of a map once, however many outputs are made of it."""
+    known: WeakKeyDictionary[NormalMap, Floats] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def recalled(preds: NormalMap) -> Floats:
+        if preds not in known:
+            known[preds] = compute(preds)
+        return known[preds]
+
+    return recalled
+
+
+@_once
+def occlusion_of(preds: NormalMap) -> Floats:
+    """Return the share of the sky (H, W) that each place of a map sees; 1 off the object."""
+    if preds.cells:
+        whole, height = np.ones(preds.mask.shape, np.float32), preds.height()
+        for cell in preds.cells:  # no drawing of a sheet shades another
+            own = np.ascontiguousarray(cell.upright(height[cell.box]))
+            cell.put(whole, _occlusion(part_of(preds, cell), own))
+        return whole
+    return _occlusion(preds, preds.height())
+
+
+@_once
+def curvature_of(preds: NormalMap) -> Floats:
+    """Return how the surface of a map bends, (H, W) in [0, 1]; 0.5 off the object."""
+    if preds.cells:
+        whole = np.full(preds.mask.shape, 0.5, np.float32)
+        for cell in preds.cells:
+            cell.put(whole, curvature_of(part_of(preds, cell)))
+        return whole
+    normals, mask = (wrapped(each, preds.tile, _room(preds)) for each in (preds.extended, preds.mask))
+    return middle(curvature(normals, mask, max(preds.mask.shape)), preds.tile, _room(preds))
+
+
+def specular_of(preds: NormalMap) -> Floats:
+    """Return how much each place of a map reflects, (H, W) in [0, 1]; 0 off the object."""
+    return gloss(occlusion_of(preds), curvature_of(preds), preds.mask)
+
+
+def _occlusion(preds: NormalMap, height: Floats) -> Floats:
+    room = _room(preds)
+    normals, mask = (wrapped(each, preds.tile, room) for each in (preds.extended, preds.mask))
+    around = wrapped(height.astype(np.float32, copy=False), preds.tile, room)
+    return middle(occlusion(around, normals, mask, max(preds.mask.shape)), preds.tile, room)
+
+
+def _room(preds: NormalMap) -> tuple[int, int]:
+    return (round(_BESIDE * max(preds.mask.shape)),) * 2
+
+
+def curvature(normals: Floats, mask: BoolMask, longest: int | None = None) -> Floats:
+    """Return how a surface bends, (H, W) in [0, 1]: ridges light, hollows dark, 0.5 where it is flat.
+
+    It is the divergence of the normals, twice the mean curvature where the surface faces the viewer.
+
+    Args:
+        normals: (H, W, 3), unit on the object.
+        mask: (H, W), the object; off it is 0.5.
+        longest: longer side in pixels of the drawing, if its repeats are about it; None is that of the map.
+    """
+    from scipy import ndimage  # here: it takes a while to import
+
+    if not mask.any():
+        return np.full(mask.shape, 0.5, np.float32)
+    _, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
+    side = int(stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max())  # of a drawing, not of its sheet
+    side = min(side, longest or side)
+    width = max(_FINE * side, 0.7)
+    # Off the object a sheet is flat: what counts there are the nearest normals on it.
+    nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
+    smooth = cv2.GaussianBlur(normals[nearest[0], nearest[1], :2], (0, 0), width)
+    bend = np.gradient(smooth[..., 0], axis=1) - np.gradient(smooth[..., 1], axis=0)  # rows count down
+    return np.where(mask, 0.5 + 0.5 * np.tanh(bend * side * _BEND / 2), 0.5).astype(np.float32)
+
+
+def gloss(open_to_light: Floats, bends: Floats, mask: BoolMask) -> Floats:
+    """Return how much each place reflects, (H, W) in [0, 1]: ridges are polished, hollows dull, off it is 0.
+
+    Args:
+        open_to_light: (H, W), of `occlusion.occlusion`.
+        bends: (H, W), of `curvature`.
+        mask: (H, W), the object.
+    """
+    return np.where(mask, np.clip(open_to_light * bends, 0, 1), 0).astype(np.float32)

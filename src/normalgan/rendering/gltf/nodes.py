@@ -1,0 +1,114 @@
+"""Nodes of glTF: the tree that places what a scene shows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from normalgan.arrays import Doubles
+from normalgan.rendering.gltf.container import Container, bad_gltf
+
+__all__ = ["Indices", "Nodes", "local_matrices", "read_nodes", "shown_nodes", "world_matrices"]
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The nodes of a scene; each moves its children.
+
+    Args:
+        parents: (N,) index of each node's parent, -1 for none.
+        order: (N,) all indices, parents before their children.
+        translations: (N, 3) in the parent's axes, at rest.
+        rotations: (N, 4) unit quaternions x, y, z, w, at rest.
+        scales: (N, 3), at rest.
+        matrices: the (4, 4) matrices, for column vectors, of nodes that have one instead of these three.
+    """
+
+    parents: Indices
+    order: Indices
+    translations: Doubles
+    rotations: Doubles
+    scales: Doubles
+    matrices: dict[int, Doubles]
+
+
+def read_nodes(container: Container) -> Nodes:
+    """Return the nodes of a file.
+
+    Raises:
+        InputError: if they are no tree, or a number of theirs cannot be used.
+    """
+    entries = container.tree.get("nodes", [])
+    parents = np.full(len(entries), -1)
+    for index, entry in enumerate(entries):
+        for child in entry.get("children", []):
+            container.item("nodes", child)
+            if parents[child] >= 0:
+                raise bad_gltf(container.path, f"node {child} has two parents")
+            parents[child] = index
+    order = [int(index) for index in np.flatnonzero(parents < 0)]
+    for index in order:  # grows while it is walked
+        order += entries[index].get("children", [])
+    if len(order) < len(entries):
+        raise bad_gltf(container.path, "its nodes are their own ancestors")
+    rotations = _rows(container, "rotation", (0.0, 0.0, 0.0, 1.0))
+    lengths = np.linalg.norm(rotations, axis=1, keepdims=True)
+    if (lengths < 0.5).any():
+        raise bad_gltf(container.path, "a node's rotation is no unit quaternion")
+    matrices = {
+        index: np.array(entry["matrix"], dtype=np.float64).reshape(4, 4).T  # stored column by column
+        for index, entry in enumerate(entries)
+        if "matrix" in entry
+    }
+    if not all(np.isfinite(matrix).all() for matrix in matrices.values()):
+        raise bad_gltf(container.path, "a node's matrix has a number that is not finite")
+    translations, scales = _rows(container, "translation", (0.0,) * 3), _rows(container, "scale", (1.0,) * 3)
+    return Nodes(
+        parents, np.array(order, dtype=np.int64), translations, rotations / lengths, scales, matrices
+    )
+
+
+def _rows(container: Container, name: str, default: tuple[float, ...]) -> Doubles:
+    """Return one property of all nodes, (N, D)."""
+    rows = [entry.get(name, default) for entry in container.tree.get("nodes", [])]
+    values = np.array(rows, dtype=np.float64).reshape(-1, len(default))
+    if len(values) != len(rows) or not np.isfinite(values).all():
+        raise bad_gltf(container.path, f"a node's {name} has a number that is not finite")
+    return values
+
+
+def shown_nodes(container: Container, nodes: Nodes) -> list[int]:
+    """Return the nodes of the scene, or all if the file has none."""
+    if not container.tree.get("scenes"):
+        return [int(index) for index in nodes.order]
+    roots = set(container.item("scenes", container.tree.get("scene", 0)).get("nodes", []))
+    for index in nodes.order:
+        if int(nodes.parents[index]) in roots:
+            roots.add(int(index))
+    return sorted(roots)
+
+
+def local_matrices(nodes: Nodes) -> Doubles:
+    """Return the (N, 4, 4) matrices from each node's axes to its parent's, for column vectors."""
+    matrices = np.zeros((len(nodes.parents), 4, 4))
+    if len(matrices):
+        turns = Rotation.from_quat(nodes.rotations).as_matrix()
+        matrices[:, :3, :3] = turns * nodes.scales[:, None, :]
+    matrices[:, :3, 3] = nodes.translations
+    matrices[:, 3, 3] = 1.0
+    for index, matrix in nodes.matrices.items():
+        matrices[index] = matrix
+    return matrices
+
+
+def world_matrices(nodes: Nodes) -> Doubles:
+    """Return the (N, 4, 4) matrices from each node's axes to the world's."""
+    matrices = local_matrices(nodes)
+    for index in nodes.order:
+        parent = nodes.parents[index]
+        if parent >= 0:
+            matrices[index] = matrices[parent] @ matrices[index]
+    return matrices

@@ -1,0 +1,75 @@
+/** Areas: the parts of the paper that lines enclose, which a click makes object or hole. */
+
+import { context2d } from "./canvas.js";
+import { inkAt } from "./ink.js";
+
+/** Longer side in pixels at which areas are looked for while the pointer moves. */
+const SIDE = 512;
+/** How opaque a line is at least that parts one area from another, 0 to 255. */
+const INKED = 90;
+
+/** @typedef {{shows: (x: number, y: number) => boolean, open: boolean, picture: HTMLCanvasElement}} Area of the drawing; open: it reaches the paper's edge */
+
+export class Areas {
+  constructor() {
+    /** @type {{strokes: object, width: number, height: number, inked: Uint8Array, wide: number, high: number} | null} */
+    this.lines = null;
+    /** @type {{lines: object, area: Uint8Array, found: Area} | null} what was asked for last */
+    this.last = null;
+  }
+
+  /**
+   * Returns the area about a point; null on a line.
+   * @param {import("./document.js").Doc} doc @param {import("./document.js").Layer} layer @param {number} x @param {number} y
+   * @returns {Area | null}
+   */
+  at({ width, height }, { strokes }, x, y) {
+    if (x < 0 || y < 0 || x >= width || y >= height || !strokes.length) return null;
+    if (this.lines?.strokes !== strokes || this.lines.width !== width || this.lines.height !== height) {
+      const { canvas, pixels } = inkAt({ width, height, strokes }, Math.min(SIDE, Math.max(width, height)));
+      const { channels, bytes } = pixels();
+      const count = canvas.width * canvas.height;
+      // Dark is a line, whatever its colour, as the server has it.
+      const inked = Uint8Array.from({ length: count }, (_, i) => {
+        if (channels === 1) return 255 - bytes[i] > INKED ? 1 : 0;
+        const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);
+        return ((255 - Math.min(red, green, blue)) * alpha) / 255 > INKED ? 1 : 0;
+      });
+      this.lines = { strokes, width, height, inked, wide: canvas.width, high: canvas.height };
+    }
+    const { lines } = this;
+    const { inked, wide, high } = lines;
+    const place = (/** @type {number} */ right, /** @type {number} */ down) =>
+      Math.min(high - 1, Math.floor((down / height) * high)) * wide + Math.min(wide - 1, Math.floor((right / width) * wide));
+    const first = place(x, y);
+    if (inked[first]) return null;
+    if (this.last?.lines === lines && this.last.area[first]) return this.last.found;
+    const area = new Uint8Array(inked.length);
+    const stack = [first];
+    area[first] = 1;
+    let open = false;
+    while (stack.length) {
+      const at = /** @type {number} */ (stack.pop());
+      const column = at % wide;
+      open ||= column === 0 || column === wide - 1 || at < wide || at >= inked.length - wide;
+      for (const to of [column > 0 ? at - 1 : -1, column < wide - 1 ? at + 1 : -1, at - wide, at + wide]) {
+        if (to < 0 || to >= inked.length || inked[to] || area[to]) continue;
+        area[to] = 1;
+        stack.push(to);
+      }
+    }
+    const found = { shows: (/** @type {number} */ right, /** @type {number} */ down) => area[place(right, down)] > 0, open, picture: pictureOf(area, wide, high) };
+    this.last = { lines, area, found };
+    return found;
+  }
+}
+
+/** @param {Uint8Array} area @param {number} width @param {number} height */
+function pictureOf(area, width, height) {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width, height];
+  const image = new ImageData(width, height);
+  for (let i = 0; i < area.length; i++) if (area[i]) image.data[4 * i + 3] = 255;
+  context2d(canvas).putImageData(image, 0, 0);
+  return canvas;
+}

@@ -1,0 +1,86 @@
+"""What is asked of an output."""
+
+import numpy as np
+
+from normalgan.errors import InputError
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs import Output
+from normalgan.testing.conformance import Check, demand, hold
+from normalgan.testing.settings import frozen_check, settings_checks
+
+__all__ = ["check_output", "output_checks"]
+
+_SIZE = 48
+
+
+def check_output(output: Output) -> None:
+    """Ask an output everything that its kind must do.
+
+    Args:
+        output: with the settings it is to be checked with.
+
+    Raises:
+        ConformanceError: at the first thing that it does otherwise, in one sentence.
+    """
+    hold(output, output_checks())
+
+
+def output_checks() -> list[Check[Output]]:
+    """Return the checks of an output, each with a name, for ``pytest.mark.parametrize``."""
+    return [
+        *settings_checks(Output),  # type: ignore[type-abstract]
+        frozen_check(),
+        Check("settings with defaults", _by_default, "it must be made without arguments"),
+        Check("files with the endings it names", _endings, "encode must return bytes for each of endings"),
+        Check("the same bytes for the same map", _repeatable, "nothing else may decide"),
+        Check("a map without an object", _empty, "such a map must give files, or an InputError"),
+        Check("the map left as it is", _untouched, "the map belongs to the caller"),
+    ]
+
+
+def _ball(radius: float = 16.0) -> NormalMap:
+    along = np.arange(_SIZE, dtype=np.float32) - _SIZE / 2 + 0.5
+    x, y = np.meshgrid(along / max(radius, 1), -along / max(radius, 1))
+    z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+    mask = (z > 0) & (radius > 0)
+    normals = np.where(mask[..., None], np.dstack([x, y, z]), np.array([0, 0, 1], np.float32)).astype(
+        np.float32
+    )
+    return NormalMap(normals, mask, mask.astype(np.float32), np.zeros((8, 8), np.float32), None, "")
+
+
+def _by_default(output: Output) -> None:
+    demand(type(output)().endings, output, "names no endings by default", "each file needs one")
+
+
+def _endings(output: Output) -> None:
+    files = output.encode(_ball())
+    did = f"returned files that end in {', '.join(files)}, and names {', '.join(output.endings)}"
+    demand(tuple(files) == output.endings, output, did, "both must be the same, in the same order")
+    plain = all(ending.startswith("_") and "." in ending and "/" not in ending for ending in files)
+    demand(plain, output, f"names the endings {', '.join(files)}", "they are like _height.png")
+    other = [ending for ending, content in files.items() if not isinstance(content, bytes) or not content]
+    demand(not other, output, f"returned no bytes for {', '.join(other)}", "a file has content")
+
+
+def _repeatable(output: Output) -> None:
+    demand(
+        output.encode(_ball()) == output.encode(_ball()),
+        output,
+        "returned other bytes for the same map",
+        "files are compared between runs",
+    )
+
+
+def _empty(output: Output) -> None:
+    try:
+        output.encode(_ball(0))
+    except InputError:
+        return
+
+
+def _untouched(output: Output) -> None:
+    given, kept = _ball(), _ball()
+    output.encode(given)
+    same = np.array_equal(given.extended, kept.extended) and np.array_equal(given.mask, kept.mask)
+    demand(same, output, "changed the map that it was given", "copy it")

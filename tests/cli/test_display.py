@@ -1,0 +1,45 @@
+"""What fit says on a terminal or in a file."""
+
+import logging
+from pathlib import Path
+
+import pytest
+from command import Bench
+from lightning.pytorch.callbacks import EarlyStopping
+
+from normalgan.warning_filters import filter_warnings
+
+
+def test_fit_says_why_it_stopped_what_a_profiler_measured_and_which_checkpoint_is_best(
+    bench: Bench, tmp_path: Path
+) -> None:
+    done = bench.run(
+        "fit",
+        tmp_path / "run",
+        *("--trainer.max_epochs", 4, "--trainer.profiler", "simple", "--trainer.enable_progress_bar", "true"),
+        *("--trainer.callbacks", "EarlyStopping", "--trainer.callbacks.monitor", "val/hints/angular_mean"),
+        *("--trainer.callbacks.patience", 1, "--trainer.callbacks.min_delta", 100),
+    )
+    assert done.code == 0, done.err
+    metric = "val/hints/angular_mean"
+    stopped = f"Training stopped early. Monitored metric {metric} did not improve in the last 1 records."
+    assert stopped in done.out
+    assert "run_training_epoch" in done.err  # the profiler's table
+    assert "GPU available" not in done.err
+    (best,) = (path for path in (tmp_path / "run" / "checkpoints").glob("0*.ckpt"))
+    assert f"The best checkpoint is {best} (val/hints/angular_mean " in done.out
+    assert "FLOPs" not in done.out
+    assert "generator: UNetGenerator, 65.9 thousand parameters" in done.out
+    assert "train/discriminator: " in done.out.replace("\n", "")  # not cut at 80 columns
+
+
+def test_what_lightning_logs_of_the_machine_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
+    filter_warnings()
+    for text in (
+        "GPU available: False, used: False",
+        "Seed set to 0",
+        "Restored all states from the checkpoint at x",
+    ):
+        logging.getLogger("lightning.pytorch.utilities.rank_zero").info(text)
+    logging.getLogger(EarlyStopping.__module__).info("Signaling Trainer to stop.")
+    assert capsys.readouterr().err == "normalgan: Signaling Trainer to stop.\n"

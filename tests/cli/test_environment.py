@@ -1,0 +1,50 @@
+"""${NAME} in a configuration is the environment variable of that name."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from command import Bench, run
+
+from normalgan.cli.config_files import with_environment
+from normalgan.errors import InputError
+
+
+def test_a_configuration_reads_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RUNS", str(tmp_path / "here"))
+    monkeypatch.setenv("PIXELS", "64")
+    config = tmp_path / "c.yaml"
+    config.write_text(
+        "trainer: {default_root_dir: '${RUNS}/a'}\n"
+        "data: {size: '${PIXELS}', meshes: '${oc.env:NO_SUCH_VARIABLE,meshes}/${oc.env:PIXELS}'}\n"
+    )
+    done = run("fit", "--config", config, "--print_config")
+    assert done.code == 0, done.err
+    settings = yaml.safe_load(done.out)
+    assert settings["trainer"]["default_root_dir"] == f"{tmp_path}/here/a"
+    assert settings["data"]["size"] == 64
+    assert settings["data"]["meshes"] == "meshes/64"
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("${NO_SUCH_VARIABLE}/a", "the environment has no NO_SUCH_VARIABLE"),
+        ("${data.size}", r"\$\{data.size\} is not an environment variable"),
+        ("${}", "is not an environment variable"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        with_environment({"a": [text]})
+
+
+def test_nothing_is_made_of_a_variable_that_is_not_set_and_none_is_read_under_safe_config(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("c.yaml").write_text("data: {cache: '${NO_SUCH_VARIABLE}'}\n")
+    run("fit", "--config", "c.yaml").refused("the environment has no NO_SUCH_VARIABLE")
+    Path("c.yaml").write_text("data: {meshes: '${HOME}'}\n")
+    run("fit", "--safe-config", "--config", "c.yaml").refused("--safe-config reads no environment")
+    assert [path.name for path in tmp_path.iterdir()] == ["c.yaml"]

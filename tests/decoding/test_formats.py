@@ -1,0 +1,49 @@
+import re
+from pathlib import Path
+
+import pytest
+
+from normalgan.decoding.formats import ENDINGS, FORMATS, format_of
+from normalgan.inference.reading.drawings import SUFFIXES
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_a_format_is_told_by_its_first_bytes() -> None:
+    for each in FORMATS:
+        for start in each.starts:
+            found = format_of(start.ljust(64, b"\0"))
+            assert found is not None
+            assert found.starts == each.starts
+    box = b"\0\0\0\x1cftyp%b\0\0\0\0mif1miaf%b"
+    for brand, name in ((b"avif", "AVIF"), (b"heic", "HEIC"), (b"mp42", None)):
+        found = format_of(box.replace(b"mif1miaf", b"isomiso2") % (brand, brand))
+        assert (found.name if found else None) == name
+    assert format_of(b"") is None
+
+
+def test_endings_are_written_once() -> None:
+    assert SUFFIXES == ENDINGS
+    assert len(set(ENDINGS)) == len(ENDINGS)
+
+
+def test_the_docs_name_every_format() -> None:
+    words = set(re.findall(r"\w+", (ROOT / "docs/generate.md").read_text(encoding="utf-8")))
+    for each in FORMATS:
+        assert {ending[1:].upper() for ending in each.endings} & {word.upper() for word in words}
+
+
+@pytest.mark.parametrize(
+    ("file", "pattern"),
+    [
+        ("src/normalgan/studio/page/index.html", r'id="import-file" type="file" accept="image/\*,([^"]*)"'),
+        ("integrations/blender/normalgan_blender/__init__.py", r'default=("\*\.png;[^,]*)'),
+    ],
+)
+def test_dialogs_offer_every_format_that_is_read(file: str, pattern: str) -> None:
+    found = re.search(pattern, (ROOT / file).read_text(encoding="utf-8"))
+    assert found is not None
+    offered = {each.lstrip("*") for each in re.split("[,;]", re.sub(r'"\s*"|^"|"$', "", found[1]))}
+    of_any_browser = {".png", ".apng", ".jpg", ".jpeg", ".webp", ".bmp", ".gif", ".avif"}
+    assert set(ENDINGS) - offered <= (of_any_browser if file.endswith(".html") else set())
+    assert offered <= set(ENDINGS)

@@ -1,0 +1,160 @@
+"""Models by address, from a server of this machine."""
+
+import hashlib
+import http.server
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import normalgan
+from normalgan.__main__ import main
+from normalgan.errors import InputError
+from normalgan.files.addresses import kept_files, local_file, parse_address
+from normalgan.inference.network.onnx_backend import SHIPPED
+
+SHA = hashlib.sha256(SHIPPED.read_bytes()).hexdigest()
+COMMIT = "0123456789abcdef0123456789abcdef01234567"
+
+
+class Handler(http.server.BaseHTTPRequestHandler):
+    """Serves one file at any address that ends in model.onnx, as the hub's server does."""
+
+    asked: list[str]
+
+    def do_HEAD(self) -> None:
+        self._answer(False)
+
+    def do_GET(self) -> None:
+        self._answer(True)
+
+    def _answer(self, body: bool) -> None:
+        self.asked.append(f"{self.command} {self.path}")
+        there = self.path.endswith("model.onnx") and "/private/" not in self.path
+        self.send_response(200 if there else 404)
+        content = SHIPPED.read_bytes() if there else b""
+        if "/private/" in self.path:
+            self.send_header("X-Error-Code", "RepoNotFound")
+        elif not there:
+            self.send_header("X-Error-Code", "EntryNotFound")
+        self.send_header("ETag", f'"{SHA}"')
+        self.send_header("X-Repo-Commit", COMMIT)
+        self.send_header("Content-Length", str(len(content)))
+        self.end_headers()
+        if body:
+            self.wfile.write(content)
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+@pytest.fixture(name="asked")
+def make_asked() -> list[str]:
+    return []
+
+
+@pytest.fixture(name="server")
+def make_server(asked: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    handler = type("_Handler", (Handler,), {"asked": asked})
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        monkeypatch.setenv("NORMALGAN_CACHE", str(tmp_path / "kept"))
+        monkeypatch.setenv("HF_ENDPOINT", f"http://127.0.0.1:{server.server_port}")
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+def test_a_model_is_fetched_once_and_loaded(server: str, asked: list[str], tmp_path: Path) -> None:
+    address = f"{server}/v1/model.onnx#sha256={SHA}"
+    assert normalgan.load(address).backend.size == 256
+    assert normalgan.load(address).backend.size == 256
+    assert asked == ["GET /v1/model.onnx"]
+    (kept,) = kept_files()
+    assert (kept.address, kept.path.name) == (address, "model.onnx")
+    kept.path.write_bytes(b"damaged")  # is fetched again
+    assert local_file(address).read_bytes() == SHIPPED.read_bytes()
+
+
+def test_models_lists_what_comes_with_the_package_and_what_was_fetched(
+    server: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    address = f"{server}/model.onnx#sha256={SHA}"
+    local_file(address)
+    assert main(["models"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "shipped"
+    assert said[2] == said[5]
+    assert said[2].startswith("  15.2 MB, ResidualUNetGenerator, 256 pixels, licence ")
+    assert said[3] == address
+
+
+def test_a_hash_that_differs_is_refused_and_nothing_is_kept(server: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=f"has the SHA-256 hash {SHA}, not {64 * 'a'}; it was not kept"):
+        normalgan.load(f"{server}/model.onnx#sha256={64 * 'a'}")
+    assert not [path for path in (tmp_path / "kept").rglob("*") if path.is_file()]
+
+
+def test_an_address_that_does_not_answer_is_told_in_a_sentence(server: str, tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+    with pytest.raises(InputError, match=r"does not answer: .*refused"):
+        normalgan.load(f"http://127.0.0.1:{port}/model.onnx#sha256={SHA}")
+    with pytest.raises(InputError, match="answers 404"):
+        normalgan.load(f"{server}/gone.onnx#sha256={SHA}")
+    assert not (tmp_path / "kept").exists()
+
+
+@pytest.mark.parametrize(
+    ("address", "sentence"),
+    [
+        ("https://example.org/model.onnx", "needs the hash of its file"),
+        ("https://example.org/model.onnx#sha256=12", "needs the hash of its file"),
+        (f"ftp://example.org/model.onnx#sha256={SHA}", "has the scheme ftp"),
+        (f"https://example.org/#sha256={SHA}", "does not end in the name of a file"),
+        (f"https://example.org/%2e%2e#sha256={SHA}", "does not end in the name of a file"),
+        (f"hf://owner#sha256={SHA}", "is not hf://owner/name"),
+    ],
+)
+def test_an_address_that_cannot_be_used_is_refused(address: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        normalgan.load(address)
+
+
+def test_a_model_on_the_hub(
+    server: str, asked: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = "import sys, normalgan; print(normalgan.load(sys.argv[1]).backend.size)"
+    monkeypatch.setenv("HF_HOME", str(tmp_path / "hub"))  # read when the library is imported
+    address = f"hf://owner/name@v1#sha256={SHA}"
+    done = subprocess.run([sys.executable, "-c", code, address], capture_output=True, text=True, check=True)
+    assert done.stdout == "256\n"
+    assert "GET /owner/name/resolve/v1/model.onnx" in asked[-1] or COMMIT in asked[-1]
+    shutil.rmtree(tmp_path / "hub")
+    assert [kept.address for kept in kept_files()] == [address]
+    shutil.rmtree(tmp_path / "kept")
+    for wrong, sentence in (
+        (f"hf://owner/name/other.bin#sha256={SHA}", "owner/name on the hub has no file other.bin"),
+        (f"hf://private/name#sha256={SHA}", "the hub has no repository private/name"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-c", code, wrong], capture_output=True, text=True, check=False
+        )
+        assert f"InputError: {sentence}" in done.stderr.splitlines()[-1]
+
+
+def test_the_hub_needs_an_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("NORMALGAN_CACHE", str(tmp_path))
+    monkeypatch.setitem(sys.modules, "huggingface_hub", None)
+    with pytest.raises(
+        InputError, match=r"needs huggingface_hub; install it with pip install 'normalgan\[hub\]'"
+    ):
+        normalgan.load(f"hf://owner/name#sha256={SHA}")
+
+
+def test_the_hash_may_be_in_capitals() -> None:
+    assert parse_address(f"https://example.org/a/model.onnx#sha256={SHA.upper()}").sha256 == SHA

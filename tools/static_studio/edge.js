@@ -1,0 +1,178 @@
+/** Edge: where an object ends, by the ink of its outline, as normalgan.inference.mask.edge does it in Python. */
+
+import { lineWidth } from "./prepare.js";
+import { blurred, boxOf, components, distance, extreme, opposite, part, resized, thicker, where } from "./raster.js";
+
+const [PALEST, ONE_SIDED, OWN, MERGED, TIP, TOUCHING, FINER, LARGE] = [0.35, 0.97, 0.6, 1.5, 0.25, 1.3, 1.25, 1024];
+
+/** Returns a mask as opacity: its staircase becomes an edge of a pixel. @param {Uint8Array} mask @param {number} width @param {number} height */
+export const softEdge = (mask, width, height) => blurred(mask, width, height, 1).map((value) => Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5)));
+
+/**
+ * Returns how much of each pixel an object covers, whose mask is known to a few pixels.
+ * @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height @param {number} reach by how many
+ */
+export function snap(mask, ink, width, height, reach) {
+  const covered = new Float32Array(mask.length);
+  const found = boxOf(mask, width, height);
+  if (!found) return covered;
+  const [left, top, right, bottom] = found;
+  const room = Math.floor(TIP * Math.max(right - left, bottom - top)) + Math.floor(reach) + 4;
+  /** @type {import("./raster.js").Box} */
+  const box = [Math.max(left - room, 0), Math.max(top - room, 0), Math.min(right + room, width), Math.min(bottom + room, height)];
+  const [wide, high] = [box[2] - box[0], box[3] - box[1]];
+  const lines = part(ink, width, height, box);
+  const darkest = extreme(lines, wide, high, 2, 1);
+  const share = lines.map((value, i) => Math.min(value / Math.max(darkest[i], PALEST), 1));
+  const inked = where(share, (value) => value > 0.5);
+  const body = bodyOf(where(part(mask, width, height, box), Boolean), lines, inked, wide, high, reach);
+  const own = soft(body, inked, share, wide, high);
+  for (let y = 0; y < high; y++) covered.set(own.subarray(y * wide, (y + 1) * wide), (y + box[1]) * width + box[0]);
+  return covered;
+}
+
+/**
+ * Returns an object with all of its ink.
+ * @param {Uint8Array} mask @param {Float32Array} ink @param {Uint8Array} inked @param {number} width @param {number} height @param {number} reach
+ * @returns {Uint8Array}
+ */
+function bodyOf(mask, ink, inked, width, height, reach) {
+  if (Math.max(width, height) > LARGE) {
+    const [wide, high] = [(width + 1) >> 1, (height + 1) >> 1];
+    const small = resized(ink, width, height, wide, high);
+    const half = where(resized(mask, width, height, wide, high), (value) => value > 0.5);
+    const rough = bodyOf(half, small, where(small, (value) => value > PALEST), wide, high, reach / 2);
+    return finished(where(resized(rough, wide, high, width, height), (value) => value > 0.5), inked, width, height);
+  }
+  const { inside, narrow } = divided(mask, inked, width, height, reach);
+  const outline = ownInk(mask, inside, inked, width, height);
+  const whole = where(inside, (value, i) => value > 0 || outline[i] > 0);
+  const tips = tipsOf(whole, inked, where(narrow, (value, i) => value > 0 && !inside[i]), width, height, mask);
+  return where(whole, (value, i) => value > 0 || tips[i] > 0);
+}
+
+/** Returns how many marked pixels each part has. @param {Int32Array} labels @param {number} count @param {(at: number) => boolean} marked */
+function counted(labels, count, marked) {
+  const sums = new Uint32Array(count);
+  for (let i = 0; i < labels.length; i++) if (marked(i)) sums[labels[i]]++;
+  return sums;
+}
+
+/** Grows two sides through free pixels until they meet. @param {Uint8Array} one @param {Uint8Array} other @param {Uint8Array} free @param {number} width @param {number} rounds */
+function meet(one, other, free, width, rounds) {
+  // 1 is inside, 2 outside.
+  const side = where(one, Boolean);
+  for (let i = 0; i < side.length; i++) if (other[i]) side[i] = 2;
+  let edge = [...side.keys()].filter((at) => side[at]);
+  for (let round = 0; round < rounds && edge.length; round++) {
+    const next = [];
+    for (const kind of [1, 2]) {
+      for (const at of edge) {
+        if (side[at] !== kind) continue;
+        const x = at % width;
+        for (const to of [x > 0 ? at - 1 : -1, x < width - 1 ? at + 1 : -1, at - width, at + width]) {
+          if (to < 0 || to >= side.length || side[to] || !free[to]) continue;
+          side[to] = kind;
+          next.push(to);
+        }
+      }
+    }
+    edge = next;
+  }
+  return side;
+}
+
+/** @param {Uint8Array} mask @param {Uint8Array} inked @param {number} width @param {number} height @param {number} reach */
+function divided(mask, inked, width, height, reach) {
+  const free = opposite(inked);
+  const { labels, boxes } = components(free, width, height, 4);
+  const depth = distance(free, width, height);
+  const held = counted(labels, boxes.length, (i) => mask[i] > 0);
+  const deep = counted(labels, boxes.length, (i) => depth[i] > reach);
+  const among = boxes.map(({ area }, k) => held[k] / Math.max(area, 1));
+  const whole = boxes.map((_, k) => k > 0 && (among[k] >= ONE_SIDED || among[k] <= 1 - ONE_SIDED || !deep[k]));
+  const inside = where(labels, (label) => whole[label] && among[label] > 0.5);
+  const mixed = where(labels, (label) => label > 0 && !whole[label]);
+  if (mixed.some(Boolean)) {
+    const within = distance(mask, width, height);
+    const beyond = distance(opposite(mask), width, height);
+    /** @param {number} i */
+    const sure = (i) => mixed[i] > 0 && (within[i] > reach || beyond[i] > reach || depth[i] > reach);
+    const one = where(mixed, (_, i) => sure(i) && mask[i] > 0);
+    const other = where(mixed, (_, i) => sure(i) && !mask[i]);
+    const side = meet(one, other, mixed, width, Math.floor(2 * reach) + 2);
+    for (let i = 0; i < inside.length; i++) if (mixed[i]) inside[i] = side[i] === 1 || (side[i] === 0 && mask[i] > 0) ? 1 : 0;
+  }
+  return { inside, narrow: where(labels, (label) => label > 0 && !deep[label]) };
+}
+
+/** @param {Uint8Array} mask @param {Uint8Array} inside @param {Uint8Array} inked @param {number} width @param {number} height */
+function ownInk(mask, inside, inked, width, height) {
+  const depth = distance(inked, width, height);
+  const highest = extreme(depth, width, height, 1, 1);
+  const away = distance(opposite(inside), width, height);
+  /** @type {Map<number, Uint8Array>} */
+  const bins = new Map();
+  let own = new Uint8Array(inked.length);
+  for (let i = 0; i < inked.length; i++) {
+    if (!inked[i]) continue;
+    const touches = away[i] <= TOUCHING * depth[i] + 1.5;
+    if (mask[i] && touches) own[i] = 1;
+    if (depth[i] < highest[i] - 1e-4 || !(mask[i] || touches)) continue;
+    const bin = Math.floor(Math.log(depth[i]) / Math.log(FINER));
+    let marked = bins.get(bin);
+    if (!marked) bins.set(bin, (marked = new Uint8Array(inked.length)));
+    marked[i] = 1;
+  }
+  for (const [bin, middles] of bins) {
+    const around = distance(opposite(middles), width, height);
+    for (let i = 0; i < own.length; i++) if (inked[i] && around[i] < FINER ** (bin + 1)) own[i] = 1;
+  }
+  for (let round = 0; round < 2; round++) {
+    const grown = extreme(own, width, height, 1, 1);
+    own = where(inked, (value, i) => value > 0 && grown[i] > 0);
+  }
+  const { labels, boxes } = components(own, width, height, 8);
+  const near = extreme(inside, width, height, 1, 1);
+  const touching = counted(labels, boxes.length, (i) => near[i] > 0);
+  const held = counted(labels, boxes.length, (i) => mask[i] > 0);
+  return where(labels, (label) => label > 0 && (touching[label] > 0 || held[label] > OWN * boxes[label].area));
+}
+
+/** @param {Uint8Array} body @param {Uint8Array} inked @param {Uint8Array} slits @param {number} width @param {number} height @param {Uint8Array} mask */
+function tipsOf(body, inked, slits, width, height, mask) {
+  const loose = where(inked, (value, i) => !body[i] && (value > 0 || slits[i] > 0));
+  const near = extreme(body, width, height, 1, 1);
+  const none = new Uint8Array(body.length);
+  const found = boxOf(mask, width, height);
+  if (!found || !loose.some((value, i) => value > 0 && near[i] > 0)) return none;
+  const span = Math.max(found[2] - found[0], found[3] - found[1]);
+  const { labels, boxes } = components(loose, width, height, 8);
+  const depth = distance(where(inked, (value, i) => value > 0 || slits[i] > 0), width, height, true);
+  const line = lineWidth(inked, width, height);
+  const away = distance(opposite(body), width, height);
+  const merged = counted(labels, boxes.length, (i) => loose[i] > 0 && 2 * depth[i] - 1 > Math.max(MERGED * line, line + 1.5) && away[i] > line / 2);
+  const touching = counted(labels, boxes.length, (i) => near[i] > 0);
+  const kept = boxes.map((box, k) => k > 0 && merged[k] > 0 && touching[k] > 0 && Math.hypot(box.right - box.left, box.bottom - box.top) <= TIP * span);
+  return where(labels, (label) => kept[label]);
+}
+
+/** Returns an object whose edge was off by two pixels at most. @param {Uint8Array} rough @param {Uint8Array} inked @param {number} width @param {number} height */
+function finished(rough, inked, width, height) {
+  const [grown, shrunk] = [extreme(rough, width, height, 2, 1), extreme(rough, width, height, 2, -1)];
+  const free = opposite(inked);
+  const side = meet(where(shrunk, (value, i) => value > 0 && free[i] > 0), where(grown, (value, i) => !value && free[i] > 0), free, width, 6);
+  return where(side, (value, i) => value === 1 || (inked[i] ? grown[i] > 0 : rough[i] > 0 && value !== 2));
+}
+
+/** @param {Uint8Array} body @param {Uint8Array} inked @param {Float32Array} share @param {number} width @param {number} height */
+function soft(body, inked, share, width, height) {
+  const covered = softEdge(body, width, height);
+  const outside = thicker(opposite(body), width, height, 2.83);
+  const line = thicker(where(body, (value, i) => value > 0 && inked[i] > 0), width, height, 2.83);
+  for (let i = 0; i < covered.length; i++) {
+    if (body[i] ? inked[i] && outside[i] : !inked[i] && line[i]) covered[i] = share[i];
+    else if (body[i] && line[i]) covered[i] = 1;
+  }
+  return covered;
+}
