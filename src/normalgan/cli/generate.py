@@ -115,8 +115,6 @@ def _packing(settings: Namespace) -> Packing:
     if settings.tile and settings.frame == "shared":
         raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
     packing = Packing(settings.sheet, settings.split, settings.atlas)
-    if packing.given and settings.size is not None:
-        raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
     if settings.layers and packing.given:
         raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
     return packing

@@ -61,10 +61,12 @@ class Decoded:
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
         shape: (H, W) of the file; that of the pixels unless they were reduced.
+        note: what of it is not shown as its program shows it, a part of a sentence; empty if all is.
     """
 
     pixels: Pixels
     shape: tuple[int, int]
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -87,10 +89,12 @@ class Parts:
     Args:
         parts: the frames.
         loop: how often they are shown; 0 is for ever.
+        note: as `Decoded` has it.
     """
 
     parts: list[Part]
     loop: int
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,7 @@ class DecodedLayer:
         number: of the layer, from the lowest up.
         frame: in which it shows this.
         pixels: (h, w, 4), all within the picture.
+        clipped_to: number of the layer that it is clipped to, by which its pixels are cut; -1 if to none.
     """
 
     name: str
@@ -116,6 +121,7 @@ class DecodedLayer:
     number: int
     frame: int
     pixels: NDArray[np.uint8]
+    clipped_to: int = -1
 
 
 @dataclass(frozen=True)
@@ -126,11 +132,13 @@ class DecodedLayers:
         shape: (H, W) of the picture.
         durations: milliseconds that each frame is shown; one of 0 if it does not move.
         layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
+        note: as `Decoded` has it.
     """
 
     shape: tuple[int, int]
     durations: list[int]
     layers: list[DecodedLayer]
+    note: str = ""
 
 
 def decode(
@@ -272,6 +280,7 @@ class _Child:
         """Return frames as the child sends them."""
         header = self._header(question.name)
         count, loop = _whole(header["count"], 1, MOST_PARTS), _whole(header["loop"], 0, 2**16)
+        note = _printable(header.get("note", ""))
         parts, pixels = [], 0
         for _ in range(count):
             header = self._header(question.name)  # or its refusal
@@ -281,7 +290,7 @@ class _Child:
             if pixels > MOST_PIXELS:
                 raise EOFError
             parts.append(Part(decoded, duration))
-        return Parts(parts, loop)
+        return Parts(parts, loop, note)
 
     def layers(self, question: _Question) -> DecodedLayers:
         """Return layers as the child sends them."""
@@ -289,6 +298,7 @@ class _Child:
         count = _whole(header["count"], 1, MOST_PARTS)
         height, width = (_whole(side, 1, question.most) for side in header["full"])
         durations = [_whole(each, 0, 2**32) for each in header["durations"]]
+        note = _printable(header["note"])
         layers, total = [], 0
         for _ in range(count):
             header = self._header(question.name)
@@ -304,8 +314,10 @@ class _Child:
                 _whole(header["frame"], 0, len(durations) - 1),
             )
             opacity = _whole(header["opacity"], 0, 255)
-            layers.append(DecodedLayer(own, tuple(groups), opacity, *place, np.asarray(pixels, np.uint8)))
-        return DecodedLayers((height, width), durations, layers)
+            base = _whole(header["base"], -1, 2**16)
+            found = np.asarray(pixels, np.uint8)
+            layers.append(DecodedLayer(own, tuple(groups), opacity, *place, found, base))
+        return DecodedLayers((height, width), durations, layers, note)
 
     def _greet(self) -> None:
         """Wait until the process can decode."""
@@ -342,7 +354,7 @@ class _Child:
             strip = self._connection.recv_bytes(len(view))
             view[: len(strip)] = strip
             view = view[len(strip) :]
-        return Decoded(pixels, (full_height, full_width))
+        return Decoded(pixels, (full_height, full_width), _printable(header.get("note", "")))
 
     def _reason(self, late: bool) -> str:
         code = self._process.returncode

@@ -86,7 +86,9 @@ _KNOWN = " ".join(ENDINGS)
 _SUBFILE, _NO_PAGE = 254, 1 | 4
 """A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
 _STRIP = 2**20
-_LONGEST_NAME, _DEEPEST = 256, 32
+_MOST_NOTES = 4000
+"""Characters of the words that are sent about a picture."""
+_LONGEST_NAME, _DEEPEST = 255, 32
 """Characters of a layer's name, and groups within one another, of which the parent is told."""
 _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
@@ -195,9 +197,10 @@ def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[
         yield _with_form(levels), levels
     else:
         sizes = request["svg_side"], request["longest"]
+        notes: list[str] = []
         try:
-            image, (width, height) = decode(content, least, most, *sizes, request["grey"])
-            yield {**_with_form(image), "full": [height, width]}, image
+            image, (width, height) = decode(content, least, most, *sizes, request["grey"], notes)
+            yield {**_with_form(image), "full": [height, width], "note": _told("; ".join(notes))}, image
         except UnknownTiffError:
             levels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
             yield _with_form(levels), levels
@@ -223,6 +226,11 @@ def _send(connection: Any, header: dict[str, Any], pixels: Any) -> None:
         bottom = min(top + rows, height)
         strip = pixels[top:bottom] if hasattr(pixels, "dtype") else pixels.crop((0, top, width, bottom))
         connection.send_bytes(strip.tobytes())
+
+
+def _told(notes: object) -> str:
+    """Return what is to be said of a picture, in one line of bounded length."""
+    return " ".join(str(notes).split())[:_MOST_NOTES]
 
 
 def _refusal(words: str) -> dict[str, str]:
@@ -343,13 +351,14 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
     """
     reader = _layered(content)
     if reader is None:
+        _refuse_foreign(content)
         raise RefusedError("has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted")
     try:
         width, height = reader.size_of(content)
         _check_sides(width, height, least, most)
         durations = reader.durations_of(content)
-        found, pixels = [], 0
-        for layer in reader.layers(content):
+        found, pixels, notes = [], 0, reader.Notes()
+        for layer in reader.layers(content, notes):
             limit_time(seconds)
             found.append(layer)
             pixels += layer.image.width * layer.image.height
@@ -361,13 +370,16 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
     except Exception as error:  # as in `decode`
         raise RefusedError(f"has layers that cannot be read: {_brief(error)}") from None
     if not found:
-        raise RefusedError("has no visible layer that anything is drawn on")
+        said = f": {notes}" if str(notes) else ""
+        raise RefusedError(f"has no visible layer that anything is drawn on{said}")
     durations = [min(each, 2**31) for each in durations]
-    yield {"count": len(found), "full": [height, width], "durations": durations}, None
+    whole = {"count": len(found), "full": [height, width], "durations": durations, "note": _told(notes)}
+    yield whole, None
     for layer in found:
         names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
         place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
-        yield {**_with_form(layer.image), **place, "names": names}, layer.image
+        base = -1 if layer.base is None else layer.base.number
+        yield {**_with_form(layer.image), **place, "names": names, "base": base}, layer.image
 
 
 def _check_parts(count: int, pixels: int, name: str) -> None:
@@ -450,7 +462,13 @@ def viewed(levels: Any, longest: int, grey: bool) -> Any:
 
 
 def decode(
-    content: bytes, least: int, most: int, svg_side: int, longest: int, grey: bool
+    content: bytes,
+    least: int,
+    most: int,
+    svg_side: int,
+    longest: int,
+    grey: bool,
+    notes: list[str] | None = None,
 ) -> "tuple[Image, tuple[int, int]]":
     """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
 
@@ -461,6 +479,7 @@ def decode(
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger one is reduced to; 0 leaves it.
         grey: whether to return only how bright it is on white paper.
+        notes: takes what is to be said of the picture.
 
     Raises:
         RefusedError: if it cannot be decoded.
@@ -471,7 +490,7 @@ def decode(
         content = draw_svg(content, svg_side, most)
     try:
         if (reader := _layered(content)) is not None:
-            upright = _composite(reader, content, least, most)
+            upright = _composite(reader, content, least, most, notes)
         else:
             try:
                 image = _opened(content)
@@ -484,7 +503,6 @@ def decode(
                 image.load()
                 upright = turned_upright(image)
             del image
-        del content
         upright, full = plain(upright), upright.size
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
@@ -492,6 +510,7 @@ def decode(
     except (RefusedError, UnknownTiffError, MemoryError):
         raise
     except UnidentifiedImageError:
+        _refuse_foreign(content)
         raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
@@ -515,9 +534,10 @@ def _aseprite_frames(reader: Any, content: bytes, least: int, most: int) -> Iter
         _check_sides(width, height, least, most)
         count = int.from_bytes(content[6:8], "little")
         _check_parts(count, count * width * height, "frames")
-        found = reader.aseprite_frames(content)
+        notes = reader.Notes()
+        found = reader.aseprite_frames(content, notes)
         first = next(found)
-        yield {"count": count, "loop": 0}, None
+        yield {"count": count, "loop": 0, "note": _told(notes)}, None
         for image, milliseconds in itertools.chain([first], found):
             yield {**_with_form(image), "duration": milliseconds}, image
     except reader.UnreadableError as error:
@@ -528,12 +548,23 @@ def _layered(content: bytes) -> Any:
     """Return the module that reads a layered file of a paint program; None of any other file."""
     if not content.startswith((b"8BPS", b"PK\x03\x04")) and content[4:6] != b"\xe0\xa5":
         return None
-    # By its own name: the package is not on this program's path.
-    reader: Any = import_module("layered_files")
+    reader = _layered_reader()
     return reader if reader.kind_of(content) is not None else None
 
 
-def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
+def _layered_reader() -> Any:
+    # By its own name: the package is not on this program's path.
+    return import_module("layered_files")
+
+
+def _refuse_foreign(content: bytes) -> None:
+    """Raise `RefusedError` if a file is of a paint program whose files cannot be read."""
+    told = _layered_reader().foreign(content)
+    if told is not None:
+        raise RefusedError(told)
+
+
+def _composite(reader: Any, content: bytes, least: int, most: int, notes: list[str] | None) -> "Image":
     """Return what a layered file shows.
 
     Raises:
@@ -542,7 +573,10 @@ def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
     try:
         width, height = reader.size_of(content)
         _check_sides(width, height, least, most)
-        image: Image = reader.composite(content)
+        said = reader.Notes()
+        image: Image = reader.composite(content, said)
+        if notes is not None and str(said):
+            notes.append(str(said))
         _check_sides(image.width, image.height, least, most)
         image.load()
     except reader.UnreadableError as error:
