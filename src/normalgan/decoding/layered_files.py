@@ -384,7 +384,7 @@ def _psd_layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes
     if box[2] <= box[0] or box[3] <= box[1]:
         return None
     try:
-        return Layer(name, groups, opacity, *box[:2], _psd_alone(psd, layer, chain, box))
+        return Layer(name, groups, opacity, box[0], box[1], _psd_alone(psd, layer, chain, box))
     except ImportError:  # psd-tools draws the outline of a shape by a library that is not needed elsewhere
         notes.add(name, "outline of a shape left out; rasterize it")
         image = layer.topil() if layer.has_pixels() else None

@@ -175,7 +175,7 @@ def _json_page(content: dict[str, Any]) -> Page:
     given = _size(size.get("w"), size.get("h")) if isinstance(size, dict) else None
     if given is None and "SubTexture" in content:  # DragonBones
         given = _size(content.get("width"), content.get("height"))
-    frames = next((content[key] for key in ("frames", "sprites", "SubTexture") if key in content), [])
+    frames: Any = next((content[key] for key in ("frames", "sprites", "SubTexture") if key in content), [])
     named = frames.items() if isinstance(frames, dict) else enumerate(frames, 1)
     return Page(_name(image), given, [_json_frame(str(key), each) for key, each in named])
 
@@ -214,7 +214,7 @@ def _xml(text: str) -> list[Page] | None:
         raise UnreadableAtlasError(f"is broken XML: {error}") from None
     pages = []
     for atlas in root.iter("TextureAtlas"):
-        frames = []
+        frames: list[tuple[str, Frame | None]] = []
         for number, each in enumerate(atlas, 1):
             long = each.tag == "SubTexture"
             keys = ("x", "y", "width", "height") if long else ("x", "y", "w", "h")

@@ -73,7 +73,7 @@ class Cell:
         """Return x and y in its box as they are in its own upright pixels."""
         width, height = self.width, self.height
         for _ in range(self.turned):
-            x, y, width, height = y, width - x, height, width  # type: ignore[assignment]  # P minus is P
+            x, y, width, height = y, width - x, height, width
         return x, y
 
     def put(self, whole: NDArray[T], part: NDArray[T]) -> None:
