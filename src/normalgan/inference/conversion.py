@@ -73,8 +73,8 @@ def reoriented(base: Floats, detail: Floats) -> Floats:
 
         >>> flat = np.array([[[0, 0, 1]]], np.float32)
         >>> tilted = np.array([[[0.6, 0, 0.8]]], np.float32)
-        >>> bool(np.allclose(reoriented(flat, tilted), tilted)), bool(np.allclose(reoriented(tilted, flat), tilted))
-        (True, True)
+        >>> [bool(np.allclose(each, tilted)) for each in (reoriented(flat, tilted), reoriented(tilted, flat))]
+        [True, True]
     """
     onto = base + np.array([0, 0, 1], np.float32)
     turned = detail * np.array([-1, -1, 1], np.float32)
