@@ -73,7 +73,7 @@ def reoriented(base: Floats, detail: Floats) -> Floats:
 
         >>> flat = np.array([[[0, 0, 1]]], np.float32)
         >>> tilted = np.array([[[0.6, 0, 0.8]]], np.float32)
-        >>> [bool(np.allclose(reoriented(*maps), tilted)) for maps in ((flat, tilted), (tilted, flat))]
+        >>> [bool(np.allclose(each, tilted)) for each in (reoriented(flat, tilted), reoriented(tilted, flat))]
         [True, True]
     """
     onto = base + np.array([0, 0, 1], np.float32)
