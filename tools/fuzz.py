@@ -77,7 +77,7 @@ def drawing() -> Read:
     def read(data: bytes) -> None:
         if worker.is_svg(data):  # has a target of its own
             return
-        with suppress(worker.RefusedError, MemoryError):
+        with suppress(worker.RefusedError, worker.UnknownTiffError, MemoryError):
             image, full = worker.decode(data, LEAST, 1024, 64, MOST, grey=bool(len(data) % 2))
             assert image.mode in worker.MODES
             assert all(LEAST <= side <= 1024 for side in full)

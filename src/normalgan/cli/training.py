@@ -349,10 +349,7 @@ class NormalGANCLI(LightningCLI):
         saved = checkpoint.training_settings()
         check_sizes(path, saved, self.config["data"]["size"])
         self._warn_of_overruled(path, "fit", saved)
-        try:
-            self.config = self.parser.parse_object({"model": saved}, self.config)
-        except InputError as error:
-            raise InputError(f"the model in {path} cannot be built here: {error}") from error
+        self._set(path, {"model": saved})
         states = [state for state in checkpoint.callbacks.values() if isinstance(state, Mapping)]
         self.resumed, self.known = path, {str(state.get("dirpath")) for state in states}
 
@@ -385,8 +382,15 @@ class NormalGANCLI(LightningCLI):
             raise InputError(f"the model in {path} cannot be built here: {error}") from error
         self._warn_of_overruled(path, command, saved)
         changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
-        self.config = self.parser.parse_object(changes, self.config)
+        self._set(path, changes)
         self.weights = weights
+
+    def _set(self, path: Path, changes: dict[str, Any]) -> None:
+        """Change settings to those in a file, whose classes may be others here than where it was written."""
+        try:
+            self.config = self.parser.parse_object(changes, self.config)
+        except InputError as error:
+            raise InputError(f"the model in {path} cannot be built here: {error}") from error
 
     def _warn_of_overruled(self, path: Path, command: str, saved: dict[str, Any]) -> None:
         """Warn of settings of the model that were given, while those in the file are used."""

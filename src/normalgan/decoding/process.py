@@ -408,9 +408,9 @@ class _Pool:
 
     def _take(self, needs: str) -> _Child:
         with self._lock:
-            for child in [each for each in self._idle if each.ended]:  # by somebody else while it waited
-                self._idle.remove(child)
-                child.close()
+            for ended in [each for each in self._idle if each.ended]:  # by somebody else while it waited
+                self._idle.remove(ended)
+                ended.close()
             if child := next((each for each in self._idle if each.needs == needs), None):
                 self._idle.remove(child)
                 return child

@@ -120,8 +120,10 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
     from multiprocessing import connection as connections
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks
-    kind = connections.PipeConnection if sys.platform == "win32" else connections.Connection
-    connection = kind(handle)
+    if sys.platform == "win32":
+        connection = connections.PipeConnection(handle)
+    else:
+        connection = connections.Connection(handle)
     sys.path.extend(folders)
     try:
         import_all(needs)
