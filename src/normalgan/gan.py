@@ -210,7 +210,7 @@ class NormalGAN(LightningModule):
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
-            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
+            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"), with_presence=True)
 
     def teardown(self, stage: str) -> None:
         """Let go of what was compiled, which cannot be copied or pickled."""

@@ -80,6 +80,8 @@ _OUTPUTS = (
 )
 """What writes, or runs elsewhere: `SAFE_CONFIG` takes it from the command line alone."""
 
+_OPTIMIZER = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 5e-5, "alpha": 0.9}}
+
 
 INSTEAD = {
     "gradient_clip_val": "model.gradient_clip",
@@ -127,6 +129,15 @@ class SaveConfig(SaveConfigCallback):
         if stage == "fit":
             super().setup(trainer, pl_module, stage)
 
+    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""
+        size = getattr(getattr(trainer, "datamodule", None), "batch_size", None)
+        if self.config is None or size is None or self.config["data"]["batch_size"] == size:
+            return
+        self.config["data"]["batch_size"] = size
+        self.already_saved = False
+        super().setup(trainer, pl_module, "fit")
+
     def __getstate__(self) -> dict[str, Any]:
         """Return what another process needs of it (``ddp_spawn``): the text, for a parser is not pickled."""
         if isinstance(self.parser, _Settings):
@@ -169,6 +180,7 @@ class NormalGANCLI(LightningCLI):
         self.command = command
         self.held = held
         self.safe = safe
+        self.measured: Path | None = None  # the file that test measures
         self.weights: Weights | None = None  # what the model gets, if it does not go on learning
         self.resumed: Path | None = None  # the checkpoint that fit goes on from
         self.checkpoint: Checkpoint | None = None  # what it holds
@@ -234,6 +246,9 @@ class NormalGANCLI(LightningCLI):
                 "model.hint_sampler": {"class_path": "normalgan.hints.CurvatureHints"},
                 "model.objective": {"class_path": "normalgan.losses.Wasserstein"},
                 "model.reconstruction": {"class_path": "normalgan.losses.L1AndHints"},
+                # Named, so that an overlay or a single option can change one of their settings.
+                "model.generator_optimizer": _OPTIMIZER,
+                "model.discriminator_optimizer": _OPTIMIZER,
                 "trainer.logger": {
                     "class_path": "lightning.pytorch.loggers.TensorBoardLogger",
                     "init_args": {"save_dir": "runs", "name": "", "version": "", "default_hp_metric": False},
@@ -321,6 +336,9 @@ class NormalGANCLI(LightningCLI):
             self.weights.load_into(self.model.generator)
         if self.checkpoint is not None:
             self.checkpoint.check_progress(self.trainer.fit_loop.state_dict())
+        for callback in self.trainer.callbacks:  # type: ignore[attr-defined]  # public, not typed
+            if isinstance(callback, TestReport):
+                callback.checkpoint = self.measured
         if self.command == "fit":
             root = self.config["trainer"]["default_root_dir"]
             check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
@@ -383,7 +401,7 @@ class NormalGANCLI(LightningCLI):
         self._warn_of_overruled(path, command, saved)
         changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
         self._set(path, changes)
-        self.weights = weights
+        self.weights, self.measured = weights, path
 
     def _set(self, path: Path, changes: dict[str, Any]) -> None:
         """Change settings to those in a file, whose classes may be others here than where it was written."""
