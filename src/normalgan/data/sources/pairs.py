@@ -20,7 +20,7 @@ from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError, did_you_mean, with_subject
 from normalgan.files.limits import read_bounded
-from normalgan.inference.reading.drawings import SUFFIXES, read_normals
+from normalgan.inference.reading.drawings import is_drawing, read_normals
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.inference.reading.picture import read_picture
 from normalgan.normals import Green, flip_green
@@ -199,7 +199,7 @@ def _found_at(entry: str) -> Iterator[PairFiles]:
         return
     if path.is_dir():
         inner = _subfolder(path, "sketch")
-        within = [each for each in (inner or path).iterdir() if each.suffix.lower() in SUFFIXES]
+        within = [each for each in (inner or path).iterdir() if is_drawing(each)]
         sketches = sorted(each for each in within if inner or not _is_partner(each))
         for orphan in _orphans(path, inner, sketches):
             raise InputError(f"{orphan} has no sketch; {_RIGHT}.")
@@ -209,14 +209,12 @@ def _found_at(entry: str) -> Iterator[PairFiles]:
     else:
         found = [Path(each) for each in glob(entry, recursive=True)]
         sketches = sorted(
-            each
-            for each in found
-            if each.is_file() and each.suffix.lower() in SUFFIXES and not _is_partner(each)
+            each for each in found if each.is_file() and is_drawing(each) and not _is_partner(each)
         )
         root = Path(commonpath([each.parent for each in sketches])) if sketches else Path()
     if not sketches:
         kind = "an empty folder" if path.is_dir() and not any(path.iterdir()) else "no sketch"
-        below = path.is_dir() and any(each.suffix.lower() in SUFFIXES for each in path.glob("*/*"))
+        below = path.is_dir() and any(is_drawing(each) for each in path.glob("*/*"))
         more = f"; those in folders below it are named by a glob, '{entry}/**/*.png'" if below else ""
         raise InputError(f"{kind} is at {entry}; {_RIGHT}{more}.")
     for sketch in sketches:
@@ -255,7 +253,7 @@ def _orphans(folder: Path, inner: Path | None, sketches: Sequence[Path]) -> Iter
     where = _subfolder(folder, "normal") if inner else folder
     for path in sorted(where.iterdir()) if where else []:
         is_normal = path.suffix.lower() in NORMAL_SUFFIXES and (inner or path.stem.endswith("_normal"))
-        if is_normal and path not in partners:
+        if is_normal and not path.name.startswith(".") and path not in partners:
             yield path
 
 
