@@ -22,7 +22,6 @@ TRAINING_LIBRARIES = (
         "torchmetrics",
         "safetensors",
         "kornia",
-        "docstring_parser",
         "networkx",
         "embreex",
         "mapbox_earcut",
