@@ -47,7 +47,7 @@ def test_the_generator_is_compiled(meshes: Path, cache: Path, tmp_path: Path) ->
 
     torch._dynamo.reset()
     torch.compiler.set_stance("default")
-    torch._dynamo.register_backend(backend, name="counting")  # type: ignore[arg-type]  # its tuple of one is any
+    torch._dynamo.register_backend(backend, name="counting")
     fit(gan(compile="counting"), meshes, cache, tmp_path / "run")
     assert sum(traced) > 20
 

@@ -20,7 +20,8 @@ MIDDLE = SIDE / 2
 def colour(studio: Studio, x: float, y: float) -> NDArray[np.int64]:
     """Return what the result shows at a point of the drawing."""
     column, row = studio.on_result(x, y)
-    return studio.screen()[round(row), round(column)].astype(np.int64)
+    pixel: NDArray[np.int64] = studio.screen()[round(row), round(column)].astype(np.int64)
+    return pixel
 
 
 def slide(studio: Studio, name: str, value: int) -> None:

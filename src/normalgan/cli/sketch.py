@@ -175,6 +175,11 @@ def _check(settings: Namespace) -> str:
         raise InputError(f"the drawing {settings.output} must be a .svg or a .png.")
     if settings.normal is not None and Path(settings.normal).suffix.lower() != ".png":
         raise InputError(f"the normal map {settings.normal} must be a .png.")
+    read = [Path(each).resolve() for each in (settings.mesh, settings.orientation) if each]
+    for path in filter(None, (settings.output, settings.normal)):
+        if Path(path).resolve() in read:
+            raise InputError(f"{path} is read and would be written over; give another name.")
+        read.append(Path(path).resolve())  # nor are both written to one file
     if kind == ".svg" and settings.medium is not None:
         raise InputError(
             f"a medium is made of pixels; write {settings.output} as .png, or leave the medium out."

@@ -156,6 +156,15 @@ def test_a_glob_of_folders_is_split_by_folder(tmp_path: Path) -> None:
     assert sum(map(len, by_file.values())) == 15
 
 
+def test_what_systems_leave_in_folders_is_no_data(tmp_path: Path) -> None:
+    write_pairs(tmp_path, 3)
+    for name in ("._0.png", "._0_normal.png", "._9_normal.png", "Thumbs.db", "desktop.ini", ".DS_Store"):
+        (tmp_path / name).write_bytes(b"\0\5\x16\7")
+    found = [pair.name for pair in Pairs(str(tmp_path)).found()]
+    assert len(found) == 3
+    assert not any(name.startswith(".") for name in found)
+
+
 def test_a_csv_lists_pairs_their_groups_and_their_splits(tmp_path: Path) -> None:
     write_pairs(tmp_path / "in", 4)
     rows = ["sketch, normal, group", *(f"in/a{i}.png, in/a{i}_normal.png, {'xyzx'[i]}" for i in range(4))]

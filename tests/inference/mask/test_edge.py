@@ -6,7 +6,12 @@ import pytest
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
+from normalgan.inference.jobs.plan import OUTLINE
 from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.network.upsampling import enlarge
+from normalgan.inference.pipeline import finish
+from normalgan.inference.preparation import prepare
+from normalgan.inference.reading.picture import Picture
 
 Points = NDArray[np.float64]
 
@@ -74,6 +79,19 @@ def test_the_edge_is_the_outer_edge_of_the_ink(shape: str, size: int) -> None:
     assert off.max() <= 0.5
     assert off.mean() <= 0.1
     assert np.array_equal(outline.mask, outline.coverage > 0.5)
+
+
+@pytest.mark.slow  # the largest map has 16 million pixels
+@pytest.mark.parametrize("size", [512, 4096])
+def test_the_opacity_of_a_map_ends_where_the_ink_ends(size: int) -> None:
+    corners, width = closed_curve("flower") * size, size / 170
+    paper = np.repeat(1 - drawn(corners, size, width)[..., None], 3, -1)
+    prepared = prepare(Picture(paper, None), 64, source=OUTLINE)
+    facing = np.zeros((64, 64, 3), np.float32)
+    facing[..., 2] = 1
+    found = edge_points(finish(prepared, facing, None, enlarge).alpha)
+    found = found[:: max(len(found) // 1000, 1)]
+    assert np.abs(distances(found, corners) - width / 2).max() <= 0.5
 
 
 @pytest.mark.parametrize("size", [512, 1024])

@@ -6,7 +6,7 @@ import io
 import json
 import warnings
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from glob import glob
 from os.path import commonpath
@@ -22,7 +22,7 @@ from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError, did_you_mean, with_subject
 from normalgan.files.limits import read_bounded
 from normalgan.inference.inputs import AnyPicture, as_picture
-from normalgan.inference.reading.drawings import SUFFIXES, read_normals, read_pixels
+from normalgan.inference.reading.drawings import is_drawing, read_normals, read_pixels
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.normals import Green, flip_green
 
@@ -222,7 +222,7 @@ def _found_at(entry: str, left_out: list[str]) -> Iterator[PairFiles]:
         return
     if path.is_dir():
         inner = _subfolder(path, "sketch")
-        within = [each for each in (inner or path).iterdir() if each.suffix.lower() in SUFFIXES]
+        within = [each for each in (inner or path).iterdir() if is_drawing(each)]
         sketches = sorted(each for each in within if inner or not _is_partner(each))
         for orphan in _orphans(path, inner, sketches):
             left_out.append(f"{orphan} has no sketch")
@@ -232,14 +232,12 @@ def _found_at(entry: str, left_out: list[str]) -> Iterator[PairFiles]:
     else:
         found = [Path(each) for each in glob(entry, recursive=True)]
         sketches = sorted(
-            each
-            for each in found
-            if each.is_file() and each.suffix.lower() in SUFFIXES and not _is_partner(each)
+            each for each in found if each.is_file() and is_drawing(each) and not _is_partner(each)
         )
         root = Path(commonpath([each.parent for each in sketches])) if sketches else Path()
     if not sketches:
         kind = "an empty folder" if path.is_dir() and not any(path.iterdir()) else "no sketch"
-        below = path.is_dir() and any(each.suffix.lower() in SUFFIXES for each in path.glob("*/*"))
+        below = path.is_dir() and any(is_drawing(each) for each in path.glob("*/*"))
         more = f"; those in folders below it are named by a glob, '{entry}/**/*.png'" if below else ""
         raise InputError(f"{kind} is at {entry}; {_RIGHT}{more}.")
     for sketch in sketches:
@@ -261,8 +259,8 @@ def _pix2pix(root: Path, left_out: list[str]) -> Iterator[PairFiles]:
     for part in (None, *SPLITS):
         below = part or "."
         if (a / below).is_dir() and (b / below).is_dir():
-            normals = {path.stem: path for path in _pictures(b / below, NORMAL_SUFFIXES)}
-            for sketch in _pictures(a / below, SUFFIXES):
+            normals = {path.stem: path for path in _pictures(b / below)}
+            for sketch in sorted(filter(is_drawing, (a / below).iterdir())):
                 if (normal := normals.pop(sketch.stem, None)) is None:
                     left_out.append(f"{sketch} has no normal map")
                 else:
@@ -270,14 +268,14 @@ def _pix2pix(root: Path, left_out: list[str]) -> Iterator[PairFiles]:
             left_out += [f"{normal} has no sketch" for normal in normals.values()]
         elif not a.is_dir() and ((both / below).is_dir() or (part and not both.is_dir())):
             folder = both / below if both.is_dir() else root / below
-            pictures = _pictures(folder, NORMAL_SUFFIXES) if folder.is_dir() else []
+            pictures = _pictures(folder) if folder.is_dir() else []
             if pictures and _is_double(pictures[0]):
                 for picture in pictures:
                     yield PairFiles(_in_part(part, picture), picture, picture, part=part)
 
 
-def _pictures(folder: Path, suffixes: Collection[str]) -> list[Path]:
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in suffixes)
+def _pictures(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in NORMAL_SUFFIXES)
 
 
 def _in_part(part: str | None, path: Path) -> str:
@@ -318,7 +316,7 @@ def _orphans(folder: Path, inner: Path | None, sketches: Sequence[Path]) -> Iter
     where = _subfolder(folder, "normal") if inner else folder
     for path in sorted(where.iterdir()) if where else []:
         is_normal = path.suffix.lower() in NORMAL_SUFFIXES and (inner or path.stem.endswith("_normal"))
-        if is_normal and path not in partners:
+        if is_normal and not path.name.startswith(".") and path not in partners:
             yield path
 
 
