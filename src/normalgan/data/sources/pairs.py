@@ -285,7 +285,7 @@ def _in_part(part: str | None, path: Path) -> str:
 def _is_double(path: Path) -> bool:
     """Return whether a picture is twice as wide as high, as one of sketch and normal map is."""
     height, width = read_pixels(path).pixels.shape[:2]
-    return width == 2 * height
+    return bool(width == 2 * height)
 
 
 def _name(sketch: Path, root: Path) -> str:
@@ -380,7 +380,7 @@ def _named_file(given: str, kind: str, table: Path, where: str) -> Path | None:
 def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> NDArray[np.bool_]:
     """Return the object of a normal map without a mask: what is opaque, or what is not its background."""
     found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors)
-    found = found & (np.linalg.norm(vectors, axis=-1) > _ZERO)
+    found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))
     if not found.any():
         raise InputError("the normal map shows nothing but its background.")
     return found
