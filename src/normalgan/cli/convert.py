@@ -9,7 +9,7 @@ from normalgan.cli.light_parser import LightParser
 from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail
-from normalgan.inference.outputs.outputs import encode_height
+from  import encode_height
 from normalgan.normals import Bits, Green
 
 __all__ = ["build_parser", "convert", "run"]
