@@ -1,4 +1,3 @@
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +9,7 @@ from PIL import Image
 
 from ddp_run import model, samples
 from normalgan.callbacks import TestReport
+from reported import figures_of
 from small import QUIET, trainer
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings(*QUIET)]
@@ -82,7 +82,7 @@ def test_two_processes_measure_what_one_does(
 def test_the_report_is_written_once_and_for_all(results: Path, ranks: list[dict[str, Any]]) -> None:
     printed = (results / "stdout").read_text()
     assert printed.count("Test split, 5 samples") == 1
-    written = json.loads((results / "test" / "metrics.json").read_text())
+    written = figures_of(results)
     assert written["hints"]["angular_mean"] == pytest.approx(ranks[1]["test"]["test/hints/angular_mean"])
     with Image.open(results / "test" / "gallery.png") as picture:
         assert picture.height == 72 + 2 * (192 + 24)

@@ -14,7 +14,7 @@ RINGS = {
     "the ground": (
         {"errors", "batch", "arrays", "version"},
         {"files", "registry", "line_widths", "contracts"},
-        {"normals", "seeds", "progress", "decoding", "warning_filters"},
+        {"normals", "commit", "seeds", "progress", "decoding", "warning_filters"},
     ),
     "the method": (
         {"metrics", "models", "rendering"},

@@ -37,8 +37,8 @@ def test_an_unknown_command_is_answered_by_its_near_miss(
     assert said.out == ""
     assert said.err == (
         f"normalgan: no command named '{given}'. Did you mean {meant}? "
-        "The commands are fit, validate, test, predict, render, sketch, generate, studio, export, "
-        "benchmark, models, plugins, completion.\n"
+        "The commands are fit, validate, test, predict, render, sketch, generate, convert, mcp, studio, "
+        "export, benchmark, models, plugins, completion.\n"
     )
 
 

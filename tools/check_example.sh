@@ -67,7 +67,7 @@ quickstart=(--config "$here/configs/quickstart.yaml" --config poisson.yaml)
 step "its checkpoint, tested by the short name"
 "$work/venv/bin/normalgan" test "${quickstart[@]}" --model.hint_sampler PoissonHints \
     --model.hint_sampler.distance 6 --ckpt_path run/checkpoints/last.ckpt
-grep -q worst_picture run/test/metrics.json
+grep -q worst_picture run/test/*/metrics.json
 "$work/venv/bin/python" - <<'CHECK'
 import torch
 saved = torch.load("run/checkpoints/last.ckpt", weights_only=True)["hyper_parameters"]["hint_sampler"]

@@ -13,7 +13,7 @@ import normalgan
 from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.training_help import asked_for, overview
-from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line
+from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line, wants_memory
 
 TRAINING_LIBRARIES = (
     *(
@@ -22,9 +22,9 @@ TRAINING_LIBRARIES = (
         "torchmetrics",
         "safetensors",
         "kornia",
-        "docstring_parser",
         "networkx",
         "embreex",
+        "mapbox_earcut",
     ),
     *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib", "rich"),
 )
@@ -101,14 +101,9 @@ def _known(error: Exception, command: str) -> tuple[str, int] | None:
     if isinstance(error, ModuleNotFoundError) and str(error.name).partition(".")[0] in TRAINING_LIBRARIES:
         left_out = f"{command} needs {error.name}, which a plain installation leaves out"
         return f"{left_out}; install it with pip install 'normalgan[train]'.", 2
-    if _wants_memory(error):
+    if wants_memory(error):
         return "out of memory; make data.batch_size, data.size or the networks' width smaller.", 1
     return None
-
-
-def _wants_memory(error: Exception) -> bool:
-    # torch: OutOfMemoryError on a GPU, a plain RuntimeError on the CPU.
-    return isinstance(error, MemoryError) or "out of memory" in str(error) or "can't allocate" in str(error)
 
 
 def _explain(error: OSError) -> str:

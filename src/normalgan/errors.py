@@ -4,7 +4,16 @@ import difflib
 import errno
 from collections.abc import Iterable
 
-__all__ = ["InputError", "RunError", "brief", "did_you_mean", "one_line", "unwritable", "with_subject"]
+__all__ = [
+    "InputError",
+    "RunError",
+    "brief",
+    "did_you_mean",
+    "one_line",
+    "unwritable",
+    "wants_memory",
+    "with_subject",
+]
 
 
 class InputError(ValueError):
@@ -25,6 +34,18 @@ class RunError(InputError):
 def unwritable(sentence: str, error: OSError) -> InputError:
     """Return the error for a file that could not be written."""
     return (RunError if error.errno in {errno.ENOSPC, errno.EDQUOT} else InputError)(sentence)
+
+
+def wants_memory(error: BaseException) -> bool:
+    """Return whether an error means that the system gave no more memory.
+
+    torch and ONNX Runtime raise a plain RuntimeError for it.
+
+    >>> wants_memory(RuntimeError("Exception during initialization: std::bad_alloc"))
+    True
+    """
+    said = ("out of memory", "can't allocate", "Cannot allocate", "bad_alloc", "Failed to allocate memory")
+    return isinstance(error, MemoryError) or any(each in str(error) for each in said)
 
 
 def with_subject(what: object, error: InputError) -> InputError:

@@ -30,7 +30,7 @@ from normalgan.losses.gradient_share import gradient_share
 from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_generated, check_predictions, check_scores
-from normalgan.models.compilation import check_compile, generating
+from normalgan.models.compilation import check_compile, compiled_predict
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
@@ -52,7 +52,7 @@ def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
 
 
-def check_callbacks(callbacks: Iterable[object]) -> None:
+def _check_callbacks(callbacks: Iterable[object]) -> None:
     """Refuse callbacks that need an optimiser which Lightning steps.
 
     Raises:
@@ -200,12 +200,21 @@ class NormalGAN(LightningModule):
         """Make the metrics of a stage: together they take longer than all the networks."""
         self._generate = None
         if stage == "fit":
-            check_callbacks(getattr(self.trainer, "callbacks", []))
-            self._generate = generating(self.generator, self.compile_generator)
+            _check_callbacks(getattr(self.trainer, "callbacks", []))
+            if self.compile_generator:
+                self._generate = compiled_predict(self.generator, self.compile_generator)
+            # With max_steps, Lightning takes each checkpoint for one within an epoch, and ends it again:
+            # https://github.com/Lightning-AI/pytorch-lightning/blob/2.6.0/src/lightning/pytorch/loops/fit_loop.py
+            loop = self.trainer.fit_loop.epoch_loop
+            self._max_steps, loop.max_steps = loop.max_steps, -1
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
-            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
+            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"), with_presence=True)
+
+    def teardown(self, stage: str) -> None:
+        """Let go of what was compiled, which cannot be copied or pickled."""
+        self._generate = None
 
     # --- prediction -----------------------------------------------------------------------------------
 
@@ -373,6 +382,7 @@ class NormalGAN(LightningModule):
 
     def on_train_start(self) -> None:
         """Let a cosine schedule end with the run, also if it is resumed to train longer."""
+        self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps  # now that a checkpoint is read
         epochs = self.trainer.max_epochs
         for config in self.trainer.lr_scheduler_configs:
             if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
@@ -381,6 +391,8 @@ class NormalGAN(LightningModule):
     def on_train_epoch_end(self) -> None:
         """Step the learning rates, which Lightning leaves to manual optimisation."""
         self._average_statistics()  # for the checkpoint, should there be no validation
+        if not self.trainer.fit_loop.epoch_loop.batch_progress.is_last_batch:
+            return  # stopped within the epoch, by max_steps or max_time: the rates change where it ends
         schedulers = self.lr_schedulers()
         for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
             if scheduler is not None:

@@ -19,12 +19,11 @@ NOT_SAID = (
     r".*Checkpoint directory .* exists and is not empty.*",  # a run that is resumed
     # It counts the steps of both optimisers, and our order of samples depends on seed and epoch alone.
     r".*resuming from a checkpoint that ended before the epoch ended.*",
-    r".*LeafSpec.*is deprecated.*",  # torch's and lightning's own
-    r"[\s\S]*JSONARGPARSE_DEPRECATION_WARNINGS",  # between lightning and jsonargparse, said once a process
-    r"[\s\S]* was deprecated in v4\.\d+\.\d+ and will be removed in v5",  # the same, of each call by itself
     r"LightningCLI.s args parameter is intended.*",  # we do run in-process, with the arguments we mean
 )
 """Warnings of Lightning about what we do on purpose."""
+_LIBRARIES = r"(lightning|torch)\."
+"""Modules that call what other libraries have deprecated; a plug-in's own calls are shown."""
 
 
 INFO_NOT_SAID = re.compile(
@@ -62,6 +61,8 @@ def filter_warnings() -> None:
         logger.handlers[:] = [_HANDLER]
     for expected in NOT_SAID:
         warnings.filterwarnings("ignore", message=expected)
+    for category in (DeprecationWarning, FutureWarning):
+        warnings.filterwarnings("ignore", category=category, module=_LIBRARIES)
     warnings.showwarning = _show
 
 

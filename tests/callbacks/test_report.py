@@ -16,7 +16,9 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints
+from normalgan.metrics.collection import PRESENCE
 from normalgan.models import UNetGenerator
+from reported import figures_of
 from small import QUIET, data, gan, trainer
 from spheres import loader
 
@@ -41,7 +43,7 @@ def report(
 ) -> Results:
     run = trainer(folder, callbacks=[TestReport(samples)], **settings)
     run.test(model or gan(), module, verbose=False)
-    results: Results = json.loads((folder / "test" / "metrics.json").read_text())
+    results: Results = figures_of(folder)
     return results
 
 
@@ -130,7 +132,7 @@ def test_no_unhinted_pixel_is_null_and_a_dash(
     meshes: Path, cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     results = report(tmp_path, data(meshes, cache), model=gan(hint_sampler=UniformHints(1024, 1024)))
-    assert set(results["unhinted"].values()) == {None}
+    assert {value for name, value in results["unhinted"].items() if name not in PRESENCE} == {None}
     assert "–" in capsys.readouterr().out
     assert math.isfinite(results["hints"]["angular_mean"])
 
@@ -151,3 +153,50 @@ def test_what_it_cannot_report_on_is_refused(tmp_path: Path) -> None:
         trainer(tmp_path, callbacks=[TestReport()]).test(gan(), loader())
     with pytest.raises(InputError, match="samples must be 1 or more, not 0"):
         TestReport(samples=0)
+
+
+class Background(UNetGenerator):
+    """Predicts directions that are right to look at, too short to be an object."""
+
+    def forward(self, condition: Tensor) -> Tensor:
+        return torch.tensor([0.0, 0.0, 0.2]).view(1, 3, 1, 1).expand(len(condition), 3, 32, 32)
+
+
+def test_a_network_that_predicts_no_object_is_told_by_iou_and_coverage(
+    meshes: Path, cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    results = report(tmp_path, data(meshes, cache), model=gan(generator=Background(size=32, width=4)))
+    assert results["hints"]["mask_iou"] == results["no_hints"]["coverage"] == 0
+    assert results["hints"]["angular_mean"] == pytest.approx(results["constant"]["angular_mean"])
+    assert results["constant"]["coverage"] == 1
+    assert 0.05 < results["constant"]["mask_iou"] < 0.95  # it predicts an object everywhere
+    assert "mask IoU" in capsys.readouterr().out
+
+
+def test_each_checkpoint_keeps_its_figures_and_they_say_what_was_measured(
+    meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    module = data(meshes, cache)
+    for name, seed in (("one", 3), ("two", 4)):
+        model, folder = gan(seed=seed), tmp_path / name
+        run = trainer(folder)
+        run.strategy.connect(model)
+        run.save_checkpoint(folder / f"{name}.ckpt")
+        trainer(tmp_path, callbacks=[TestReport()]).test(
+            gan(seed=seed), module, ckpt_path=str(folder / f"{name}.ckpt"), verbose=False
+        )
+    # Another checkpoint of the same name, such as last.ckpt after more training.
+    (tmp_path / "two" / "two.ckpt").rename(tmp_path / "one.ckpt")
+    trainer(tmp_path, callbacks=[TestReport()]).test(
+        gan(), module, ckpt_path=str(tmp_path / "one.ckpt"), verbose=False
+    )
+    written = {
+        file.parent.name: json.loads(file.read_text())["run"] for file in tmp_path.glob("test/*/*.json")
+    }
+    other = next(name for name in written if name not in {"one", "two"})
+    assert other.startswith("one-")
+    assert written["one"]["checkpoint"] == written[other]["checkpoint"] == "one.ckpt"
+    assert written["two"]["sha256"] == written[other]["sha256"] != written["one"]["sha256"]
+    assert written["one"]["seed"] == {"model": 3, "data": module.seed}
+    assert written["one"]["samples"] == 2
+    assert "commit" in written["one"]

@@ -18,7 +18,7 @@ def test_every_figure_stands_in_its_row_and_column() -> None:
         (line,) = (line for line in lines if line.strip().startswith(f"{label} "))
         shown = line.replace(label, "").split()
         values = [RESULTS[row][figure] for row in HEADINGS]
-        if figure.startswith("below"):
+        if figure.startswith(("below", "coverage")):
             assert shown == [f"{100 * v:.1f}%" for v in values]
         elif figure.startswith("angular"):
             assert shown == [f"{v:.2f}°" for v in values]

@@ -80,7 +80,7 @@ def test_an_update_waits_for_no_value_of_the_device(meshes: Path, cache: Path, t
     watched = Watched()
     model = gan()
     read = model.training_step
-    model.training_step = lambda *given: _within(watched.waits, read, given)  # type: ignore[method-assign]
+    model.training_step = lambda *given: _within(watched.waits, read, given)
     trainer(tmp_path, callbacks=[watched]).fit(model, data(meshes, cache))
     assert watched.waits.found == []
 

@@ -24,17 +24,28 @@ def plugin_gone(checkpoint: dict[str, Any]) -> None:
     checkpoint["hyper_parameters"]["hint_sampler"]["class_path"] = "gone.Dots"
 
 
+def plugin_changed(checkpoint: dict[str, Any]) -> None:
+    checkpoint["hyper_parameters"]["hint_sampler"]["init_args"]["former"] = 3  # a setting that it had once
+
+
 # More that is no checkpoint: tests/trust.
 BAD: dict[str, tuple[Callable[[Path, Path], object], str]] = {
     "text": (lambda good, bad: bad.write_text("no checkpoint at all\n"), "damaged or no checkpoint"),
     "truncated": (lambda good, bad: bad.write_bytes(good.read_bytes()[:-9000]), "damaged or no checkpoint"),
     "other module": (lambda good, bad: change(good, bad, other_module), "holds no normalgan model"),
     "plug-in gone": (lambda good, bad: change(good, bad, plugin_gone), "cannot be built here"),
+    "plug-in changed": (lambda good, bad: change(good, bad, plugin_changed), "cannot be built here"),
 }
 
 
 @pytest.mark.parametrize(
-    ("command", "kind"), [*(("test", kind) for kind in BAD), ("fit", "truncated"), ("fit", "plug-in gone")]
+    ("command", "kind"),
+    [
+        *(("test", kind) for kind in BAD),
+        ("fit", "truncated"),
+        ("fit", "plug-in gone"),
+        ("fit", "plug-in changed"),
+    ],
 )
 def test_a_bad_checkpoint_is_refused(
     bench: Bench, trained: Path, tmp_path: Path, command: str, kind: str
@@ -161,3 +172,12 @@ def test_a_run_is_not_resumed_over_another(bench: Bench, trained: Path, tmp_path
     given = ("--ckpt_path", tmp_path / "run" / "checkpoints" / "last.ckpt")
     bench.run("fit", tmp_path / "other", *given).refused("other/checkpoints holds a run already")
     assert left_in(tmp_path / "other") == before
+
+
+def test_fit_does_not_resume_without_the_states_of_the_optimisers(
+    bench: Bench, trained: Path, tmp_path: Path
+) -> None:
+    bad = tmp_path / "bad.ckpt"
+    change(trained / "checkpoints" / "last.ckpt", bad, lambda saved: saved.update(optimizer_states=[]))
+    bench.run("fit", tmp_path / "run", "--ckpt_path", bad).refused("its optimizer_states is not what")
+    assert left_in(tmp_path) == ["bad.ckpt"]

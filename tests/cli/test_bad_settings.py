@@ -68,6 +68,7 @@ def test_and_so_is_one_that_a_file_names_in_either_way(setting: str, tmp_path: P
         ("trainer: 3", ['"trainer" in the configuration', "is 3"]),
         ("trainer: {max_epoch: 3}", ["Did you mean trainer.max_epochs?"]),
         ("trainer: {max_epochs: many}", ["expected a whole number or null, not many."]),
+        ("output: {engine: unity}", ["there is no setting output.engine."]),
         ("output: {bits: 12}", ["expected one of 8, 16, not 12."]),
         ("data: [1", ["bad.yaml is not YAML: line 1: "]),
         ("data:\n\tsize: 3", ["bad.yaml is not YAML: line 2: "]),

@@ -12,13 +12,14 @@ import yaml
 
 from normalgan.__main__ import main
 from normalgan.cli.class_settings import OwnDefaultsParser, classes_first
-from normalgan.cli.discovery import REGISTRIES
+from normalgan.cli.discovery import REGISTRIES, SETTINGS
 from normalgan.cli.sketch import build_parser
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.strokes.stroke import Stroke
 
 SHIPPED = str(Path(__file__).parents[2] / "configs" / "lines_varied.yaml")
 ABSENT = inspect.Parameter.empty
+WAYS = ("options", "file", "file over file", "object")
 
 
 def defaults(cls: type[Any]) -> dict[str, Any]:
@@ -38,12 +39,14 @@ def changed(value: Any) -> Any:
 
 
 def pairs() -> Iterator[Any]:
-    for kind, registry in REGISTRIES.items():
+    for kind in SETTINGS:
+        registry = REGISTRIES[kind]
+        ways = itertools.cycle(WAYS)  # each pair in one way, each kind in all of them
         for former, named in itertools.permutations(registry, 2):
             if defaults(former).keys() & defaults(named).keys():
-                yield pytest.param(
-                    registry.base, former, named, id=f"{kind}: {former.__name__} to {named.__name__}"
-                )
+                way = next(ways)
+                name = f"{kind}: {former.__name__} to {named.__name__} by {way}"
+                yield pytest.param(registry.base, former, named, way, id=name)
 
 
 def required(cls: type[Any]) -> dict[str, Any]:
@@ -53,8 +56,7 @@ def required(cls: type[Any]) -> dict[str, Any]:
     return {p.name: 5.0 if p.annotation in {float, "float"} else "x" for p in needed}
 
 
-@pytest.mark.parametrize("way", ["options", "file", "file over file", "object"])
-@pytest.mark.parametrize(("base", "former", "named"), list(pairs()))
+@pytest.mark.parametrize(("base", "former", "named", "way"), list(pairs()))
 def test_every_class_has_its_own_defaults(
     base: type[Any], former: type[Any], named: type[Any], way: str, tmp_path: Path
 ) -> None:

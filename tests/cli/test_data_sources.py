@@ -1,6 +1,5 @@
 """Training and testing on pairs from disk, as a user does."""
 
-import json
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,7 @@ from command import CONF, Outcome, run
 from normalgan.files.shipped_configs import find_config
 from pairs_on_disk import hints_picture, write_pairs
 from plugin_packages import install
+from reported import figures_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*LeafSpec.*is deprecated.*")
 
@@ -37,13 +37,13 @@ def test_fit_test_and_predict_on_pairs(tmp_path: Path) -> None:
     tested = on_pairs("test", tmp_path, pairs, "--data.source.green", "down", "--ckpt_path", last)
     assert tested.code == 0, tested.err
     assert "Test split, 2 samples" in tested.out
-    plain = json.loads((tmp_path / "run" / "test" / "metrics.json").read_text())
+    plain = figures_of(tmp_path / "run")
     with_hints = on_pairs(
         *("test", tmp_path, pairs, "--data.source.green", "down", "--ckpt_path", last),
         *("--data.source.hints", "true"),
     )
     assert with_hints.code == 0, with_hints.err
-    own = json.loads((tmp_path / "run" / "test" / "metrics.json").read_text())
+    own = figures_of(tmp_path / "run")
     assert plain["no_hints"] == own["no_hints"]
     assert plain["hints"] != own["hints"]
     predicted = on_pairs(

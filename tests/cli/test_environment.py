@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 import yaml
-from command import Bench, run
+from command import run
 
-from normalgan.cli.config_files import with_environment
+from normalgan.cli.config_files import load_bounded, with_environment
 from normalgan.errors import InputError
 
 
@@ -39,12 +39,16 @@ def test_what_cannot_be_read_is_refused(text: str, sentence: str) -> None:
         with_environment({"a": [text]})
 
 
-def test_nothing_is_made_of_a_variable_that_is_not_set_and_none_is_read_under_safe_config(
-    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_nothing_is_made_of_a_variable_that_is_not_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("c.yaml").write_text("data: {cache: '${NO_SUCH_VARIABLE}'}\n")
     run("fit", "--config", "c.yaml").refused("the environment has no NO_SUCH_VARIABLE")
-    Path("c.yaml").write_text("data: {meshes: '${HOME}'}\n")
-    run("fit", "--safe-config", "--config", "c.yaml").refused("--safe-config reads no environment")
     assert [path.name for path in tmp_path.iterdir()] == ["c.yaml"]
+
+
+@pytest.mark.parametrize("text", ["a: ${HOME}", "${oc.env:HOME}/trainer.yaml"])
+def test_a_configuration_that_is_not_trusted_reads_no_environment(text: str) -> None:
+    with pytest.raises(InputError, match="--safe-config reads no environment"):
+        load_bounded(text, yaml.safe_load, safe=True)

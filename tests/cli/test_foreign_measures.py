@@ -9,6 +9,7 @@ import yaml
 from command import Bench, run
 
 from plugin_packages import install
+from reported import figures_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*LeafSpec.*is deprecated.*")
 
@@ -73,7 +74,7 @@ def test_they_are_used_by_short_name(bench: Bench, tmp_path: Path, site: Path) -
     assert tested.code == 0, tested.err
     (row,) = (line.split() for line in tested.out.splitlines() if line.strip().startswith("facing"))
     assert row[:2] == ["facing", "100.0%"]  # of the constant map
-    figures = json.loads((folder / "test" / "metrics.json").read_text())
+    figures = figures_of(folder)
     assert figures["constant"]["share_facing"] == 1
     assert 0 <= figures["hints"]["share_facing"] <= 1
     plan = {

@@ -179,6 +179,10 @@ def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.Ca
         capsys.readouterr()
         assert generate(*arguments) == 2
         assert sentence in capsys.readouterr().err
+    Path("m.png").write_bytes(Path("model.onnx").read_bytes())
+    assert generate("fox.png", "-o", "m.png", "--model", "m.png") == 2
+    assert "m.png is read and would be written over" in capsys.readouterr().err
+    assert Path("m.png").read_bytes() == Path("model.onnx").read_bytes()
     Path("folder.png").mkdir()
     assert generate("fox.png", "-o", "folder.png") == 0
     assert written("folder.png") == {"fox_normal.png"}
@@ -422,3 +426,34 @@ def test_nothing_is_told_to_anybody(here: Path, monkeypatch: pytest.MonkeyPatch)
     draw("fox.png")
     assert generate("fox.png") == 0
     assert told == ["off"]
+
+
+def test_a_name_that_is_too_long_is_told_by_a_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    long = "x" * 250
+    draw(f"in/{long}.png", "in/fox.png")
+    assert generate("in", "--dry-run") == 1
+    told = capsys.readouterr()
+    assert told.out.splitlines() == ["in/fox.png -> normals/fox_normal.png"]
+    assert f"{long}_normal.png: File name too long" in told.err
+    assert not Path("normals").exists()
+
+
+def test_a_link_to_nothing_is_named_and_the_rest_is_converted(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/fox.png")
+    Path("in/owl.png").symlink_to("gone.png")
+    assert generate("in") == 1
+    assert "in/owl.png is a link to gone.png, which is not there." in capsys.readouterr().err
+    assert written("normals") == {"fox_normal.png"}
+    for word in ("in/owl.png", "in/o*.png"):
+        assert generate(word) == 2
+        assert "is a link to gone.png" in capsys.readouterr().err
+
+
+def test_notes_of_a_file_system_are_no_drawings(here: Path) -> None:
+    draw("in/fox.png")
+    Path("in/._fox.png").write_bytes(b"\0\5\x16\7")
+    assert generate("in") == 0
+    assert generate("in/*.png", "in/._*", "-o", "globbed") == 1
+    assert written("normals") == written("globbed") == {"fox_normal.png"}

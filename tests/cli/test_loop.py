@@ -22,7 +22,8 @@ for number in range(5):
 """
 
 
-@pytest.mark.slow  # five runs
+@pytest.mark.timeout(900)  # five runs, where other tests run too
+@pytest.mark.slow
 def test_memory_stays_flat_over_five_runs(meshes: Path, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", CODE, str(CONF / "tiny.yaml"), str(meshes), str(tmp_path)],

@@ -1,6 +1,5 @@
 """The training commands with safetensors in place of a checkpoint, and predict with those of the package."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.normals import read_png
+from reported import figures_of
 
 
 @pytest.fixture(scope="module", name="weights")
@@ -68,7 +68,7 @@ def test_weights_paint_and_measure_as_their_checkpoint(
         maps.append(predicted(tmp_path))
         done = bench.run("test", tmp_path / "run", "--ckpt_path", path)
         assert done.code == 0, done.err
-        figures.append(json.loads((tmp_path / "run" / "test" / "metrics.json").read_text()))
+        figures.append(figures_of(tmp_path / "run"))
     assert np.ptp(maps[0], axis=(0, 1)).max() > 0.1
     np.testing.assert_array_equal(maps[0], maps[1])
     assert figures[0] == figures[1]

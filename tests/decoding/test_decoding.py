@@ -146,7 +146,8 @@ dark = []
 def draw():
     image, _ = worker.decode(bytes(svg_to_bytes(svg_string={drawing!r}, width=64)), 8, 64, 64, 0, True)
     dark.append(image.tobytes().count(0))
-worker._import_all()
+sys.path.append(worker.__file__.rpartition('/')[0])
+worker.import_all('')
 draw()
 worker.limit(2**31)
 draw()

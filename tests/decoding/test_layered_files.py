@@ -1,6 +1,7 @@
 """Layered files of paint programs: real ones, written here, are painted as the flat picture is."""
 
 import io
+import re
 import struct
 import zipfile
 import zlib
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageSequence
 
 from normalgan.__main__ import main
-from normalgan.decoding import decode
+from normalgan.decoding import decode, decode_frames, decode_layers
 from normalgan.errors import InputError
 from pens import blob, outline
 
@@ -49,11 +50,18 @@ def chunk(kind: int, data: bytes) -> bytes:
 
 
 def layer(
-    name: str, visible: bool = True, opacity: int = 255, kind: int = 0, level: int = 0, flags: int = 0
+    name: str,
+    visible: bool = True,
+    opacity: int = 255,
+    kind: int = 0,
+    level: int = 0,
+    flags: int = 0,
+    blend: int = 0,
 ) -> bytes:
     text = name.encode()
-    head = struct.pack("<HHHHHHB3x", int(visible) | flags, kind, level, 0, 0, 0, opacity)
-    return chunk(0x2004, head + struct.pack("<H", len(text)) + text)
+    head = struct.pack("<HHHHHHB3x", int(visible) | flags, kind, level, 0, 0, blend, opacity)
+    ending = struct.pack("<I", 0) if kind == 2 else b""
+    return chunk(0x2004, head + struct.pack("<H", len(text)) + text + ending)
 
 
 def cel(number: int, pixels: Pixels, left: int = 0, top: int = 0, raised: int = 0) -> bytes:
@@ -66,8 +74,19 @@ def linked(number: int, frame: int) -> bytes:
     return chunk(0x2005, struct.pack("<HhhBHh5xH", number, 0, 0, 255, 1, 0, frame))
 
 
-def tiles(number: int) -> bytes:
-    return chunk(0x2005, struct.pack("<HhhBHh5x", number, 0, 0, 255, 3, 0))
+def tiles(number: int, which: NDArray[np.uint32]) -> bytes:
+    """A cel of tiles: numbers with the flips along x, y and the diagonal in the upper bits."""
+    head = struct.pack("<HhhBHh5x", number, 0, 0, 255, 3, 0)
+    flips = 1 << 31, 1 << 30, 1 << 29
+    size = struct.pack("<HHHIIII10x", which.shape[1], which.shape[0], 32, 0x1FFFFFFF, *flips)
+    return chunk(0x2005, head + size + zlib.compress(which.astype("<u4").tobytes()))
+
+
+def tileset(pixels: Pixels, inside: bool = True) -> bytes:
+    """A tileset of 4 × 4 pixels a tile, the first of which is empty."""
+    head = struct.pack("<IIIHHh14xH", 0, 2 + 4 if inside else 1 + 4, len(pixels) // 4, 4, 4, 1, 0)
+    packed = zlib.compress(pixels.tobytes())
+    return chunk(0x2023, head + (struct.pack("<I", len(packed)) + packed if inside else bytes(8)))
 
 
 def aseprite(
@@ -141,11 +160,12 @@ def test_layered_files_are_painted_in_folders_too() -> None:
         (aseprite([drawn()], depth=24), "is an Aseprite file of 24 bits"),
         (FILES["a.aseprite"][:300], "broken"),
         (aseprite([[layer("a"), chunk(0x2005, bytes(16))]]), "has a broken layer 'a'"),
+        (b"CSFCHUNK" + bytes(99), "is a Clip Studio Paint file, which cannot be read; save it as PSD"),
         (
-            aseprite([[layer("ground", kind=2), tiles(0)]]),
-            "has a layer 'ground' of tiles, which cannot be read; convert it to a layer, or hide it.",
+            b"GCPF" + bytes(99),
+            "is a Pixelorama project, which cannot be read; export it from Pixelorama as PNG",
         ),
-        (aseprite([[layer("a"), linked(0, 0)]]), "has a broken layer 'a': it refers to a later frame"),
+        (zipped("a", data_json=b"{}"), "is a Pixelorama project, which cannot be read"),
         (FILES["a.aseprite"][:132] + b"\1\1" + FILES["a.aseprite"][134:], "of an unknown version"),
         (aseprite([drawn()], size=(60000, 60000)), "is 60000 × 60000 pixels"),
     ],
@@ -196,3 +216,110 @@ def test_layers_of_aseprite_count_as_it_shows_them() -> None:
     assert shown(old)[:4] == [20, 20, 20, 255]
     group = [layer("group", kind=1, opacity=51), layer("pen", level=1), cel(1, plain(20))]
     assert [shown(aseprite([group], (8, 8), flags=each))[3] for each in (1, 3)] == [255, 51]
+
+
+def test_an_index_outside_the_palette_is_transparent() -> None:
+    palette = chunk(0x2019, struct.pack("<III8xHBBBBHBBBB", 2, 0, 1, 0, 7, 7, 7, 255, 0, 250, 250, 250, 255))
+    assert shown(aseprite([[palette, layer("a"), cel(0, index(1, 9))]], (8, 8), depth=8)) == [
+        *(250, 250, 250, 255),
+        *(0, 0, 0, 0),
+    ]
+
+
+@pytest.mark.parametrize("frame", [0, 1, 7])
+def test_a_link_to_a_frame_without_that_cel_shows_nothing(frame: int) -> None:
+    plain = np.full((8, 8, 4), (20, 20, 20, 255), np.uint8)
+    content = aseprite([[layer("a"), layer("b"), cel(0, plain)], [cel(0, plain), linked(1, frame)]], (8, 8))
+    frames = decode_frames("a.ase", content, (8, 64))
+    assert [each.decoded.pixels[0, 0].tolist() for each in frames.parts] == [[20, 20, 20, 255]] * 2
+    assert not frames.note
+
+
+def test_tilemaps_are_read_with_their_flips() -> None:
+    tile = np.zeros((4, 4, 4), np.uint8)
+    tile[..., 0], tile[..., 1], tile[..., 3] = 10 * np.arange(16).reshape(4, 4), 200, 255
+    which = np.array([[1, 1 | 1 << 31, 1 | 1 << 30], [1 | 1 << 29, 1 | 1 << 31 | 1 << 29, 0]], np.uint32)
+    strip = np.vstack([np.full_like(tile, 99), tile])
+    content = aseprite([[tileset(strip), layer("ground", kind=2), tiles(0, which)]], (12, 8))
+    found = decode("a.ase", content, (8, 64), 64).pixels
+    turned = tile.transpose(1, 0, 2)
+    expected = np.vstack(
+        [
+            np.hstack([tile, tile[:, ::-1], tile[::-1]]),
+            np.hstack([turned, turned[:, ::-1], np.zeros_like(tile)]),
+        ]
+    )
+    assert np.array_equal(found, expected)
+    assert len(decode_layers("a.ase", content, (8, 64)).layers) == 1
+
+
+def test_what_of_an_aseprite_file_cannot_be_shown_is_noted_and_the_rest_is_read() -> None:
+    which = np.ones((2, 2), np.uint32)
+    chunks = [
+        *(tileset(FLAT[:4, :4], inside=False), layer("pen"), layer("ground", kind=2), layer("broken")),
+        *(layer("shade", blend=1), cel(0, FLAT), tiles(1, which), chunk(0x2005, struct.pack("<H14x", 2))),
+    ]
+    found = decode("a.ase", aseprite([chunks]), (8, 8192), 64)
+    assert np.array_equal(found.pixels[..., :3], FLAT[..., :3])
+    assert "'ground': tileset in another file left out; convert it to a layer" in found.note
+    assert "'broken': cannot be read in frame 1" in found.note
+    assert "'shade': blend mode multiply shown as normal" in found.note
+
+
+def test_an_openraster_file_without_its_merged_picture_is_composed() -> None:
+    stack = """<image w="120" h="80"><stack>
+        <layer name="r" src="data/\u7dda.png" x="60" y="0" composite-op="svg:multiply"/>
+        <layer name="l" src="data/l.png" opacity="1.0"/></stack></image>"""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as file:
+        file.writestr("stack.xml", stack.encode())
+        file.writestr("data/l.png", png(FLAT[:, :60]))
+        file.writestr("data/\u7dda.png", png(FLAT[:, 60:]))
+    # Some programs write such a name without the flag for Unicode, which is in both lists of names.
+    content = out.getvalue()
+    _, *places = [each.start() for each in re.finditer("data/\u7dda.png".encode(), content)]
+    for place, back in zip(places, (30 - 7, 46 - 9), strict=True):
+        assert content[place - back] == 0x08
+        content = content[: place - back] + b"\0" + content[place - back + 1 :]
+    found = decode("a.ora", content, (8, 8192), 64)
+    assert np.array_equal(found.pixels, FLAT)
+    assert found.note == "'r': blend mode multiply shown as normal"
+    assert [each.name for each in decode_layers("a.ora", content, (8, 8192)).layers] == ["l", "r"]
+
+
+def krita(mask: str = "", other: str = "") -> bytes:
+    """A Krita file of a layer of one tile, and of a mask whose left half is 0."""
+    document = f"""<DOC xmlns="http://www.calligra.org/DTD/krita"><IMAGE width="64" height="64"><layers>
+        {other}
+        <layer nodetype="paintlayer" name="fox" filename="layer2" colorspacename="RGBA">{mask}</layer>
+        </layers></IMAGE></DOC>"""
+    half = np.full((64, 64), 255, np.uint8)
+    half[:, :32] = 0
+    files = {"layer2": np.full((64, 64, 4), (10, 20, 30, 255), np.uint8), "mask3.pixelselection": half}
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as file:
+        file.writestr("maindoc.xml", document)
+        for name, pixels in files.items():
+            head = f"VERSION 2\nTILEWIDTH 64\nTILEHEIGHT 64\nPIXELSIZE {pixels.size // 4096}\nDATA 1\n"
+            tile = b"\0" + pixels.tobytes()
+            file.writestr(f"a/layers/{name}", f"{head}0,0,LZF,{len(tile)}\n".encode() + tile)
+    return out.getvalue()
+
+
+def test_transparency_masks_of_krita_are_applied_and_other_masks_noted() -> None:
+    mask = '<mask nodetype="transparencymask" filename="mask3"/><mask nodetype="filtermask"/>'
+    found = decode_layers("a.kra", krita(f"<masks>{mask}</masks>"), (8, 64))
+    assert (found.layers[0].left, found.layers[0].pixels.shape) == (32, (64, 32, 4))
+    assert found.layers[0].pixels[0, 0].tolist() == [30, 20, 10, 255]
+    assert found.note == "'fox': filter mask left out"
+    assert np.array_equal(decode("a.kra", krita(), (8, 64), 64).pixels[0, 0], [30, 20, 10, 255])
+
+
+def test_layers_of_krita_without_pixels_do_not_cost_the_others() -> None:
+    others = (
+        '<layer nodetype="shapelayer" name="form"/><layer nodetype="paintlayer" name="lost" filename="l9"/>'
+    )
+    found = decode_layers("a.kra", krita(other=others), (8, 64))
+    assert [each.name for each in found.layers] == ["fox"]
+    assert "'form': vector layer left out" in found.note
+    assert "'lost': cannot be read: is a ZIP without layers/l9" in found.note

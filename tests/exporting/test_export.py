@@ -34,6 +34,16 @@ def export(checkpoint: Path, target: Path, *more: str) -> int:
     return main(["export", str(checkpoint), "-o", str(target), "--size", "32", *more])
 
 
+def test_the_model_that_is_read_is_not_written_over(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "m.safetensors").write_bytes(b"weights")
+    path = tmp_path / "m.safetensors"
+    assert export(path, tmp_path / ".." / tmp_path.name / path.name, "--format", "safetensors") == 2
+    assert "is read and would be written over" in capsys.readouterr().err
+    assert path.read_bytes() == b"weights"
+
+
 # torch takes ten seconds for the first ONNX file.
 @pytest.fixture(scope="module", params=[pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS])
 def exported(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Export:

@@ -16,7 +16,6 @@ from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import Opened
 from normalgan.studio.predictor import Predictor
-from normalgan.studio.rate_limit import TokenBucket
 
 PORT = 8400
 HEIGHT, WIDTH = 120, 160
@@ -25,11 +24,9 @@ Pixels = NDArray[np.uint8]
 
 
 @contextmanager
-def serving(
-    model: Path, folder: Path, bucket: TokenBucket | None = None, opened: Opened | None = None
-) -> Iterator[TestClient]:
+def serving(model: Path, folder: Path, opened: Opened | None = None) -> Iterator[TestClient]:
     """Give a client of a studio in this process."""
-    app = build_app(Predictor(model), DocumentStore(folder), PORT, opened, bucket or TokenBucket(1e6, 1e6))
+    app = build_app(Predictor(model), DocumentStore(folder), PORT, opened)
     with TestClient(app, base_url=f"http://127.0.0.1:{PORT}") as client:
         yield client
 

@@ -67,6 +67,33 @@ def test_files_that_are_no_pictures_and_no_projects_are_told(
         assert still_there(studio)
 
 
+def test_texts_of_a_stranger_are_never_markup(opened: "Browser", server: Server, tmp_path: Path) -> None:
+    markup = '<img src=x onerror="window.ran=1">'
+    layer = {"id": 1, "name": markup, "visible": True, "strokes": [], "hints": []}
+    layer |= {"areas": [], "mask": [], "source": None}
+    project = {"format": "normalgan-studio", "version": 5, "width": 64, "height": 64, "layers": [layer]}
+    project |= {"active": 1, "pictures": [], "settings": {"name": markup, "source": markup}}
+    content = json.dumps(project).encode()
+    # In the folder it can have any name, if somebody has put it there.
+    (tmp_path / f"{markup}.normalgan").write_bytes(content)
+    (server._projects / f"{markup}.normalgan").write_bytes(content)
+    with open_studio(opened, server.url, tolerate=("status of 400",)) as studio:
+        page = studio.page
+        studio.new()
+        with studio.saying(f"Couldn't import “{markup}.txt”: "):
+            page.set_input_files(
+                "#import-file", files={"name": f"{markup}.txt", "mimeType": "text/plain", "buffer": b"milk"}
+            )
+        page.set_input_files("#open-file", files=tmp_path / f"{markup}.normalgan")
+        page.wait_for_function(
+            "(words) => document.documentElement.outerHTML.includes('img src')", arg=markup
+        )
+        page.locator("#open").click()
+        page.wait_for_timeout(500)
+        assert page.locator('img[src="x"]').count() == 0
+        assert page.evaluate("window.ran") is None
+
+
 def test_a_full_storage_is_told_and_the_project_can_be_downloaded(
     opened: "Browser", server: Server, tmp_path: Path
 ) -> None:

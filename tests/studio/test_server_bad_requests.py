@@ -4,8 +4,7 @@ import struct
 import time
 import zlib
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from threading import Event
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -92,9 +91,9 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
         ({"hints": {"x": 1}}, "the hints are no list"),
         ({"hints": [[1, 2]]}, "hint 1 of the request is [1, 2]"),
         (hint(x="1"), "hint 1 of the request is"),
-        (hint(x=float("nan")), "hint 1 of the request is"),
-        (hint(y=float("inf")), "hint 1 of the request is"),
-        (hint(normal=[0, 0, float("nan")]), "hint 1 of the request is"),
+        (hint(x=float("nan")), "the request is not JSON"),
+        (hint(y=float("inf")), "the request is not JSON"),
+        (hint(normal=[0, 0, float("nan")]), "the request is not JSON"),
         (hint(normal=[0, 0, 1e308]), "a normal has length 1"),
         (hint(normal=[0, 0, 0]), "a normal has length 1"),
         (hint(normal=[0, 0, -1]), "looks away from the viewer; its z must be 0 or more"),
@@ -227,13 +226,12 @@ def test_a_failure_of_ours_is_one_sentence_too(
 
 
 def test_one_picture_is_imported_at_a_time(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    at_once, most, refused = 0, 0, Event()
+    at_once, most = 0, 0
 
     def slowly(content: bytes) -> dict[str, str | int | list[int]]:
         nonlocal at_once, most
         at_once += 1
         most = max(most, at_once)
-        assert refused.wait(60)  # until then all others wait
         time.sleep(0.05)
         at_once -= 1
         return import_picture(content)
@@ -244,12 +242,8 @@ def test_one_picture_is_imported_at_a_time(client: TestClient, monkeypatch: pyte
         asked = [
             pool.submit(client.post, "/api/import", content=png(circle()), headers=kind) for _ in range(8)
         ]
-        first = next(as_completed(asked)).result()
-        refused.set()
-        answers = [each.result() for each in asked]
+        assert {each.result().status_code for each in asked} == {200}
     assert most == 1
-    assert {answer.status_code for answer in answers} == {200, 429}
-    assert "too many pictures wait" in first.json()["error"]
 
 
 def test_a_picture_that_crashes_its_decoder_is_told_and_the_studio_goes_on(client: TestClient) -> None:

@@ -1,16 +1,12 @@
 import json
-import select
 import socket
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 
 import psutil
 import pytest
 from studio_client import asking
 from studio_process import Studio, send, slow
-
-from normalgan.studio import bodies
-from normalgan.studio.connection import MOST_AT_ONCE
 
 PATHS = (
     *("/page/../app.py", "/page/%2e%2e/app.py", "/page/..%2fapp.py", "/page//etc/passwd"),
@@ -111,37 +107,3 @@ def test_a_request_that_breaks_off_harms_nobody(served: Studio) -> None:
         client.sendall(b"no HTTP at all\r\n\r\n")
         assert client.recv(100).startswith(b"HTTP/1.1 400")
     assert served.ask("POST", "/api/predict", asking(1, tab="after"))[0] == 200
-
-
-def test_heads_that_trickle_shut_nobody_out(served: Studio) -> None:
-    with ExitStack() as clients:
-        trickling = []
-        for _ in range(200):
-            client = clients.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=60))
-            client.sendall(b"GET / HTTP/1.1\r\nHost: ")
-            trickling.append(client)
-        assert served.ask("POST", "/api/predict", asking(1, tab="beside"))[0] == 200
-        for client in trickling[: 200 - MOST_AT_ONCE]:  # those that were there first have made room
-            try:
-                answer = client.recv(100)
-            except ConnectionResetError:  # what had come in was not read any more
-                answer = b""
-            assert answer[:12] in {b"HTTP/1.1 408", b""}
-
-
-def test_bodies_that_trickle_shut_nobody_out(served: Studio) -> None:
-    with ExitStack() as clients:
-        trickling: list[socket.socket] = []
-        read_on: list[socket.socket] = []
-        for _ in range(80):
-            client = clients.enter_context(socket.create_connection(("127.0.0.1", served.port), timeout=60))
-            client.sendall(head(served, "Content-Length: 5000") + b"{")
-            trickling.append(client)
-            read_on.append(client)
-            if len(read_on) > bodies.MOST_AT_ONCE:
-                # Long before the server loses patience, which would end them all.
-                (given_up,) = select.select(read_on, [], [], bodies.PATIENCE - 5)[0]
-                assert given_up.recv(100).startswith(b"HTTP/1.1 408")
-                read_on.remove(given_up)
-        assert read_on == trickling[-bodies.MOST_AT_ONCE :]  # those that were there first have made room
-        assert served.ask("POST", "/api/predict", asking(1, tab="among"))[0] == 200

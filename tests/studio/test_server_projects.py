@@ -48,6 +48,22 @@ def test_a_project_is_kept_read_and_deleted(client: TestClient, tmp_path: Path) 
     assert client.get("/api/projects").json() == []
 
 
+@pytest.mark.parametrize(
+    "content",
+    [
+        json.dumps(document(settings={"zoom": float("nan")})).encode(),
+        json.dumps(document(settings={"zoom": float("-inf")})).encode(),
+        json.dumps(document()).encode("utf-16"),
+        json.dumps(document()).encode("utf-8-sig"),
+    ],
+    ids=["NaN", "infinity", "UTF-16", "a mark"],
+)
+def test_what_a_browser_cannot_parse_is_not_kept(client: TestClient, content: bytes) -> None:
+    headers = {**NEW, "Content-Type": "application/json"}
+    assert client.put("/api/projects/fox", content=content, headers=headers).status_code == 400
+    assert client.get("/api/projects").json() == []
+
+
 def test_a_name_is_the_same_however_its_letters_are_composed(client: TestClient) -> None:
     assert client.put("/api/projects/Fu\u0308chse", json=document(), headers=NEW).status_code == 204
     assert client.get("/api/projects/F\u00fcchse").status_code == 200

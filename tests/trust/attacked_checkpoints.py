@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from lightning.pytorch import Trainer
 
 from normalgan.models import UNetDiscriminator, UNetGenerator
 
@@ -28,6 +29,8 @@ def sound() -> Tree:
     torch.manual_seed(0)
     networks = {"generator": UNetGenerator(**SETTINGS), "discriminator": UNetDiscriminator(**SETTINGS)}
     state = {f"{kind}.{k}": v for kind, network in networks.items() for k, v in network.state_dict().items()}
+    states = [torch.optim.RMSprop(network.parameters()).state_dict() for network in networks.values()]
+    loops = Trainer(logger=False, barebones=True).fit_loop.state_dict()
     optimizer = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 0.005, "alpha": 0.99}}
     return {
         "epoch": 3,
@@ -35,6 +38,9 @@ def sound() -> Tree:
         "pytorch-lightning_version": "2.6.0",
         "state_dict": state,
         "callbacks": {"LastCheckpoint{}": {"best_model_path": "/run/checkpoints/last.ckpt"}},
+        "loops": {"fit_loop": loops},
+        "optimizer_states": states,
+        "lr_schedulers": [{"last_epoch": 3}, {"last_epoch": 3}],
         "hparams_name": "kwargs",
         "hyper_parameters": {
             "generator": {"class_path": "normalgan.models.UNetGenerator", "init_args": dict(SETTINGS)},
@@ -234,6 +240,37 @@ TRAINING: dict[str, tuple[Callable[[Tree], object], str]] = {
     ),
 }
 """Edits of what only goes on learning: `fit` refuses them, to all others they are nothing."""
+
+RESUMED: dict[str, tuple[Callable[[Tree], object], str]] = {
+    "no states of optimisers": (put("optimizer_states", value=[]), "optimizer_states"),
+    "one of two": (lambda tree: tree["optimizer_states"].pop(), "optimizer_states"),
+    "a state without groups": (put("optimizer_states", value=[{"state": {}}] * 2), "optimizer_states"),
+    "a state of another network": (
+        lambda tree: tree["optimizer_states"][0]["state"].update({0: {"square_avg": torch.zeros(3, 999)}}),
+        "optimizer_states",
+    ),
+    "no loops": (put("loops", value={}), "loops"),
+    "loops that are a list": (put("loops", value=[1]), "loops"),
+    "a loop that counts in words": (
+        put("loops", "fit_loop", "epoch_progress", "current", "completed", value="many"),
+        "loops",
+    ),
+    "a loop before its start": (
+        put("loops", "fit_loop", "epoch_loop.batch_progress", "total", "ready", value=-1),
+        "loops",
+    ),
+    "a loop without its counts": (put("loops", "fit_loop", "epoch_progress", value={}), "loops"),
+    "an epoch before the first": (put("epoch", value=-1), "epoch"),
+    "steps in words": (put("global_step", value="12"), "global_step"),
+    "no version": (put("pytorch-lightning_version", value="latest"), "pytorch-lightning_version"),
+    "a version as a number": (put("pytorch-lightning_version", value=2.6), "pytorch-lightning_version"),
+    "a version whose files are migrated": (
+        put("pytorch-lightning_version", value="0.9.0"),
+        "pytorch-lightning_version",
+    ),
+    "no schedules": (put("lr_schedulers", value=[]), "lr_schedulers"),
+}
+"""Edits of what a run resumes with, each with the name that the sentence has."""
 
 IGNORED: dict[str, Callable[[Tree], object]] = {
     "how Lightning builds": put("hyper_parameters", "_instantiator", value=f"{EVIL}.run"),

@@ -48,7 +48,6 @@ URLS = (
     "simplecache::file://{folder}/unsafe_trainer.yaml",
     "http://127.0.0.1:{port}/unsafe_trainer.yaml",
     "simplecache::http://127.0.0.1:{port}/unsafe_trainer.yaml",
-    "${oc.env:HOME}/unsafe_trainer.yaml",
 )
 """Where no configuration is read from, safe or not."""
 NESTED = {

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from attacked_checkpoints import EVIL, FILES, IGNORED, MODEL, TRAINING, save, sound
+from attacked_checkpoints import EVIL, FILES, IGNORED, MODEL, RESUMED, TRAINING, save, sound
 from limited import read_limited
 
 from normalgan.errors import InputError
@@ -68,6 +68,17 @@ def test_training_that_would_do_harm_is_refused_by_fit_and_ignored_by_others(her
     path = save(here / "bad.ckpt", edit)
     refused(path, words, training=True)
     assert read_checkpoint(path).weights(32).generator()
+
+
+@pytest.mark.parametrize("kind", RESUMED)
+def test_no_run_is_resumed_with_what_no_run_saves(here: Path, kind: str) -> None:
+    edit, name = RESUMED[kind]
+    loops = sound()["loops"]["fit_loop"]
+    read_checkpoint(save(here / "sound.ckpt")).check_progress(loops)
+    path = save(here / "bad.ckpt", edit)
+    with pytest.raises(InputError, match=f"no run can be resumed from .*bad.ckpt: its {name} is not what"):
+        read_checkpoint(path).check_progress(loops)
+    assert read_checkpoint(path).weights(32).generator()  # nobody else asks for it
 
 
 @pytest.mark.parametrize("kind", IGNORED)

@@ -117,6 +117,32 @@ def test_a_safe_configuration_does_not_say_where_is_written(folder: Path, name: 
     assert not (folder / "other").exists()
 
 
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_file_for_one_section_does_not_say_where_is_written(folder: Path, name: str) -> None:
+    section = name.partition(".")[0]
+    (folder / "section.yaml").write_text(
+        yaml.safe_dump(FOREIGN[name][section]).replace("{folder}", str(folder))
+    )
+    for given in ([f"--{section}", "section.yaml"], [f"--{section}=section.yaml"]):
+        with pytest.raises(InputError, match=f"a configuration sets {name}, and --safe-config takes it from"):
+            run(["fit", "--trainer.fast_dev_run", "true", "--safe-config", *given])
+    assert not (folder / "other").exists()
+
+
+@pytest.mark.parametrize("value", ["logger.yaml", "[logger.yaml]"])
+def test_a_file_for_the_logger_does_not_say_where_is_written(folder: Path, value: str) -> None:
+    (folder / "logger.yaml").write_text("class_path: CSVLogger\ninit_args: {save_dir: other}\n")
+    with pytest.raises(InputError, match=r"a configuration sets trainer\.logger"):
+        run(["fit", "--trainer.fast_dev_run", "true", "--safe-config", "--trainer.logger", value])
+    assert not (folder / "other").exists()
+
+
+def test_the_command_line_says_where_is_written(folder: Path) -> None:
+    given = ("--data.cache", "mine", "--output.folder=maps", "--trainer.logger", "CSVLogger")
+    more = ("--trainer.logger.save_dir", "mine")
+    assert run([*COMMAND, "--safe-config", *given, *more]) == 0
+
+
 def test_a_safe_configuration_does_not_name_a_cluster(folder: Path) -> None:
     config = written(folder, {"cluster": "local:1"})
     with pytest.raises(InputError, match="a configuration sets cluster, and --safe-config takes it"):

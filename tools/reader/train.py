@@ -1,6 +1,6 @@
 """Trains the reader on pages made on the fly, and exports it.
 
-train.py VIEWS OUT [--minutes 45] [--start LAST.pt] [--measure] [--export READER.onnx]
+train.py VIEWS OUT [--minutes 45] [--start LAST.pt] [--measure] [--export READER.onnx] [--mix LAST.pt]
 
 OUT/last.pt is written every two minutes and gone on from; the rate falls to nothing at the end of the time.
 """
@@ -116,6 +116,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
     parser.add_argument("--start", type=Path, help="weights of another run that this one begins with")
     parser.add_argument("--measure", action="store_true")
     parser.add_argument("--export", type=Path)
+    parser.add_argument("--mix", type=Path, help="export the mean of these weights and the run's own")
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(1)
@@ -139,6 +140,12 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
         model.load_state_dict(kept["model"], strict=False)
         mean.load_state_dict(kept["mean"], strict=False)
     if given.measure or given.export:
+        if given.mix:
+            other = torch.load(given.mix)["mean"]
+            own = mean.state_dict()
+            mean.load_state_dict(
+                {k: ((v.float() + other[k].float()) / 2).to(v.dtype) for k, v in own.items()}
+            )
         if given.measure:
             for kind, score in measure(mean.module, given.views).items():
                 print(f"{kind:16} {score:.3f}")

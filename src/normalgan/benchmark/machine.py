@@ -1,8 +1,7 @@
-"""The machine, versions and commit of a result."""
+"""The machine and versions of a result."""
 
 import os
 import platform
-import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import torch
 
 from normalgan.version import __version__
 
-__all__ = ["commit", "describe_machine", "describe_versions"]
+__all__ = ["describe_machine", "describe_versions"]
 
 _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 
@@ -32,25 +31,6 @@ def describe_versions() -> dict[str, str]:
     """Return the versions of Python, normalgan and the packages that figures depend on."""
     found = {name: version(name) for name in _PACKAGES}
     return {"python": platform.python_version(), "normalgan": __version__, **found}
-
-
-def commit() -> str | None:
-    """Return the commit of the code, with a ``+`` if it was changed since; None outside a repository."""
-    folder = Path(__file__).parent
-    head = _git(folder, "rev-parse", "HEAD")
-    if head is None:
-        return None
-    return head + ("+" if _git(folder.parent, "status", "--porcelain", "--", ".") else "")
-
-
-def _git(folder: Path, *arguments: str) -> str | None:
-    try:
-        done = subprocess.run(
-            ["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True
-        )
-    except (OSError, subprocess.CalledProcessError):
-        return None
-    return done.stdout.strip()
 
 
 def _processor() -> str:

@@ -8,7 +8,7 @@ import torch
 
 from normalgan.benchmark.curves import draw_calibration, draw_curves
 from normalgan.benchmark.evaluation import Evaluation, maps_of
-from normalgan.benchmark.machine import commit, describe_machine, describe_versions
+from normalgan.benchmark.machine import describe_machine, describe_versions
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.points import hint_points
@@ -17,6 +17,7 @@ from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.table import markdown
 from normalgan.benchmark.training import Result, read_result, write_json
 from normalgan.callbacks.rows import batch_row
+from normalgan.commit import commit
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.hints import hints_at

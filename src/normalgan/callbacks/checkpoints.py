@@ -33,6 +33,9 @@ __all__ = [
 class LastCheckpoint(ModelCheckpoint):
     """Saves ``last.ckpt`` after every epoch, so that a killed run loses at most one epoch.
 
+    A run that ``max_steps`` or ``max_time`` stops within an epoch saves it after its last batch. Saved later,
+    the epoch would count as complete.
+
     Since 2.6, Lightning's own ``save_last`` saves only together with a new best, and before the end of an
     epoch that is not validated, so that resuming goes wrong.
     """
@@ -44,6 +47,19 @@ class LastCheckpoint(ModelCheckpoint):
         """Set the folder of the run."""
         self.dirpath = checkpoint_folder(trainer.default_root_dir)
         super().setup(trainer, pl_module, stage)
+
+    def on_train_batch_end(
+        self, trainer: Trainer, pl_module: LightningModule, outputs: Any, batch: Any, batch_idx: int
+    ) -> None:
+        """Save if the run stops here, within an epoch."""
+        loop = trainer.fit_loop.epoch_loop
+        if loop.done and not loop.batch_progress.is_last_batch:
+            super().on_train_epoch_end(trainer, pl_module)
+
+    def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Save, if all of the epoch was trained."""
+        if trainer.fit_loop.epoch_loop.batch_progress.is_last_batch:
+            super().on_train_epoch_end(trainer, pl_module)
 
 
 class AtomicCheckpointIO(TorchCheckpointIO):

@@ -1,8 +1,10 @@
 """TestReport: the table, gallery and figures of `normalgan test`."""
 
+import hashlib
 import json
 from math import isnan
 from pathlib import Path
+from typing import Any
 
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
@@ -12,6 +14,7 @@ from normalgan.batch import Batch
 from normalgan.callbacks.gallery import Row, write_gallery
 from normalgan.callbacks.rows import batch_row
 from normalgan.callbacks.table import results_table
+from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.order import spread
 from normalgan.errors import InputError
@@ -19,6 +22,7 @@ from normalgan.files.writing import write_bytes
 from normalgan.gan import NormalGAN
 from normalgan.metrics import MapMetric, StageMetrics
 from normalgan.metrics.collection import check_names
+from normalgan.version import __version__
 
 __all__ = ["TestReport"]
 
@@ -27,8 +31,12 @@ class TestReport(Callback):
     """Measures two baselines that see no sketch, prints the table and draws the gallery.
 
     The baselines are always in the table, because they give the figures a scale: the constant normal
-    (0, 0, 1) and, pixel by pixel, the mean of the training split. Writes ``test/metrics.json`` and
-    ``test/gallery.png`` in the folder of the run.
+    (0, 0, 1) and, pixel by pixel, the mean of the training split. Writes ``metrics.json`` and
+    ``gallery.png`` into the folder ``test`` of the run, in a folder named by the checkpoint: ``test/last``.
+    ``metrics.json`` says under ``run`` what was measured: checkpoint and its SHA-256, seeds, commit, version.
+
+    Attributes:
+        checkpoint: the file that was measured, if it is not the trainer's ``ckpt_path``.
 
     Args:
         samples: rows of the gallery, spread over the test split.
@@ -50,6 +58,7 @@ class TestReport(Callback):
         check_names(metrics)
         self.samples = samples
         self.metrics = metrics
+        self.checkpoint: Path | None = None
         self._rows: list[Row] = []
         self._shown: set[int] = set()
         self._seen = self._total = 0
@@ -62,7 +71,7 @@ class TestReport(Callback):
         self._of_pairs = data.of_pairs
         self._mean_map = data.mean_normal_map().to(pl_module.device)
         baselines = ("constant", "mean_map")
-        self._baselines = StageMetrics("test", baselines).to(pl_module.device)
+        self._baselines = StageMetrics("test", baselines, with_presence=True).to(pl_module.device)
         rows = (*baselines, "hints", "unhinted", "no_hints")
         self._further = StageMetrics("test", rows, self.metrics).to(pl_module.device)
         # Fewer than there are, if fewer batches are asked for; with several processes, one process's share.
@@ -112,18 +121,46 @@ class TestReport(Callback):
             if key.startswith("test/"):
                 _, row, figure = key.split("/")
                 results.setdefault(row, {})[figure] = float(value)
-        folder = Path(trainer.default_root_dir) / "test"
-        write_bytes(folder / "metrics.json", _json(results))
+        measured = self._measured(trainer, pl_module)
+        folder = _folder(Path(trainer.default_root_dir) / "test", measured)
+        write_bytes(folder / "metrics.json", _json(measured, results))
         write_gallery(folder / "gallery.png", self._rows)
         print(f"\n{results_table(results, f'Test split, {self._total} samples', self.metrics)}\n")
         print(f"Metrics: {(folder / 'metrics.json').resolve()}")
         print(f"Picture: {(folder / 'gallery.png').resolve()}")
 
+    def _measured(self, trainer: Trainer, pl_module: LightningModule) -> dict[str, Any]:
+        """Return what the figures are of, as plain values for JSON."""
+        given = self.checkpoint or trainer.ckpt_path
+        path = Path(given) if given is not None and Path(given).is_file() else None
+        data = getattr(trainer, "datamodule", None)
+        return {
+            "checkpoint": None if path is None else path.name,
+            "sha256": None if path is None else hashlib.sha256(path.read_bytes()).hexdigest(),
+            "seed": {"model": getattr(pl_module, "seed", None), "data": getattr(data, "seed", None)},
+            "samples": self._total,
+            "commit": commit(),
+            "version": __version__,
+        }
 
-def _json(results: dict[str, dict[str, float]]) -> bytes:
-    """Return the figures as JSON, which has no nan."""
+
+def _folder(root: Path, measured: dict[str, Any]) -> Path:
+    """Return where to write: the folder of the checkpoint, another if that has the figures of another one."""
+    if measured["checkpoint"] is None:
+        return root
+    folder = root / Path(measured["checkpoint"]).stem
+    try:
+        before = json.loads((folder / "metrics.json").read_bytes())["run"]["sha256"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return folder
+    sha256 = measured["sha256"]
+    return folder if before == sha256 else folder.with_name(f"{folder.name}-{sha256[:8]}")
+
+
+def _json(measured: dict[str, Any], results: dict[str, dict[str, float]]) -> bytes:
+    """Return what was measured and the figures as JSON, which has no nan."""
     figures = {
         row: {name: None if isnan(value) else value for name, value in sorted(values.items())}
         for row, values in sorted(results.items())
     }
-    return (json.dumps(figures, indent=1) + "\n").encode()
+    return (json.dumps({"run": measured, **figures}, indent=1) + "\n").encode()

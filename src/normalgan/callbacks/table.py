@@ -34,11 +34,14 @@ FIGURES = {
     "below_30": "below 30°",
     "l1": "L1",
     "l2": "L2",
+    "mask_iou": "mask IoU",
+    "coverage": "coverage",
 }
 NOTE = """\
 Pixels on the object. constant: (0, 0, 1) everywhere; mean map: the mean of the
 training split; neither sees the sketch. unhinted: with the same hints, the
-hinted pixels left out."""
+hinted pixels left out. mask IoU: of where an object is predicted (a vector
+longer than 1/2) and where it is; coverage: the share of the object that is."""
 
 
 def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) -> str:
@@ -68,7 +71,7 @@ def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) 
 
 
 def _unit(figure: str) -> str:
-    return "%" if figure.startswith("below") else "°" if figure.startswith("angular") else ""
+    return "%" if figure.startswith(("below", "coverage")) else "°" if figure.startswith("angular") else ""
 
 
 def _written(value: float, unit: str) -> str:

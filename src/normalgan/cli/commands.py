@@ -17,6 +17,8 @@ Commands:
   render     only render the training samples to disk
   sketch     draw a mesh from a view, as SVG or PNG
   generate   paint normal maps for drawings with an exported model, without torch
+  convert    normal and height maps to another format, direction or kind
+  mcp        serve these to assistants as tools (MCP)
   studio     draw, pin normals, light and export in the browser, with an exported model
   export     write a checkpoint as a file for elsewhere: ONNX, safetensors, TorchScript
   benchmark  train and measure the methods of a plan on one split, or a model of yours
@@ -30,6 +32,8 @@ A configuration is a program; with --safe-config it can name known classes only.
 OTHERS = {
     "sketch": "normalgan.cli.sketch",
     "generate": "normalgan.cli.generate",
+    "convert": "normalgan.cli.convert",
+    "mcp": "normalgan.cli.mcp_server",
     "studio": "normalgan.studio.command",
     "export": "normalgan.exporting.command",
     "benchmark": "normalgan.benchmark.command",

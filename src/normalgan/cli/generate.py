@@ -3,6 +3,7 @@
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -114,8 +115,6 @@ def _packing(settings: Namespace) -> Packing:
     if settings.tile and settings.frame == "shared":
         raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
     packing = Packing(settings.sheet, settings.split, settings.atlas)
-    if packing.given and settings.size is not None:
-        raise InputError("a sheet keeps its packing, and so its size; leave --size out.")
     if settings.layers and packing.given:
         raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
     return packing
@@ -214,10 +213,14 @@ class _Batch:
         for job in jobs:
             extras = [f" with {each}" for each in job.files.beside]
             try:
-                print(f"{job.files.drawing}{''.join(extras)} -> {self._target(job)}")
-            except InputError as error:
+                target = self._target(job)
+                there = next(each for each in target.absolute().parents if each.is_dir())
+                with suppress(FileNotFoundError):
+                    (there / target.name).lstat()  # refuses a name that is too long
+                print(f"{job.files.drawing}{''.join(extras)} -> {target}")
+            except (InputError, OSError) as error:
                 self._failed += 1
-                print(f"normalgan: {one_line(str(error))}", file=sys.stderr)
+                print(f"normalgan: {one_line(str(_sentence(job, error)))}", file=sys.stderr)
         return 1 if self._failed else 0
 
     def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
@@ -371,11 +374,13 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
     )
     files, left_out = without_twins(files, settings.layers)
     others = outputs.beside
+    also_read = [path for each in files for path in packing.beside(each.drawing, each.below)]
+    also_read += [Path(settings.model)] if settings.model else []
     if is_file_name(folder):
-        jobs = [plan_file(files, folder, others)] if files else []
+        jobs = [plan_file(files, folder, others, also_read)] if files else []
         return _Found(jobs, missing, [], left_out)
     jobs, clashing = without_clashes(
-        plan(files, folder, outputs.ending, others, may_clash=True),
+        plan(files, folder, outputs.ending, others, may_clash=True, also_read=also_read),
         lambda job: written_for(job, outputs, packing, settings.layers),
     )
     return _Found(jobs, missing, clashing, left_out)

@@ -120,7 +120,8 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--atlas",
         type=str | None,  # type: ignore[arg-type]
-        help="a sheet's JSON by TexturePacker or Aseprite, or a folder of them",
+        help="where a sheet's sprites lie, by TexturePacker, Aseprite, libGDX, Spine, Starling, Phaser, "
+        "Cocos2d, Unity or Godot, or a folder of such files",
     )
     group.add_argument(
         "--layers",

@@ -33,14 +33,17 @@ def add_output_options(
         parser: of the command.
         group: of the help in which the options stand.
         section: what their names begin with, such as ``output.``; empty spells them for a shell.
-        form: default format of the map.
+        form: default format of the map; None leaves it to the name of the file that is written.
 
     Raises:
         InputError: if a plug-in's option is taken.
     """
-    group.add_argument(f"--{section}format", type=Format | None, default=form, help=_told(Normal)["format"])  # type: ignore[arg-type]
+    formats: Any = Format if form else Format | None
+    group.add_argument(f"--{section}format", type=formats, default=form, help=_told(Normal)["format"])
     for kind in (Normal, *OUTPUTS):
         for option in _options(kind):
+            if section and option.name == "engine":
+                continue  # it changes defaults, which generate does as it reads its command line
             name = option.name if section else option.name.replace("_", "-")
             flag = option.type is bool and not section
             how = {"action": "store_true"} if flag else {"type": option.type, "default": option.default}

@@ -43,6 +43,8 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
 
     def dump(self, *given: Any, **how: Any) -> str:
         """Return settings as text, as they were parsed: to check them again is a tenth of reading them."""
+        if "skip_none" in how:  # Lightning's word for it, which jsonargparse has renamed
+            how["skip_unset"] = how.pop("skip_none")
         text: str = super().dump(*given, **{"skip_validation": True, **how})
         return text
 

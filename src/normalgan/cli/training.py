@@ -1,5 +1,6 @@
 """The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
 
+import os
 import signal
 import sys
 import warnings
@@ -50,11 +51,12 @@ from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.files.addresses import is_address
+from normalgan.files.limits import load_yaml
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
 from normalgan.warning_filters import filter_warnings
-from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
 from normalgan.weights.local_classes import no_local_classes
 
@@ -77,6 +79,8 @@ _OUTPUTS = (
     *("data.cache", "data.local_cache", "output.folder", "cluster"),
 )
 """What writes, or runs elsewhere: `SAFE_CONFIG` takes it from the command line alone."""
+
+_OPTIMIZER = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 5e-5, "alpha": 0.9}}
 
 
 INSTEAD = {
@@ -125,11 +129,20 @@ class SaveConfig(SaveConfigCallback):
         if stage == "fit":
             super().setup(trainer, pl_module, stage)
 
+    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""
+        size = getattr(getattr(trainer, "datamodule", None), "batch_size", None)
+        if self.config is None or size is None or self.config["data"]["batch_size"] == size:
+            return
+        self.config["data"]["batch_size"] = size
+        self.already_saved = False
+        super().setup(trainer, pl_module, "fit")
+
     def __getstate__(self) -> dict[str, Any]:
         """Return what another process needs of it (``ddp_spawn``): the text, for a parser is not pickled."""
         if isinstance(self.parser, _Settings):
             return vars(self)
-        text = self.parser.dump(self.config, skip_none=False)
+        text = self.parser.dump(self.config, skip_unset=False)
         return {**vars(self), "config": None, "parser": _Settings(text)}
 
 
@@ -167,8 +180,10 @@ class NormalGANCLI(LightningCLI):
         self.command = command
         self.held = held
         self.safe = safe
+        self.measured: Path | None = None  # the file that test measures
         self.weights: Weights | None = None  # what the model gets, if it does not go on learning
         self.resumed: Path | None = None  # the checkpoint that fit goes on from
+        self.checkpoint: Checkpoint | None = None  # what it holds
         self.known: set[str] = set()  # the folders that its callbacks wrote to
         self.given = given_names(*with_shipped_configs(arguments), "model")
         super().__init__(
@@ -231,6 +246,9 @@ class NormalGANCLI(LightningCLI):
                 "model.hint_sampler": {"class_path": "normalgan.hints.CurvatureHints"},
                 "model.objective": {"class_path": "normalgan.losses.Wasserstein"},
                 "model.reconstruction": {"class_path": "normalgan.losses.L1AndHints"},
+                # Named, so that an overlay or a single option can change one of their settings.
+                "model.generator_optimizer": _OPTIMIZER,
+                "model.discriminator_optimizer": _OPTIMIZER,
                 "trainer.logger": {
                     "class_path": "lightning.pytorch.loggers.TensorBoardLogger",
                     "init_args": {"save_dir": "runs", "name": "", "version": "", "default_hp_metric": False},
@@ -259,7 +277,7 @@ class NormalGANCLI(LightningCLI):
         super().parse_arguments(parser, args)
         command, config = self.command, self.config
         if self.safe:
-            own = parser.parse_args([word for word in args if not word.startswith("--config=")])
+            own = parser.parse_args(_set_here(args))
             for name in _OUTPUTS:
                 if config.get(name) != own.get(name):
                     raise InputError(
@@ -316,6 +334,11 @@ class NormalGANCLI(LightningCLI):
             raise InputError(f"a setting cannot be used: {refusal(error)}") from error
         if self.weights is not None:
             self.weights.load_into(self.model.generator)
+        if self.checkpoint is not None:
+            self.checkpoint.check_progress(self.trainer.fit_loop.state_dict())
+        for callback in self.trainer.callbacks:  # type: ignore[attr-defined]  # public, not typed
+            if isinstance(callback, TestReport):
+                callback.checkpoint = self.measured
         if self.command == "fit":
             root = self.config["trainer"]["default_root_dir"]
             check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
@@ -340,14 +363,11 @@ class NormalGANCLI(LightningCLI):
 
     def _resume(self, path: Path) -> None:
         """Read a checkpoint's settings over the configuration's."""
-        checkpoint = read_checkpoint(path)
+        self.checkpoint = checkpoint = read_checkpoint(path)
         saved = checkpoint.training_settings()
         check_sizes(path, saved, self.config["data"]["size"])
         self._warn_of_overruled(path, "fit", saved)
-        try:
-            self.config = self.parser.parse_object({"model": saved}, self.config)
-        except InputError as error:
-            raise InputError(f"the model in {path} cannot be built here: {error}") from error
+        self._set(path, {"model": saved})
         states = [state for state in checkpoint.callbacks.values() if isinstance(state, Mapping)]
         self.resumed, self.known = path, {str(state.get("dirpath")) for state in states}
 
@@ -380,8 +400,15 @@ class NormalGANCLI(LightningCLI):
             raise InputError(f"the model in {path} cannot be built here: {error}") from error
         self._warn_of_overruled(path, command, saved)
         changes = {"model": {**saved, "discriminator": None}, "data": {"size": weights.notes.size}}
-        self.config = self.parser.parse_object(changes, self.config)
-        self.weights = weights
+        self._set(path, changes)
+        self.weights, self.measured = weights, path
+
+    def _set(self, path: Path, changes: dict[str, Any]) -> None:
+        """Change settings to those in a file, whose classes may be others here than where it was written."""
+        try:
+            self.config = self.parser.parse_object(changes, self.config)
+        except InputError as error:
+            raise InputError(f"the model in {path} cannot be built here: {error}") from error
 
     def _warn_of_overruled(self, path: Path, command: str, saved: dict[str, Any]) -> None:
         """Warn of settings of the model that were given, while those in the file are used."""
@@ -432,7 +459,7 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
     with _reading_settings():
         parser = training_parser("fit")
         settings: dict[str, Any] = yaml.safe_load(
-            parser.dump(parser.parse_args(arguments[1:]), skip_none=False)
+            parser.dump(parser.parse_args(arguments[1:]), skip_unset=False)
         )
     return settings
 
@@ -462,6 +489,32 @@ def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
         held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
         set_loader("yaml", lambda text: load_bounded(text, load, safe), (yaml.YAMLError,))
         yield held
+
+
+def _set_here(arguments: list[str]) -> list[str]:
+    """Return the arguments that set outputs themselves, without those that name a file which does.
+
+    >>> _set_here(["--trainer", "theirs.yaml", "--output.folder", "maps", "--data.cache=cache"])
+    ['--output.folder=maps', '--data.cache=cache']
+    """
+    found = []
+    for word, following in zip(arguments, [*arguments[1:], ""], strict=True):
+        option, joined, value = word.partition("=")
+        name = option.removeprefix("--").rstrip("+")
+        if any(name == output or name.startswith(f"{output}.") for output in _OUTPUTS) and word[:2] == "--":
+            value = value if joined else following
+            found += [] if name.startswith("trainer.logger") and _names_file(value) else [f"{option}={value}"]
+    return found
+
+
+def _names_file(value: object) -> bool:
+    """Return whether a setting, or a part of it, names a file, from which a class may be read."""
+    if isinstance(value, str):
+        within = load_yaml(value)
+        # os.path, as a long text is no path, of which pathlib raises an error.
+        return os.path.isfile(os.path.expanduser(value)) or (within != value and _names_file(within))  # noqa: PTH111, PTH113
+    parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+    return any(map(_names_file, parts))
 
 
 class _ParserBuiltError(Exception):

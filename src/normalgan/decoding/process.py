@@ -1,38 +1,23 @@
 """The parent's side: child processes that decode, kept for the next picture and ended when they fail."""
 
 import atexit
+import json
 import os
 import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
+from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.decoding.worker import (
-    DURATION,
-    EXACT,
-    FRAMES,
-    LAYER,
-    LAYERS,
-    MODES,
-    MOST_PARTS,
-    MOST_PIXELS,
-    PARTS,
-    PICTURE,
-    PIXEL_BYTES,
-    READY,
-    REFUSED,
-    REPLY,
-    REQUEST,
-)
+from normalgan.decoding.worker import DTYPES, MOST_PARTS, MOST_PIXELS, needed
 from normalgan.errors import InputError, RunError
 
 __all__ = [
@@ -62,13 +47,11 @@ MEMORY = 2**31
 """Bytes that decoding one may take, on top of what the libraries map."""
 PATIENCE = 60.0
 """Seconds by the clock for one picture; a busy machine gives it little processor time."""
-_DTYPES = (
-    *(np.uint8, np.uint8, np.uint8, np.uint16, np.int32, np.float32),
-    *(np.uint16, np.uint16, np.float32, np.float32),
-)
-_CHANNELS = (1, 3, 4, 1, 1, 1, 3, 4, 3, 4)
-_PIPE = 2**20
-_WORDS = 4096
+_MOST_WORDS = 4096
+_MOST_HEADER = 2**20
+"""Bytes of a message that holds no pixels."""
+_NONSENSE = (EOFError, OSError, ValueError, KeyError, TypeError)
+"""What is raised of a child that has ended, or sends what it never should: it is not believed."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +61,12 @@ class Decoded:
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
         shape: (H, W) of the file; that of the pixels unless they were reduced.
+        note: what of it is not shown as its program shows it, a part of a sentence; empty if all is.
     """
 
     pixels: Pixels
     shape: tuple[int, int]
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -104,10 +89,12 @@ class Parts:
     Args:
         parts: the frames.
         loop: how often they are shown; 0 is for ever.
+        note: as `Decoded` has it.
     """
 
     parts: list[Part]
     loop: int
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -123,6 +110,7 @@ class DecodedLayer:
         number: of the layer, from the lowest up.
         frame: in which it shows this.
         pixels: (h, w, 4), all within the picture.
+        clipped_to: number of the layer that it is clipped to, by which its pixels are cut; -1 if to none.
     """
 
     name: str
@@ -133,6 +121,7 @@ class DecodedLayer:
     number: int
     frame: int
     pixels: NDArray[np.uint8]
+    clipped_to: int = -1
 
 
 @dataclass(frozen=True)
@@ -143,11 +132,13 @@ class DecodedLayers:
         shape: (H, W) of the picture.
         durations: milliseconds that each frame is shown; one of 0 if it does not move.
         layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
+        note: as `Decoded` has it.
     """
 
     shape: tuple[int, int]
     durations: list[int]
     layers: list[DecodedLayer]
+    note: str = ""
 
 
 def decode(
@@ -175,20 +166,22 @@ def decode(
         InputError: if it cannot be decoded; it says why.
         RunError: if no process can be started to do it.
     """
-    request = REQUEST.pack(len(content), *sides, svg_side, longest or 0, grey, EXACT if exact else PICTURE)
-    return _pool.run(lambda child: child.decode(name, request, content, sides[1]))
+    request = {"what": "picture", "sides": sides, "svg_side": svg_side, "longest": longest or 0}
+    request |= {"grey": grey, "exact": exact}
+    ask = _Question(name, request, content, sides[1])
+    return _pool.run(needed(content, exact), lambda child: child.ask(ask, child.picture))
 
 
 def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
     """Return all frames of an animation, each whole; arguments and errors are those of `decode`."""
-    request = REQUEST.pack(len(content), *sides, sides[1], 0, False, FRAMES)
-    return _pool.run(lambda child: child.decode_parts(name, request, content, sides[1]))
+    ask = _Question(name, {"what": "frames", "sides": sides}, content, sides[1])
+    return _pool.run(needed(content), lambda child: child.ask(ask, child.frames))
 
 
 def decode_layers(name: str, content: bytes, sides: tuple[int, int]) -> DecodedLayers:
     """Return the visible layers of a layered file; arguments and errors are those of `decode`."""
-    request = REQUEST.pack(len(content), *sides, sides[1], 0, False, LAYERS)
-    return _pool.run(lambda child: child.decode_layers(name, request, content, sides[1]))
+    ask = _Question(name, {"what": "layers", "sides": sides}, content, sides[1])
+    return _pool.run(needed(content), lambda child: child.ask(ask, child.layers))
 
 
 def start() -> None:
@@ -196,43 +189,52 @@ def start() -> None:
     _pool.start()
 
 
-class _Child:
-    """A process that decodes one picture after the other."""
+@dataclass(frozen=True)
+class _Question:
+    """What a child is asked: the name of a file, how to decode it, its content, the largest side."""
 
-    def __init__(self) -> None:
+    name: str
+    request: dict[str, Any]
+    content: bytes
+    most: int
+
+
+class _Child:
+    """A process that decodes one picture after the other.
+
+    Args:
+        needs: which libraries it has beside Pillow, as `normalgan.decoding.worker.needed` says.
+    """
+
+    def __init__(self, needs: str) -> None:
+        self.needs = needs
+        self._connection, theirs = Pipe()
+        handle = theirs.fileno()
+        passed: dict[str, Any] = {"pass_fds": [handle]}
+        if sys.platform == "win32":
+            os.set_handle_inheritable(handle, True)
+            passed = {"close_fds": False, "creationflags": subprocess.CREATE_NO_WINDOW}
+        limits = (str(SECONDS), str(MEMORY))
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-I", "-S", _WORKER, str(SECONDS), str(MEMORY), *_folders()],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
+                [sys.executable, "-I", "-S", _WORKER, str(handle), needs, *limits, *_folders()],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
-                bufsize=0,
                 env={key: os.environ[key] for key in _ENVIRONMENT if key in os.environ}
                 | _KEPT_MEMORY
                 | _ONE_THREAD,
-                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+                **passed,
             )
         except OSError as error:
+            self._connection.close()
             raise RunError(f"no process can be started to decode pictures: {error.strerror}.") from None
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._requests, self._replies = self._process.stdin, self._process.stdout
-        _widen(self._requests.fileno(), self._replies.fileno())
+        finally:
+            theirs.close()
         self._ready = False
 
-    def decode(self, name: str, request: bytes, content: bytes, most: int) -> Decoded:
-        """Return the pixels of a picture; if anything but a refusal is raised, the process has ended."""
-        return self._asked(name, request, content, lambda: self._receive(name, most))
-
-    def decode_parts(self, name: str, request: bytes, content: bytes, most: int) -> Parts:
-        """Return the parts of a file, as `decode` does."""
-        return self._asked(name, request, content, lambda: self._receive_parts(name, most))
-
-    def decode_layers(self, name: str, request: bytes, content: bytes, most: int) -> DecodedLayers:
-        """Return the layers of a file, as `decode` does."""
-        return self._asked(name, request, content, lambda: self._receive_layers(name, most))
-
-    def _asked(self, name: str, request: bytes, content: bytes, receive: Callable[[], T]) -> T:
+    def ask(self, question: _Question, receive: Callable[[_Question], T]) -> T:
+        """Return what the process answers; if anything but a refusal is raised, it has ended."""
         late = threading.Event()
 
         def end() -> None:
@@ -245,15 +247,17 @@ class _Child:
         try:
             if not self._ready:
                 self._greet()
-            self._send(request)
-            self._send(content)
-            return receive()
-        except (EOFError, OSError):
-            self.close()
-            raise InputError(f"{name} cannot be decoded: {self._reason(late.is_set())}.") from None
+            self._connection.send_bytes(json.dumps(question.request).encode())
+            self._connection.send_bytes(question.content)
+            return receive(question)
         except RunError:
             self.close()
             raise
+        except InputError:
+            raise
+        except _NONSENSE:
+            self.close()
+            raise InputError(f"{question.name} cannot be decoded: {self._reason(late.is_set())}.") from None
         finally:
             clock.cancel()
 
@@ -261,101 +265,96 @@ class _Child:
         """End the process."""
         self._process.kill()
         self._process.wait()
-        self._requests.close()
-        self._replies.close()
+        self._connection.close()
 
     @property
     def ended(self) -> bool:
         """Whether the process has ended."""
         return self._process.poll() is not None
 
-    def _greet(self) -> None:
-        """Wait until the process can decode."""
-        try:
-            kind, *_, count = REPLY.unpack(self._read(REPLY.size))
-            words = "" if kind == READY else _decode_text(self._read(min(count, _WORDS)))
-        except (EOFError, OSError):
-            self._process.kill()
-            kind, words = REFUSED, f"it ended with {self._process.wait()}"
-        if kind != READY:
-            raise RunError(f"the process that decodes pictures does not start: {words}.")
-        self._ready = True
+    def picture(self, question: _Question) -> Decoded:
+        """Return pixels as the child sends them."""
+        return self._pixels(self._header(question.name), question.most)
 
-    def _send(self, data: bytes) -> None:
-        view = memoryview(data)
-        while view:
-            view = view[self._requests.write(view) :]
-
-    def _receive(self, name: str, most: int) -> Decoded:
-        """Return pixels as the child sends them; what it says of them is not believed."""
-        kind, width, height, full_width, full_height, count = REPLY.unpack(self._read(REPLY.size))
-        if kind == REFUSED and count <= _WORDS:
-            raise InputError(f"{name} {_decode_text(self._read(count))}.")
-        if kind >= len(MODES) or not all(
-            0 < side <= most for side in (width, height, full_width, full_height)
-        ):
-            raise EOFError
-        if count != width * height * PIXEL_BYTES[kind]:
-            raise EOFError
-        channels = _CHANNELS[kind]
-        shape = (height, width) if channels == 1 else (height, width, channels)
-        pixels: NDArray[Any] = np.empty(shape, _DTYPES[kind])
-        self._fill(pixels.data.cast("B"))
-        return Decoded(pixels, (full_height, full_width))
-
-    def _receive_parts(self, name: str, most: int) -> Parts:
-        """Return parts as the child sends them; what it says of them is not believed."""
-        kind, _, _, loop, _, count = REPLY.unpack(self._read(REPLY.size))
-        if kind == REFUSED and count <= _WORDS:
-            raise InputError(f"{name} {_decode_text(self._read(count))}.")
-        if kind != PARTS or not 0 < count <= MOST_PARTS:
-            raise EOFError
+    def frames(self, question: _Question) -> Parts:
+        """Return frames as the child sends them."""
+        header = self._header(question.name)
+        count, loop = _whole(header["count"], 1, MOST_PARTS), _whole(header["loop"], 0, 2**16)
+        note = _printable(header.get("note", ""))
         parts, pixels = [], 0
         for _ in range(count):
-            decoded = self._receive(name, most)  # or its refusal
-            (duration,) = DURATION.unpack(self._read(DURATION.size))
+            header = self._header(question.name)  # or its refusal
+            duration = _whole(header["duration"], 0, 2**32)
+            decoded = self._pixels(header, question.most)
             pixels += decoded.shape[0] * decoded.shape[1]
             if pixels > MOST_PIXELS:
                 raise EOFError
             parts.append(Part(decoded, duration))
-        return Parts(parts, loop)
+        return Parts(parts, loop, note)
 
-    def _receive_layers(self, name: str, most: int) -> DecodedLayers:
-        """Return layers as the child sends them; what it says of them is not believed."""
-        kind, width, height, frames, _, count = REPLY.unpack(self._read(REPLY.size))
-        if kind == REFUSED and count <= _WORDS:
-            raise InputError(f"{name} {_decode_text(self._read(count))}.")
-        if kind != PARTS or not (0 < count <= MOST_PARTS and 0 < frames <= MOST_PARTS):
-            raise EOFError
-        if not all(0 < side <= most for side in (width, height)):
-            raise EOFError
-        durations = [each for (each,) in DURATION.iter_unpack(self._read(frames * DURATION.size))]
+    def layers(self, question: _Question) -> DecodedLayers:
+        """Return layers as the child sends them."""
+        header = self._header(question.name)
+        count = _whole(header["count"], 1, MOST_PARTS)
+        height, width = (_whole(side, 1, question.most) for side in header["full"])
+        durations = [_whole(each, 0, 2**32) for each in header["durations"]]
+        note = _printable(header["note"])
         layers, total = [], 0
         for _ in range(count):
-            pixels = self._receive(name, most).pixels
-            left, top, number, frame, opacity, length = LAYER.unpack(self._read(LAYER.size))
-            *groups, own = [_decode_text(each) for each in self._read(length).split(b"\0")]
+            header = self._header(question.name)
+            pixels = self._pixels(header, question.most).pixels
             total += pixels.shape[0] * pixels.shape[1]
-            inside = 0 <= left <= width - pixels.shape[1] and 0 <= top <= height - pixels.shape[0]
-            if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.dtype != np.uint8:
+            if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,) or total > MOST_PIXELS:
                 raise EOFError
-            if total > MOST_PIXELS or frame >= frames or not inside:
-                raise EOFError
+            *groups, own = map(_printable, header["names"])
+            place = (
+                _whole(header["left"], 0, width - pixels.shape[1]),
+                _whole(header["top"], 0, height - pixels.shape[0]),
+                _whole(header["number"], 0, 2**16),
+                _whole(header["frame"], 0, len(durations) - 1),
+            )
+            opacity = _whole(header["opacity"], 0, 255)
+            base = _whole(header["base"], -1, 2**16)
             found = np.asarray(pixels, np.uint8)
-            layers.append(DecodedLayer(own, tuple(groups), opacity, left, top, number, frame, found))
-        return DecodedLayers((height, width), durations, layers)
+            layers.append(DecodedLayer(own, tuple(groups), opacity, *place, found, base))
+        return DecodedLayers((height, width), durations, layers, note)
 
-    def _read(self, count: int) -> bytes:
-        data = bytearray(count)
-        self._fill(memoryview(data))
-        return bytes(data)
+    def _greet(self) -> None:
+        """Wait until the process can decode."""
+        try:
+            header = json.loads(self._connection.recv_bytes(_MOST_HEADER))
+            words = _printable(header["refused"]) if "refused" in header else ""
+        except _NONSENSE:
+            self._process.kill()
+            words = f"it ended with {self._process.wait()}"
+        if words:
+            raise RunError(f"the process that decodes pictures does not start: {words}.")
+        self._ready = True
 
-    def _fill(self, view: memoryview) -> None:
+    def _header(self, name: str) -> dict[str, Any]:
+        """Return words and numbers that the child sends.
+
+        Raises:
+            InputError: if it refuses the file.
+        """
+        header: dict[str, Any] = json.loads(self._connection.recv_bytes(_MOST_HEADER))
+        if "refused" in header:
+            raise InputError(f"{name} {_printable(header['refused'])}.")
+        return header
+
+    def _pixels(self, header: dict[str, Any], most: int) -> Decoded:
+        height, width, *channels = header["shape"]
+        height, width = _whole(height, 1, most), _whole(width, 1, most)
+        full_height, full_width = (_whole(side, 1, most) for side in header["full"])
+        if header["dtype"] not in DTYPES or channels not in ([], [3], [4]):
+            raise EOFError
+        pixels: NDArray[Any] = np.empty((height, width, *channels), header["dtype"])
+        view = pixels.data.cast("B")
         while view:
-            got = self._replies.readinto(view)  # type: ignore[attr-defined]  # bufsize=0: a raw file
-            if not got:
-                raise EOFError
-            view = view[got:]
+            strip = self._connection.recv_bytes(len(view))
+            view[: len(strip)] = strip
+            view = view[len(strip) :]
+        return Decoded(pixels, (full_height, full_width), _printable(header.get("note", "")))
 
     def _reason(self, late: bool) -> str:
         code = self._process.returncode
@@ -377,6 +376,7 @@ class _Pool:
     """
 
     def __init__(self, most: int) -> None:
+        self._most = most
         self._turns = threading.BoundedSemaphore(most)
         self._lock = threading.Lock()
         self._idle: list[_Child] = []
@@ -385,12 +385,12 @@ class _Pool:
         """Have one child at least."""
         with self._lock:
             if not self._idle:
-                self._idle.append(_Child())
+                self._idle.append(_Child(""))
 
-    def run(self, work: Callable[[_Child], T]) -> T:
-        """Return what a child that is free gives."""
+    def run(self, needs: str, work: Callable[[_Child], T]) -> T:
+        """Return what a child that is free gives, one with the libraries that are needed."""
         with self._turns:
-            child = self._take()
+            child = self._take(needs)
             try:
                 return work(child)
             finally:
@@ -406,37 +406,36 @@ class _Pool:
             while self._idle:
                 self._idle.pop().close()
 
-    def _take(self) -> _Child:
+    def _take(self, needs: str) -> _Child:
         with self._lock:
-            while self._idle:
-                child = self._idle.pop()
-                if not child.ended:
-                    return child
-                child.close()  # ended by somebody else while it waited
-        return _Child()
+            for ended in [each for each in self._idle if each.ended]:  # by somebody else while it waited
+                self._idle.remove(ended)
+                ended.close()
+            if child := next((each for each in self._idle if each.needs == needs), None):
+                self._idle.remove(child)
+                return child
+            if len(self._idle) >= self._most:  # all have other libraries
+                self._idle.pop(0).close()
+        return _Child(needs)
 
 
 def _folders() -> list[str]:
     """Return where the libraries that decode lie; the child sees no other packages."""
-    found = [find_spec(name) for name in ("PIL", "resvg_py", "cv2", "numpy", "pillow_heif")]
+    found = [find_spec(name) for name in ("PIL", "resvg_py", "psd_tools", "cv2", "numpy", "pillow_heif")]
     origins = [spec.origin for spec in found if spec is not None and spec.origin is not None]
     return list(dict.fromkeys(str(Path(origin).parents[1]) for origin in origins))
 
 
-def _widen(*pipes: int) -> None:
-    """Let pipes hold a whole picture of usual size, where that can be asked for."""
-    if sys.platform == "linux":
-        # A user may have so much of it only; and not every Python on Linux has the module.
-        with suppress(OSError, ImportError):
-            import fcntl
-
-            for pipe in pipes:
-                fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, _PIPE)
+def _whole(value: Any, least: int, most: int) -> int:
+    """Return a whole number that a child sends; raise `EOFError` if it is none in this range."""
+    if type(value) is not int or not least <= value <= most:
+        raise EOFError
+    return value
 
 
-def _decode_text(words: bytes) -> str:
+def _printable(words: str) -> str:
     """Return the child's words as one line that is fit for a terminal."""
-    return "".join(each for each in words.decode("utf-8", "replace") if each.isprintable())
+    return "".join(each for each in words if each.isprintable())[:_MOST_WORDS]
 
 
 def _forget() -> None:

@@ -1,22 +1,27 @@
 """The program of the child process that decodes pictures; `normalgan.decoding` says what it is for.
 
-It reads requests from standard input and writes pixels to standard output until its input ends. It runs
-without the package on its path and imports nothing of it, so that it starts in a fraction of the time.
+It answers requests over a `multiprocessing.connection` until that ends. Each message is JSON or pixels, and
+none is a pickle. It runs without the package on its path and imports nothing of it, so that it starts in a
+fraction of the time.
 """
 
 import base64
 import binascii
-import builtins
+import codecs
+import encodings
 import io
 import itertools
+import json
 import os
+import pkgutil
 import re
 import signal
-import struct
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
+from importlib import import_module
 from pyexpat import ErrorString, ExpatError, ParserCreate
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -28,23 +33,12 @@ else:  # as a program, which has no package
     from formats import ENDINGS, format_of
 
 __all__ = [
-    "DURATION",
-    "EXACT",
-    "FRAMES",
-    "LAYER",
-    "LAYERS",
+    "DTYPES",
     "MODES",
     "MOST_DEPTH",
     "MOST_PARTS",
     "MOST_PIXELS",
     "MOST_TEXT",
-    "PARTS",
-    "PICTURE",
-    "PIXEL_BYTES",
-    "READY",
-    "REFUSED",
-    "REPLY",
-    "REQUEST",
     "DamagedError",
     "RefusedError",
     "UnknownTiffError",
@@ -52,45 +46,36 @@ __all__ = [
     "draw_svg",
     "exact_levels",
     "float_white",
+    "frames",
+    "import_all",
     "is_svg",
+    "layers",
     "limit",
     "limit_time",
     "loses_levels",
     "main",
+    "needed",
     "plain",
     "reduced",
     "sanitize_svg",
-    "send",
-    "send_frames",
-    "send_layers",
-    "send_levels",
     "turned_upright",
     "viewed",
 ]
 
-REQUEST = struct.Struct("<QIIIIBB")
-"""Bytes that follow, least and greatest side, of an SVG, longest to reduce to or 0, whether grey, what."""
-PICTURE, FRAMES, EXACT, LAYERS = 0, 1, 2, 3
-"""What is asked for: the picture; all frames of an animation; its levels as they are stored; its layers."""
-REPLY = struct.Struct("<BIIIIQ")
-"""Kind of what follows, width, height, those before it was reduced, bytes that follow."""
-PARTS, READY, REFUSED = 253, 254, 255
-"""Kinds that are no pixels: so many parts follow; the process is ready; a refusal in words."""
-DURATION = struct.Struct("<I")
-"""What follows the pixels of a frame: milliseconds that it is shown."""
-LAYER = struct.Struct("<iiHHBH")
-"""What follows the pixels of a layer: left, top, number, frame, opacity, bytes of its names, and these."""
+Message = tuple[dict[str, Any], Any]
+"""What is sent: some words and numbers, and an image or an array, whose pixels follow in strips; or None."""
 MOST_PARTS, MOST_PIXELS = 1024, 2**26
 """Frames of an animation, and pixels of all of them together: as many as the largest drawing has."""
-MODES = ("L", "RGB", "RGBA", "I;16", "I", "F", "RGB;16", "RGBA;16", "RGB;F", "RGBA;F")
-"""Modes of Pillow in which pixels are sent, and some that it does not have; their kind is the number here."""
-PIXEL_BYTES = (1, 3, 4, 2, 4, 4, 6, 8, 12, 16)
-
-_KIND_OF = {
-    **{("uint8", 1): 0, ("uint8", 3): 1, ("uint8", 4): 2, ("uint16", 1): 3, ("float32", 1): 5},
-    **{("uint16", 3): 6, ("uint16", 4): 7, ("float32", 3): 8, ("float32", 4): 9},
+MODES: dict[str, tuple[str, tuple[int, ...]]] = {
+    "L": ("uint8", ()),
+    "RGB": ("uint8", (3,)),
+    "RGBA": ("uint8", (4,)),
+    "I;16": ("uint16", ()),
+    "I": ("int32", ()),
+    "F": ("float32", ()),
 }
-"""The kind of an array by its type and its channels."""
+"""Modes of Pillow in which pixels are sent: the type of a number, and the channels."""
+DTYPES = ("uint8", "uint16", "int32", "float32")
 
 MOST_DEPTH = 128
 """Elements within one another in an SVG: the drawing library needs stack for each, and ends without."""
@@ -100,8 +85,10 @@ MOST_TEXT = 2**26
 _KNOWN = " ".join(ENDINGS)
 _SUBFILE, _NO_PAGE = 254, 1 | 4
 """A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
-_STRIP = 2**22
-_LONGEST_NAME, _DEEPEST = 256, 32
+_STRIP = 2**20
+_MOST_NOTES = 4000
+"""Characters of the words that are sent about a picture."""
+_LONGEST_NAME, _DEEPEST = 255, 32
 """Characters of a layer's name, and groups within one another, of which the parent is told."""
 _DPI = 96.0
 """What CSS takes an inch for; without it millimetres have no size."""
@@ -120,61 +107,136 @@ class RefusedError(Exception):
     """A picture that is not decoded; its text goes after the picture's name: "is … pixels"."""
 
 
-def main(seconds: int, memory: int, folders: list[str]) -> None:
-    """Answer requests until the input ends.
+def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str]) -> None:
+    """Answer requests until the other end is closed.
 
     Args:
+        handle: of the connection.
+        needs: what `needed` says of the pictures that will come.
         seconds: of processor time for one picture.
         memory: bytes of address space on top of what the libraries map.
-        folders: where Pillow and resvg lie.
+        folders: where the libraries lie.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks; then the input ends
-    requests = sys.stdin.buffer
-    replies = open(os.dup(1), "wb", buffering=0)  # noqa: PTH123, SIM115 -- a number, and to the end
-    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123 -- what a library prints is no reply
-        os.dup2(nowhere.fileno(), 1)
+    from multiprocessing import connection as connections
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks
+    if sys.platform == "win32":
+        connection = connections.PipeConnection(handle)
+    else:
+        connection = connections.Connection(handle)
     sys.path.extend(folders)
     try:
-        _import_all()
+        import_all(needs)
         limit(memory)
     except Exception as error:
-        _refuse(replies, f"{type(error).__name__}: {error}")
+        _send(connection, _refusal(f"{type(error).__name__}: {error}"), None)
         return
-    replies.write(REPLY.pack(READY, 0, 0, 0, 0, 0))
-    while len(head := _read(requests, REQUEST.size)) == REQUEST.size:
-        count, least, most, svg_side, longest, grey, what = REQUEST.unpack(head)
-        content = _read(requests, count)
-        if len(content) < count:
+    _send(connection, {"ready": True}, None)
+    while True:
+        try:
+            request, content = json.loads(connection.recv_bytes()), connection.recv_bytes()
+        except (EOFError, OSError):
             return
         limit_time(seconds)
         try:
-            if what == FRAMES:
-                send_frames(content, least, most, seconds, replies)
-            elif what == LAYERS:
-                send_layers(content, least, most, seconds, replies)
-            elif what == EXACT and loses_levels(content):
-                send_levels(exact_levels(content, least, most), replies)
-            else:
-                try:
-                    image, full = decode(content, least, most, svg_side, longest, bool(grey))
-                except UnknownTiffError:
-                    send_levels(viewed(exact_levels(content, least, most), longest, bool(grey)), replies)
-                else:
-                    send(image, full, replies)
-                    del image
+            for header, pixels in _answers(request, content, seconds):
+                _send(connection, header, pixels)
+                del pixels
         except RefusedError as refusal:
-            _refuse(replies, str(refusal))
+            _send(connection, _refusal(str(refusal)), None)
         except MemoryError:
-            _refuse(replies, f"needs more than {memory >> 20} MiB of memory to be decoded")
+            words = f"needs more than {memory >> 20} MiB of memory to be decoded"
+            _send(connection, _refusal(words), None)
         del content
 
 
-def _import_all() -> None:
-    """Import what nearly every picture needs, while nobody waits yet."""
-    import resvg_py  # noqa: F401
-    from PIL import Image, ImageOps  # noqa: F401
+def needed(content: bytes, exact: bool = False) -> str:
+    """Return which library a picture needs besides what all have; empty if none."""
+    found = format_of(content[:64])
+    name = found.name if found is not None else ""
+    if name in {"PSD", "HEIC"}:
+        return {"PSD": "psd_tools", "HEIC": "pillow_heif"}[name]
+    return "cv2" if name == "TIFF" or (exact and loses_levels(content)) else ""
 
-    Image.preinit()  # PNG, JPEG, GIF, BMP
+
+def import_all(needs: str) -> None:
+    """Import all that decoding needs: once the limits hold, no file can be opened, not even for that."""
+    modules = [
+        "resvg_py",
+        "layered_files",
+        "xml.etree.ElementTree",
+        "PIL.ImageChops",
+        "PIL.ImageOps",
+        "numpy",
+    ]
+    modules += [f"PIL.{plugin}ImagePlugin" for plugin in ("Avif", "Mpo", "Tiff", "WebP")]
+    if needs == "psd_tools":
+        modules += ["psd_tools.composite", "PIL.ImageCms"]
+        modules += [f"scipy.{part}" for part in ("interpolate", "ndimage", "spatial")]
+    elif needs == "cv2":
+        modules += ["cv2"]
+    for module in modules:
+        import_module(module)
+    from PIL import Image
+
+    Image.preinit()  # what it would import for the first picture
+    if needs == "pillow_heif":
+        with suppress(ImportError):  # `_opened` says that it is not installed
+            _import_plugin("HEIF")
+    for found in pkgutil.iter_modules(encodings.__path__):  # those of SVG and of names in ZIP
+        if found.name.startswith(("cp", "iso8859", "koi8", "mac_", "utf_")):
+            codecs.lookup(found.name)
+
+
+def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[Message]:
+    least, most = request["sides"]
+    if request["what"] == "frames":
+        yield from frames(content, least, most, seconds)
+    elif request["what"] == "layers":
+        yield from layers(content, least, most, seconds)
+    elif request["exact"] and loses_levels(content):
+        levels = exact_levels(content, least, most)
+        yield _with_form(levels), levels
+    else:
+        sizes = request["svg_side"], request["longest"]
+        notes: list[str] = []
+        try:
+            image, (width, height) = decode(content, least, most, *sizes, request["grey"], notes)
+            yield {**_with_form(image), "full": [height, width], "note": _told("; ".join(notes))}, image
+        except UnknownTiffError:
+            levels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
+            yield _with_form(levels), levels
+
+
+def _with_form(pixels: Any) -> dict[str, Any]:
+    """Return the type and the shape of an image or an array; that of its file is the same."""
+    if hasattr(pixels, "dtype"):
+        dtype, shape = pixels.dtype.name, pixels.shape
+    else:
+        dtype, channels = MODES[pixels.mode]
+        shape = (pixels.height, pixels.width, *channels)
+    return {"dtype": dtype, "shape": [*shape], "full": [*shape[:2]]}
+
+
+def _send(connection: Any, header: dict[str, Any], pixels: Any) -> None:
+    connection.send_bytes(json.dumps(header).encode())
+    if pixels is None:
+        return
+    height, width = header["shape"][:2]
+    rows = max(_STRIP // width, 1)  # in strips: a whole copy of a large one is as large again
+    for top in range(0, height, rows):
+        bottom = min(top + rows, height)
+        strip = pixels[top:bottom] if hasattr(pixels, "dtype") else pixels.crop((0, top, width, bottom))
+        connection.send_bytes(strip.tobytes())
+
+
+def _told(notes: object) -> str:
+    """Return what is to be said of a picture, in one line of bounded length."""
+    return " ".join(str(notes).split())[:_MOST_NOTES]
+
+
+def _refusal(words: str) -> dict[str, str]:
+    return {"refused": " ".join(words.split())[:600]}
 
 
 def limit(memory: int) -> None:
@@ -183,35 +245,14 @@ def limit(memory: int) -> None:
         import resource
     except ImportError:  # Windows has nothing like it
         return
-    for what, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_FSIZE, 0)):
-        _lower(what, most)
+    # No file, socket or pipe is opened from here on, whatever a decoder is talked into.
+    for what in (resource.RLIMIT_CORE, resource.RLIMIT_FSIZE):
+        _lower(what, 0)
     if sys.platform == "linux":  # macOS does not heed it
         with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 -- nothing more is imported
             mapped = int(file.read().split()[0]) * resource.getpagesize()
         _lower(resource.RLIMIT_AS, mapped + memory)
-    _forbid_files()
-
-
-def _forbid_files() -> None:
-    """Let no file, socket or pipe be opened, whatever a decoder is talked into, but what Python imports."""
-    import resource
-
-    most, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    importing, depth = builtins.__import__, 0
-
-    def import_(*arguments: Any, **named: Any) -> Any:
-        nonlocal depth
-        depth += 1
-        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
-        try:
-            return importing(*arguments, **named)
-        finally:
-            depth -= 1
-            if not depth:
-                resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
-
-    builtins.__import__ = import_
-    resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
+    _lower(resource.RLIMIT_NOFILE, 0)
 
 
 def limit_time(seconds: int) -> None:
@@ -237,39 +278,8 @@ def _lower(what: int, most: int) -> None:
     resource.setrlimit(what, (most, most))
 
 
-def _read(file: "BinaryIO | io.FileIO", count: int) -> bytes:
-    """Return as many bytes, or fewer where the input ends."""
-    data = bytearray()
-    while len(data) < count and (chunk := file.read(min(count - len(data), 2**24))):
-        data += chunk
-    return bytes(data)
-
-
-def _refuse(replies: "BinaryIO | io.FileIO", words: str) -> None:
-    text = " ".join(words.split())[:600].encode(errors="replace")
-    _write(replies, REPLY.pack(REFUSED, 0, 0, 0, 0, len(text)) + text)
-
-
-def _write(file: "BinaryIO | io.FileIO", data: bytes) -> None:
-    view = memoryview(data)
-    while view:
-        view = view[file.write(view) or 0 :]
-
-
-def send(image: "Image", full: tuple[int, int], replies: "BinaryIO | io.FileIO") -> None:
-    """Write an image's pixels, row after row, and the (width, height) that it had before it was reduced."""
-    kind = MODES.index(image.mode)
-    row = image.width * PIXEL_BYTES[kind]
-    _write(replies, REPLY.pack(kind, *image.size, *full, row * image.height))
-    rows = max(_STRIP // row, 1)  # in strips: a whole copy of a large one is as large again
-    for top in range(0, image.height, rows):
-        bottom = min(top + rows, image.height)
-        strip = image if bottom - top == image.height else image.crop((0, top, image.width, bottom))
-        _write(replies, strip.tobytes())
-
-
-def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
-    """Write all frames of an animation, each whole, with how long it is shown.
+def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
+    """Yield how many frames an animation has and how often they are shown, and then each frame, whole.
 
     Raises:
         RefusedError: if it, or a frame of it, cannot be decoded.
@@ -279,11 +289,11 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
     number = 0
     try:
         if (reader := _layered(content)) is not None:
-            _send_aseprite(reader, content, least, most, replies)
+            yield from _aseprite_frames(reader, content, least, most)
             return
         with _opened(content) as image:
             if image.format == "TIFF":
-                _send_pages(image, least, most, seconds, replies)
+                yield from _pages(image, least, most, seconds)
                 return
             _check_sides(image.width, image.height, least, most)
             # A PNG may begin with a picture for those who know no animations.
@@ -293,7 +303,7 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
             loop, size = image.info.get("loop", 1), image.size
             # A frame can be larger than its GIF, which Pillow then enlarges; `_opened` lifts the limit again.
             Image.MAX_IMAGE_PIXELS = MOST_PIXELS
-            _write(replies, REPLY.pack(PARTS, *size, loop if 0 <= loop < 2**16 else 0, 0, count))
+            yield {"count": count, "loop": loop if 0 <= loop < 2**16 else 0}, None
             for number in range(first, first + count):
                 limit_time(seconds)
                 image.seek(number)
@@ -304,16 +314,15 @@ def send_frames(content: bytes, least: int, most: int, seconds: int, replies: "B
                 image.load()
                 shown = plain(image.copy())
                 milliseconds = min(max(int(image.info.get("duration", 0)), 0), 2**31)
-                send(shown, shown.size, replies)
-                _write(replies, DURATION.pack(milliseconds))
+                yield {**_with_form(shown), "duration": milliseconds}, shown
     except (RefusedError, MemoryError):
         raise
     except Exception as error:  # as in `decode`
         raise RefusedError(f"cannot be read from its frame {number + 1} on: {_brief(error)}") from None
 
 
-def _send_pages(image: Any, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
-    """Write the pages of a TIFF, which may differ in size."""
+def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]:
+    """Yield the pages of a TIFF, which may differ in size."""
     pages, pixels = [], 0
     for number in range(min(image.n_frames, MOST_PARTS + 1)):
         image.seek(number)
@@ -322,7 +331,7 @@ def _send_pages(image: Any, least: int, most: int, seconds: int, replies: "Binar
             pages.append(number)
             pixels += image.width * image.height
     _check_parts(len(pages), pixels, "pages")
-    _write(replies, REPLY.pack(PARTS, *image.size, 0, 0, len(pages)))
+    yield {"count": len(pages), "loop": 0}, None
     for place, number in enumerate(pages, 1):
         limit_time(seconds)
         try:
@@ -333,25 +342,25 @@ def _send_pages(image: Any, least: int, most: int, seconds: int, replies: "Binar
             raise
         except Exception as error:  # as in `decode`
             raise RefusedError(f"cannot be read from its page {place} on: {_brief(error)}") from None
-        send(shown, shown.size, replies)
-        _write(replies, DURATION.pack(0))
+        yield {**_with_form(shown), "duration": 0}, shown
 
 
-def send_layers(content: bytes, least: int, most: int, seconds: int, replies: "BinaryIO | io.FileIO") -> None:
-    """Write the visible layers of a layered file, the lowest first, after the durations of its frames.
+def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
+    """Yield what a layered file is, and then its visible layers, the lowest first.
 
     Raises:
-        RefusedError: if it has none, or they cannot be decoded.
+        RefusedError: if it has none, or they cannot be decoded; before anything is yielded.
     """
     reader = _layered(content)
     if reader is None:
+        _refuse_foreign(content)
         raise RefusedError("has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted")
     try:
         width, height = reader.size_of(content)
         _check_sides(width, height, least, most)
         durations = reader.durations_of(content)
-        found, pixels = [], 0
-        for layer in reader.layers(content):
+        found, pixels, notes = [], 0, reader.Notes()
+        for layer in reader.layers(content, notes):
             limit_time(seconds)
             found.append(layer)
             pixels += layer.image.width * layer.image.height
@@ -363,17 +372,16 @@ def send_layers(content: bytes, least: int, most: int, seconds: int, replies: "B
     except Exception as error:  # as in `decode`
         raise RefusedError(f"has layers that cannot be read: {_brief(error)}") from None
     if not found:
-        raise RefusedError("has no visible layer that anything is drawn on")
-    _write(replies, REPLY.pack(PARTS, width, height, len(durations), 0, len(found)))
-    _write(replies, b"".join(DURATION.pack(min(each, 2**31)) for each in durations))
+        said = f": {notes}" if str(notes) else ""
+        raise RefusedError(f"has no visible layer that anything is drawn on{said}")
+    durations = [min(each, 2**31) for each in durations]
+    whole = {"count": len(found), "full": [height, width], "durations": durations, "note": _told(notes)}
+    yield whole, None
     for layer in found:
-        send(layer.image, layer.image.size, replies)
-        names = "\0".join(
-            each.replace("\0", "")[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)
-        )
-        encoded = names.encode(errors="replace")
-        place = layer.left, layer.top, layer.number, layer.frame, layer.opacity
-        _write(replies, LAYER.pack(*place, len(encoded)) + encoded)
+        names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
+        place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
+        base = -1 if layer.base is None else layer.base.number
+        yield {**_with_form(layer.image), **place, "names": names, "base": base}, layer.image
 
 
 def _check_parts(count: int, pixels: int, name: str) -> None:
@@ -421,7 +429,7 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
     _check_sides(levels.shape[1], levels.shape[0], least, most)
     if levels.ndim == 3:
         levels = levels[..., [2, 1, 0, 3][: levels.shape[2]]]
-    if (levels.dtype.name, levels.size // levels.shape[0] // levels.shape[1]) not in _KIND_OF:
+    if levels.dtype.name not in DTYPES or levels.shape[2:] not in {(), (3,), (4,)}:
         raise RefusedError(f"holds {levels.dtype.name}; levels are of 8 or 16 bits, or floats of 32")
     return np.ascontiguousarray(levels)
 
@@ -455,16 +463,14 @@ def viewed(levels: Any, longest: int, grey: bool) -> Any:
     return np.ascontiguousarray(brightness.astype(levels.dtype))
 
 
-def send_levels(levels: Any, replies: "BinaryIO | io.FileIO") -> None:
-    """Write an array of pixels."""
-    height, width, *channels = levels.shape
-    kind = _KIND_OF[levels.dtype.name, *(channels or [1])]
-    _write(replies, REPLY.pack(kind, width, height, width, height, levels.nbytes))
-    _write(replies, levels.tobytes())
-
-
 def decode(
-    content: bytes, least: int, most: int, svg_side: int, longest: int, grey: bool
+    content: bytes,
+    least: int,
+    most: int,
+    svg_side: int,
+    longest: int,
+    grey: bool,
+    notes: list[str] | None = None,
 ) -> "tuple[Image, tuple[int, int]]":
     """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
 
@@ -475,6 +481,7 @@ def decode(
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger one is reduced to; 0 leaves it.
         grey: whether to return only how bright it is on white paper.
+        notes: takes what is to be said of the picture.
 
     Raises:
         RefusedError: if it cannot be decoded.
@@ -485,7 +492,7 @@ def decode(
         content = draw_svg(content, svg_side, most)
     try:
         if (reader := _layered(content)) is not None:
-            upright = _composite(reader, content, least, most)
+            upright = _composite(reader, content, least, most, notes)
         else:
             try:
                 image = _opened(content)
@@ -498,7 +505,6 @@ def decode(
                 image.load()
                 upright = turned_upright(image)
             del image
-        del content
         upright, full = plain(upright), upright.size
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
@@ -506,6 +512,7 @@ def decode(
     except (RefusedError, UnknownTiffError, MemoryError):
         raise
     except UnidentifiedImageError:
+        _refuse_foreign(content)
         raise RefusedError(f"is not an image that can be read; give one of {_KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {_brief(error)}") from None
@@ -523,21 +530,18 @@ def turned_upright(image: "Image") -> "Image":
         return image
 
 
-def _send_aseprite(
-    reader: Any, content: bytes, least: int, most: int, replies: "BinaryIO | io.FileIO"
-) -> None:
-    """Write the frames of an Aseprite file."""
+def _aseprite_frames(reader: Any, content: bytes, least: int, most: int) -> Iterator[Message]:
     try:
         width, height = reader.size_of(content)
         _check_sides(width, height, least, most)
         count = int.from_bytes(content[6:8], "little")
         _check_parts(count, count * width * height, "frames")
-        frames = reader.aseprite_frames(content)
-        first = next(frames)
-        _write(replies, REPLY.pack(PARTS, width, height, 0, 0, count))
-        for image, milliseconds in itertools.chain([first], frames):
-            send(image, image.size, replies)
-            _write(replies, DURATION.pack(milliseconds))
+        notes = reader.Notes()
+        found = reader.aseprite_frames(content, notes)
+        first = next(found)
+        yield {"count": count, "loop": 0, "note": _told(notes)}, None
+        for image, milliseconds in itertools.chain([first], found):
+            yield {**_with_form(image), "duration": milliseconds}, image
     except reader.UnreadableError as error:
         raise RefusedError(str(error)) from None
 
@@ -546,12 +550,23 @@ def _layered(content: bytes) -> Any:
     """Return the module that reads a layered file of a paint program; None of any other file."""
     if not content.startswith((b"8BPS", b"PK\x03\x04")) and content[4:6] != b"\xe0\xa5":
         return None
-    # By its own name: the package is not on this program's path.
-    reader: Any = __import__("layered_files")
+    reader = _layered_reader()
     return reader if reader.kind_of(content) is not None else None
 
 
-def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
+def _layered_reader() -> Any:
+    # By its own name: the package is not on this program's path.
+    return import_module("layered_files")
+
+
+def _refuse_foreign(content: bytes) -> None:
+    """Raise `RefusedError` if a file is of a paint program whose files cannot be read."""
+    told = _layered_reader().foreign(content)
+    if told is not None:
+        raise RefusedError(told)
+
+
+def _composite(reader: Any, content: bytes, least: int, most: int, notes: list[str] | None) -> "Image":
     """Return what a layered file shows.
 
     Raises:
@@ -560,7 +575,10 @@ def _composite(reader: Any, content: bytes, least: int, most: int) -> "Image":
     try:
         width, height = reader.size_of(content)
         _check_sides(width, height, least, most)
-        image: Image = reader.composite(content)
+        said = reader.Notes()
+        image: Image = reader.composite(content, said)
+        if notes is not None and str(said):
+            notes.append(str(said))
         _check_sides(image.width, image.height, least, most)
         image.load()
     except reader.UnreadableError as error:
@@ -572,7 +590,7 @@ def _opened(content: bytes) -> "Image":
     """Return a picture whose pixels are not decoded yet.
 
     Raises:
-        UnidentifiedImageError: if it begins as none of `_PLUGINS`.
+        UnidentifiedImageError: if it begins as no format that Pillow decodes.
         OSError: if it begins as one, and is damaged.
     """
     from PIL import Image, UnidentifiedImageError
@@ -601,10 +619,10 @@ def _import_plugin(plugin: str) -> None:
         ImportError: if it is not installed.
     """
     if plugin == "HEIF":
-        __import__("pillow_heif").register_heif_opener(thumbnails=False)
+        import_module("pillow_heif").register_heif_opener(thumbnails=False)
         return
     module = {"WEBP": "WebP"}.get(plugin, plugin.capitalize())
-    found = __import__(f"PIL.{module}ImagePlugin", fromlist=["SUPPORTED"])
+    found = import_module(f"PIL.{module}ImagePlugin")
     if not getattr(found, "SUPPORTED", True):
         raise ImportError
 
@@ -831,4 +849,4 @@ def _brief(error: BaseException) -> str:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:])
+    main(int(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), sys.argv[5:])

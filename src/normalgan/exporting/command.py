@@ -119,4 +119,6 @@ def _check(options: Namespace) -> Path:
         raise InputError(f"the size of a model is 8 pixels or more, not {options.size}.")
     if options.licence is not None and not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
         raise InputError("--licence is one line of at most 500 characters.")
+    if Path(options.output).resolve() == Path(options.model).resolve():
+        raise InputError(f"{options.output} is read and would be written over; give another -o.")
     return Path(options.output)

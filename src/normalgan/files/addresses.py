@@ -18,7 +18,7 @@ from normalgan.errors import InputError, brief
 from normalgan.files.limits import MOST_BYTES
 from normalgan.files.writing import write_bytes
 
-__all__ = ["Address", "Kept", "is_address", "kept_files", "local_file", "parse_address"]
+__all__ = ["CACHE", "Address", "Kept", "is_address", "kept_files", "local_file", "parse_address"]
 
 CACHE = "NORMALGAN_CACHE"
 """The environment variable that names the folder of files that were fetched."""

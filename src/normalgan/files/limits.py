@@ -45,9 +45,9 @@ def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
         if not stat.S_ISREG(status.st_mode):
             raise InputError(f"{path} is no file but a pipe or a device; give a file.")
         # A sparse file of terabytes costs nothing to make: its size first, then its bytes.
-        data = b"" if status.st_size > most else file.read(most + 1)
-    if status.st_size > most or len(data) > most:
-        raise InputError(f"{path} has more than {most} bytes; no file of its kind is that large.")
+        if status.st_size > most:
+            raise InputError(f"{path} has more than {most} bytes; no file of its kind is that large.")
+        data = file.read(status.st_size)
     refuse_pointer(path, data)
     return data
 

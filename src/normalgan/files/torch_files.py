@@ -12,7 +12,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, RunError, wants_memory
 from normalgan.files.limits import refuse_pointer
 
 __all__ = ["MOST_OBJECTS", "MOST_PARTS", "load_torch_file"]
@@ -62,7 +62,9 @@ def load_torch_file(path: Path) -> Any:
         raise InputError(
             f"{path} is damaged or no checkpoint: {error}; give one that `normalgan fit` saved."
         ) from None
-    except Exception:  # whatever torch raises on other bytes; what it says is advice for programmers
+    except Exception as error:  # whatever torch raises on other bytes; what it says is advice for programmers
+        if wants_memory(error):
+            raise RunError(f"there is too little memory to read {path}; close other programs.") from error
         raise InputError(
             f"{path} is damaged or no checkpoint; give one that `normalgan fit` saved."
         ) from None

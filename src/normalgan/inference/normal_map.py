@@ -201,5 +201,7 @@ def as_it_lies(sheet: NormalMap) -> Floats:
     whole = sheet.extended.copy()
     for cell in (each for each in sheet.cells if each.turned):
         x, y, z = np.moveaxis(sheet.extended[cell.box], -1, 0)
-        whole[cell.box] = np.stack([y, -x, z], -1)  # clockwise by a quarter
+        for _ in range(cell.turned):
+            x, y = y, -x  # clockwise by a quarter
+        whole[cell.box] = np.stack([x, y, z], -1)
     return whole

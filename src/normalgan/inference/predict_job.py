@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask
 from normalgan.decoding import decode_frames
+from normalgan.decoding.worker import is_svg
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of, moving_kind
 from normalgan.inference.composites.cells import Cell
@@ -31,9 +32,10 @@ from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared
-from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content, read_pixels
+from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
+from normalgan.inference.reading.svg_size import svg_size
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "written_for"]
 
@@ -144,12 +146,12 @@ class JobPredictor:
             members.append(member)
             kept.append(job)
         predicted = predict_series(self.predictor, members, True, True, self.size)
-        for job, preds in zip(kept, predicted, strict=True):
+        for job, member, preds in zip(kept, members, predicted, strict=True):
             if isinstance(preds, InputError):
                 yield job, preds
                 continue
             try:
-                yield job, self._written(job, preds)
+                yield job, self._written(job, _noted(preds, member.picture.note))
             except OSError as error:
                 yield job, error
 
@@ -161,7 +163,8 @@ class JobPredictor:
         files = job.files
         picture = read_picture(files.drawing, files.content, self.size)
         if self.tile is not None:
-            return self.predictor(picture, files.hints, files.mask, self.size, self.tile)
+            tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
+            return _noted(tiled, picture.note)
         predictor = self.predictor
         prepared = prepare_any(
             *(picture, predictor.size, files.hints, files.mask, self.size, predictor.backend.line_widths),
@@ -174,7 +177,7 @@ class JobPredictor:
             preds = predict(predictor.backend, prepared, predictor.upsample)
         if self.explain is not None:
             write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
-        return preds
+        return _noted(preds, picture.note)
 
     def _figures(self, files: DrawingFiles, prepared: Prepared) -> list[Cell]:
         """Return where the figures of a page lie, in pixels of its map; none if it shows one object."""
@@ -202,11 +205,17 @@ class JobPredictor:
         return predict_sheet(self.predictor, sheet, cells, hints, _source(files), False, holes)
 
     def _sheet(self, files: DrawingFiles) -> NormalMap:
-        sheet = read_pixels(files.drawing, files.content)
+        content = read_content(files.drawing, files.content)
+        drawn_at_any_size = is_svg(content)
+        if self.size is not None and not drawn_at_any_size:
+            raise InputError("a sheet of pixels keeps its packing, and so its size; leave --size out.")
+        units = svg_size(content) if drawn_at_any_size else None
+        sheet = read_pixels(files.drawing, content, self.size or SVG_SIDE)
         hints = as_hints(files.hints, sheet.shape)
-        cells = self.packing.cells(sheet, files.drawing, files.below)
+        found = self.packing.cells(sheet, files.drawing, files.below, units)
         mask = _mask(files, sheet.shape)
-        return predict_sheet(self.predictor, sheet, cells, hints, mask, self.frame == "shared")
+        shared = self.frame == "shared"
+        return predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
 
     def _animation(self, job: Job, pages: bool) -> Done:
         """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
@@ -249,7 +258,8 @@ class JobPredictor:
             durations = [each.duration for each in found.parts]
             self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
-        return Done(target, said[0] + more if said else "", held)
+        warning = "; ".join(filter(None, [found.note, said[0] + more if said else ""]))
+        return Done(target, warning, held)
 
     def _target(self, job: Job) -> Path:
         return target_of(job, self.writer.outputs, self.packing, self.layers)
@@ -298,6 +308,11 @@ def _moves(outputs: Outputs) -> bool:
 def _source(files: DrawingFiles) -> str | None:
     """Return how the masks of a page's figures are found."""
     return files.mask if isinstance(files.mask, str) else None
+
+
+def _noted(preds: NormalMap, note: str) -> NormalMap:
+    """Return a map that also says what is to be said of its drawing's file."""
+    return replace(preds, warning="; ".join(filter(None, [note, preds.warning])))
 
 
 def _mask(files: DrawingFiles, shape: tuple[int, int]) -> BoolMask | str | None:

@@ -15,7 +15,7 @@ from normalgan.metrics.angular import (
 from normalgan.metrics.base import MapMetric
 from normalgan.metrics.distance import MeanL1, MeanL2
 
-__all__ = ["FIGURES", "THRESHOLDS", "check_names", "normal_map_metrics"]
+__all__ = ["FIGURES", "PRESENCE", "THRESHOLDS", "check_names", "normal_map_metrics"]
 
 THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
 """Degrees of the usual shares: Bae and Davison, DSINE, CVPR 2024, and before it Fouhey et al., ICCV 2013."""
@@ -28,9 +28,13 @@ FIGURES = (
 """The names of the figures that are always measured."""
 
 
+PRESENCE = ("mask_iou", "coverage")
+"""The names of the figures that say where an object is predicted; tests and benchmarks have them."""
+
+
 def check_names(more: Sequence[MapMetric]) -> None:
     """Raise `InputError` if two metrics have the same name, among the extra ones or with ours."""
-    seen = set(FIGURES)
+    seen = {*FIGURES, *PRESENCE}
     for metric in more:
         if metric.figure in seen:
             raise InputError(
@@ -40,7 +44,10 @@ def check_names(more: Sequence[MapMetric]) -> None:
 
 
 def normal_map_metrics(
-    prefix: str = "", normalize: bool = True, more: Sequence[MapMetric] = ()
+    prefix: str = "",
+    normalize: bool = True,
+    more: Sequence[MapMetric] = (),
+    own: Sequence[MapMetric] = (),
 ) -> MetricCollection:
     """Return the metrics of normal maps, sharing one state: `update` works once for all of them.
 
@@ -51,6 +58,7 @@ def normal_map_metrics(
     Args:
         prefix: put before each name, such as ``val/``.
         normalize: take L1 and L2 of predictions scaled to unit length; see `NormalMapMetric`.
+        own: further metrics of ours, such as `MaskIoU`, under names that no other may have.
         more: other metrics, copies of which are measured beside these under their `figure`.
 
     Raises:
@@ -75,7 +83,7 @@ def normal_map_metrics(
     metrics |= {share.figure: share for share in (ShareBelow(t, normalize) for t in THRESHOLDS)}
     known = sorted(metrics)
     check_names(more)
-    metrics |= {metric.figure: metric.clone() for metric in more}
+    metrics |= {metric.figure: metric.clone() for metric in (*own, *more)}
     # Groups given, not found out: torchmetrics would update each metric once to compare their states.
-    groups = [known, *([metric.figure] for metric in more)]
+    groups = [known, *([metric.figure] for metric in (*own, *more))]
     return MetricCollection(metrics, prefix=prefix or None, compute_groups=groups)  # type: ignore[arg-type]

@@ -10,6 +10,7 @@ from torchmetrics import MetricCollection
 from normalgan.contracts import refused
 from normalgan.metrics.base import MapMetric
 from normalgan.metrics.collection import normal_map_metrics
+from normalgan.metrics.presence import Coverage, MaskIoU
 
 __all__ = ["StageMetrics"]
 
@@ -21,17 +22,25 @@ class StageMetrics(nn.Module):
         stage: first part of every figure's name.
         rows: what is measured; the figures are named ``<stage>/<row>/<figure>``.
         only: metrics to use in place of ours; None uses ours.
+        with_presence: whether mask IoU and coverage are measured too, where ours are used.
 
     Raises:
         InputError: if two of these metrics have the same name.
     """
 
-    def __init__(self, stage: str, rows: Sequence[str], only: Sequence[MapMetric] | None = None) -> None:
+    def __init__(
+        self,
+        stage: str,
+        rows: Sequence[str],
+        only: Sequence[MapMetric] | None = None,
+        with_presence: bool = False,
+    ) -> None:
         super().__init__()
+        more = [MaskIoU(), Coverage()] if with_presence else []
         self.stage = stage
         self.rows = nn.ModuleDict(
             {
-                row: normal_map_metrics(f"{stage}/{row}/")
+                row: normal_map_metrics(f"{stage}/{row}/", own=more)
                 if only is None
                 else MetricCollection(
                     {metric.figure: metric.clone() for metric in only},

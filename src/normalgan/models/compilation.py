@@ -1,7 +1,7 @@
 """torch.compile for a generator in training: the names of its weights stay as they are."""
 
 from collections.abc import Callable
-from typing import cast
+from typing import Literal, cast
 
 import torch
 from torch import Tensor
@@ -10,7 +10,7 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.models.base import Generator
 from normalgan.models.predictions import Predictions
 
-__all__ = ["check_compile", "generating"]
+__all__ = ["check_compile", "compiled_predict"]
 
 
 def check_compile(compile: bool | str) -> bool | str:  # the name of the setting
@@ -30,16 +30,14 @@ def check_compile(compile: bool | str) -> bool | str:  # the name of the setting
     return compile
 
 
-def generating(generator: Generator, compile: bool | str) -> Callable[[Tensor], Predictions]:
-    """Return what predicts in training: the generator's ``predict``, compiled if asked.
+def compiled_predict(generator: Generator, backend: Literal[True] | str) -> Callable[[Tensor], Predictions]:
+    """Return the generator's ``predict``, compiled.
 
     A function is compiled, not the module: a compiled module renames its weights in checkpoints.
 
     Args:
         generator: predicts.
-        compile: whether, or with which backend; see `NormalGAN`.
+        backend: name of one of torch's; True for the default.
     """
-    if not compile:
-        return generator.predict
-    backend = compile if isinstance(compile, str) else "inductor"
-    return cast("Callable[[Tensor], Predictions]", torch.compile(generator.predict, backend=backend))
+    name = backend if isinstance(backend, str) else "inductor"
+    return cast("Callable[[Tensor], Predictions]", torch.compile(generator.predict, backend=name))

@@ -166,7 +166,12 @@ def _paths(source: str) -> list[Path]:
     if place.is_file():
         return [place]
     where = place.iterdir() if place.is_dir() else map(Path, glob(str(place), recursive=True))
-    found = [path for path in where if path.suffix.lower() in SUFFIXES and path.is_file()]
+    # What begins with ._ is what macOS notes about a file on a disk of another system.
+    found = [
+        path
+        for path in where
+        if path.suffix.lower() in SUFFIXES and path.is_file() and not path.name.startswith("._")
+    ]
     if found:
         return found
     if place.is_dir():

@@ -29,8 +29,6 @@ from normalgan.studio.page_files import markup, version_of
 from normalgan.studio.pictures import import_layers, import_picture
 from normalgan.studio.prediction_routes import PredictionRoutes
 from normalgan.studio.predictor import Predictor
-from normalgan.studio.rate_limit import TokenBucket
-from normalgan.studio.refusals import TooManyError
 from normalgan.studio.responses import ResponseMiddleware, failed, refused
 from normalgan.version import __version__
 
@@ -38,8 +36,6 @@ __all__ = ["PAGE", "build_app"]
 
 PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
-_WAITING = 4
-"""Pictures that may wait to be imported."""
 _WAYS = {"drawing": import_picture, "layers": import_layers}
 """As what a picture is imported."""
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
@@ -50,7 +46,6 @@ def build_app(
     projects: DocumentStore,
     port: int,
     opened: Opened | None = None,
-    bucket: TokenBucket | None = None,
 ) -> Starlette:
     """Return the application.
 
@@ -59,11 +54,10 @@ def build_app(
         projects: where they are kept, and in a folder below what is not saved yet.
         port: that it will be served at.
         opened: what the page is to open first, as `normalgan.studio.opening.find_opened` gives it.
-        bucket: how many requests are served; None lets 50 a second pass.
     """
     mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
     predictions = PredictionRoutes(predictor)
-    importing, waiting = asyncio.Semaphore(1), 0  # one at a time: it may take a gigabyte
+    importing = asyncio.Semaphore(1)  # one at a time: it may take a gigabyte
     autosaved = DocumentStore(projects.folder / "autosave")
 
     async def about(_: Request) -> Response:
@@ -86,16 +80,9 @@ def build_app(
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
         as_ = take_choice(dict(request.query_params), "as", tuple(_WAYS), "drawing")
-        nonlocal waiting
         content = await read_body(request)
-        if waiting >= _WAITING:
-            raise TooManyError("too many pictures wait to be imported; try again in a moment.")
-        waiting += 1
-        try:
-            async with importing:
-                return JSONResponse(await run_in_threadpool(_WAYS[as_], content))
-        finally:
-            waiting -= 1
+        async with importing:
+            return JSONResponse(await run_in_threadpool(_WAYS[as_], content))
 
     version = version_of([*PAGE.glob("*.*"), CLAY_FILE])
     kept = f"/page/{version}"
@@ -129,7 +116,7 @@ def build_app(
         ],
         middleware=[
             Middleware(ResponseMiddleware, kept=f"{kept}/"),
-            Middleware(Guard, port=port, bucket=bucket or TokenBucket(rate=50, burst=100)),
+            Middleware(Guard, port=port),
         ],
         exception_handlers={InputError: _on_input_error, HTTPException: _known, ClientDisconnect: _left},
         lifespan=lifespan,

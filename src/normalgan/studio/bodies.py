@@ -7,7 +7,6 @@ from starlette.requests import Request
 from normalgan.studio.refusals import TooLargeError, TooSlowError, WrongTypeError
 
 __all__ = [
-    "MOST_AT_ONCE",
     "MOST_BYTES",
     "PATIENCE",
     "check_type",
@@ -18,18 +17,12 @@ __all__ = [
 
 MOST_BYTES = 20 * 2**20
 """Longest body of a request."""
-MOST_AT_ONCE = 16
-"""Bodies that are read at once. Fewer than requests may be at once: bodies that never end shut nobody out."""
 PATIENCE = 20.0
 """Seconds for a body to come in; from the same machine it takes a part of one."""
-_being_read: list[asyncio.Timeout] = []
-"""Oldest first."""
 
 
 async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Return the body of a request.
-
-    If too many are being read, the one that has been for longest is given up.
 
     Raises:
         TooLargeError: as soon as it is longer than ``most`` bytes, or says that it will be.
@@ -39,21 +32,12 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     if said.isdecimal() and int(said[:20]) > most:
         raise _too_large(most)
     body = bytearray()
-    if len(_being_read) >= MOST_AT_ONCE:
-        oldest = _being_read.pop(0)
-        if not oldest.expired():
-            oldest.reschedule(0)
     try:
-        async with asyncio.timeout(PATIENCE) as limit:
-            _being_read.append(limit)
-            try:
-                async for chunk in request.stream():
-                    body += chunk
-                    if len(body) > most:
-                        raise _too_large(most)
-            finally:
-                if limit in _being_read:
-                    _being_read.remove(limit)
+        async with asyncio.timeout(PATIENCE):
+            async for chunk in request.stream():
+                body += chunk
+                if len(body) > most:
+                    raise _too_large(most)
     except TimeoutError:
         raise TooSlowError("the request came in too slowly; send it again.") from None
     return bytes(body)

@@ -20,12 +20,20 @@ def parse_fields(body: bytes) -> Fields:
         InputError: if it is no JSON, or no object.
     """
     try:
-        fields = json.loads(body)
-    except (ValueError, RecursionError):  # no UTF-8, a number of ten thousand digits, ten thousand brackets
+        fields = json.loads(body.decode(), parse_constant=_refuse)
+    except (
+        ValueError,
+        RecursionError,
+    ):  # no UTF-8, NaN, a number of ten thousand digits, ten thousand brackets
         raise InputError('the request is not JSON; it is like {"tab": "a1", "number": 1, …}.') from None
     if not isinstance(fields, dict):
         raise InputError("the request is no JSON object; it has fields in braces.")
     return fields
+
+
+def _refuse(constant: str) -> None:
+    """Refuse NaN and Infinity, which Python reads and no browser does."""
+    raise ValueError(constant)
 
 
 def take_integer(fields: Fields, name: str, least: int, most: int, default: int | None = None) -> int:

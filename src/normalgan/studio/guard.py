@@ -1,19 +1,16 @@
-"""Guard: lets in only what comes from the studio's own page on this machine, and not too much of it."""
+"""Guard: lets in only what comes from the studio's own page on this machine."""
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from normalgan.studio.rate_limit import TokenBucket
-from normalgan.studio.refusals import ForeignError, RefusedError, TooManyError
+from normalgan.studio.refusals import ForeignError, RefusedError
 from normalgan.studio.responses import refused
 
 __all__ = ["Guard"]
 
-_MOST_AT_ONCE = 64
-
 
 class Guard:
-    """Refuses requests by another name of this machine, of other pages, and too many of them.
+    """Refuses requests by another name of this machine and requests of other pages.
 
     A name that is not ours may be one that another site lets lead to this machine (DNS rebinding), which
     would make that site's page one of ours for the browser.
@@ -21,15 +18,13 @@ class Guard:
     Args:
         app: what is guarded.
         port: that it is served at.
-        bucket: for the requests below ``/api/``.
     """
 
-    def __init__(self, app: ASGIApp, port: int, bucket: TokenBucket) -> None:
-        self._app, self._bucket = app, bucket
+    def __init__(self, app: ASGIApp, port: int) -> None:
+        self._app = app
         self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         if port == 80:
             self._hosts |= {"127.0.0.1", "localhost"}
-        self._at_once = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve or refuse a request."""
@@ -40,11 +35,7 @@ class Guard:
         if refusal is not None:
             await refused(refusal)(scope, receive, send)
             return
-        self._at_once += 1
-        try:
-            await self._app(scope, receive, send)
-        finally:
-            self._at_once -= 1
+        await self._app(scope, receive, send)
 
     def _refusal(self, headers: Headers, api: bool) -> RefusedError | None:
         host, origin = headers.get("host", ""), headers.get("origin")
@@ -52,10 +43,6 @@ class Guard:
             return ForeignError(f"the studio is at {' or '.join(sorted(self._hosts))}, not at {host[:80]!r}.")
         if origin is not None and origin != f"http://{host}":
             return ForeignError("another page has asked; the studio answers its own alone.")
-        if not api:
-            return None
-        if headers.get("sec-fetch-site", "none") not in {"same-origin", "none"}:
+        if api and headers.get("sec-fetch-site", "none") not in {"same-origin", "none"}:
             return ForeignError("another page has asked; the studio answers its own alone.")
-        if self._at_once >= _MOST_AT_ONCE or not self._bucket.take():
-            return TooManyError("too many requests at once; wait a moment.")
         return None

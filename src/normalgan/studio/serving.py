@@ -11,7 +11,6 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from normalgan.errors import InputError
-from normalgan.studio.connection import Connection
 
 __all__ = ["listen", "serve"]
 
@@ -62,7 +61,7 @@ def serve(app: ASGIApp, listening: socket.socket) -> None:
     signal.signal(signal.SIGTERM, _leave)  # uvicorn raises it again once all is shut down
     config = uvicorn.Config(
         app,
-        http=Connection,
+        http="h11",
         ws="none",
         loop="asyncio",
         lifespan="on",

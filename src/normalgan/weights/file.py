@@ -10,7 +10,7 @@ import torch
 from safetensors.torch import load, save
 from torch import Tensor
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, RunError, wants_memory
 from normalgan.files.addresses import local_file
 from normalgan.files.limits import read_bounded
 from normalgan.models import GENERATORS, Generator
@@ -80,7 +80,9 @@ def parse_weights(content: bytes, name: str = "the file") -> Weights:
         header, _ = _split(content)
         tensors = load(content)
         metadata = {str(k): str(v) for k, v in header.get("__metadata__", {}).items()}
-    except Exception:  # safetensors' own class of errors, and torch's on types that it does not have
+    except Exception as error:  # safetensors' own class of errors, and torch's on types that it does not have
+        if wants_memory(error):
+            raise RunError(f"there is too little memory to read {name}; close other programs.") from error
         raise InputError(
             f"{name} is damaged or no safetensors; give a file that `normalgan export` wrote."
         ) from None

@@ -2,7 +2,9 @@
 
 import io
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.__main__ import main
-from normalgan.decoding import DecodedLayer
+from normalgan.decoding import DecodedLayer, DecodedLayers
+from normalgan.decoding.layered_files import KINDS as KINDS_SHOWN
+from normalgan.decoding.layered_files import TREATMENT
 from normalgan.errors import InputError
 from normalgan.inference.composites.layers import encode_layers, layered_kind, picture_of, read_layers
 from pens import blob, outline
@@ -37,8 +41,9 @@ def layer(name: str, pixels: Pixels, number: int, groups: tuple[str, ...] = (), 
 
 
 PAPER = np.full((*SHAPE, 4), 255, np.uint8)
+PAPER_LAYER = layer("paper", PAPER, 0)
 STACK = [
-    layer("paper", PAPER, 0),
+    PAPER_LAYER,
     layer("body", drawn((50, 44), 26), 1),
     layer("hand", drawn((90, 30), 14), 2, ("limbs", "arm"), opacity=102),
     layer("hat", drawn((50, 16), 12), 3),
@@ -211,12 +216,10 @@ def krita(change: bytes, to: bytes) -> bytes:
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        (krita(b'nodetype="paintlayer"', b'nodetype="shapelayer"'), "of the kind shapelayer; rasterize it"),
+        (krita(b'nodetype="paintlayer"', b'nodetype="shapelayer"'), "'paper': vector layer left out"),
         (krita(b'"RGBA" compositeop', b'"CMYKA" compositeop'), "it has its colours in CMYKA"),
         (krita(b"<layers>", b"<layers"), "has a broken maindoc.xml"),
         (krita(b'visible="1"', b'visible="0"'), "has no visible layer that anything is drawn on"),
-        (krita(b"LZF", b"LZ4"), "a tile of it is packed in a way that is not known"),
-        (krita(b'filename="layer5"', b'filename="layer9"'), "is a ZIP without layers/layer9"),
         (encode_layers("psd", SHAPE, STACK)[:900], "has layers that cannot be read"),
     ],
 )
@@ -231,3 +234,117 @@ def test_kinds_are_told_by_what_is_in_a_file(tmp_path: Path) -> None:
         assert layered_kind(Path("stdin"), encode_layers(kind, SHAPE, STACK)) == kind  # type: ignore[arg-type]
     assert layered_kind(FILES / "krita.kra") == "ora"
     assert layered_kind(tmp_path / "none.psd") is None
+
+
+def test_a_layer_that_is_broken_does_not_cost_the_others() -> None:
+    found = read_layers(Path("a.kra"), krita(b"LZF", b"LZ4"))
+    assert "cannot be read: a tile of it is packed in a way that is not known" in found.note
+    assert len(found.layers) == 2
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_names_of_every_script_are_kept(kind: str) -> None:
+    names = [
+        "\u30ec\u30a4\u30e4\u30fc 1",
+        "\u0421\u043b\u043e\u0439",
+        "\U0001f98a",
+        "K\u00f6rper",
+        "\u5f35" * 255,
+    ]
+    stack = [layer(each, drawn((50, 44), 26), i, (each,)) for i, each in enumerate(names)]
+    found = read_layers(Path("a"), encode_layers(kind, SHAPE, stack))  # type: ignore[arg-type]
+    assert [(each.name, each.groups) for each in found.layers] == [(each, (each,)) for each in names]
+
+
+def test_a_name_that_xml_cannot_hold_is_replaced() -> None:
+    content = encode_layers("ora", SHAPE, [layer("a\1b", drawn((50, 44), 26), 0)])
+    assert read_layers(Path("a"), content).layers[0].name == "a\ufffdb"
+
+
+def photoshop(change: Callable[[Any, Any, Any], None]) -> DecodedLayers:
+    """A PSD of a body and a shade above it, after a change."""
+    from psd_tools import PSDImage
+
+    psd: Any = PSDImage.frompil(Image.new("RGBA", SHAPE[::-1]))
+    body = psd.create_pixel_layer(Image.fromarray(drawn((50, 44), 20)), name="body")
+    shade = psd.create_pixel_layer(Image.fromarray(drawn((70, 44), 20)), name="shade")
+    change(psd, body, shade)
+    out = io.BytesIO()
+    psd.save(out)
+    return read_layers(Path("a.psd"), out.getvalue())
+
+
+def test_clipped_layers_of_photoshop_are_cut_by_their_base_and_stay_clipped() -> None:
+    def clip(psd: Any, body: Any, shade: Any) -> None:
+        shade.clipping = True
+
+    found = photoshop(clip)
+    base, cut = found.layers
+    assert (cut.name, cut.clipped_to) == ("shade", base.number)
+    assert cut.left + cut.pixels.shape[1] == base.left + base.pixels.shape[1]
+    again = read_layers(Path("a.psd"), encode_layers("psd", SHAPE, found.layers))
+    assert [each.clipped_to for each in again.layers] == [-1, base.number]
+    # Without its base it stands alone.
+    alone = read_layers(Path("a.psd"), encode_layers("psd", SHAPE, [layer("paper", PAPER, 7), cut]))
+    assert [each.clipped_to for each in alone.layers] == [-1, -1]
+
+    def hide(psd: Any, body: Any, shade: Any) -> None:
+        clip(psd, body, shade)
+        body.visible = False
+
+    with pytest.raises(InputError, match="has no visible layer"):
+        photoshop(hide)
+
+
+def test_fill_opacity_and_blend_modes_of_photoshop_count() -> None:
+    from psd_tools.constants import BlendMode, Tag
+
+    def change(psd: Any, body: Any, shade: Any) -> None:
+        body.tagged_blocks.set_data(Tag.BLEND_FILL_OPACITY, 128)
+        shade.blend_mode = BlendMode.MULTIPLY
+
+    found = photoshop(change)
+    assert [each.opacity for each in found.layers] == [128, 255]
+    assert found.note == "'shade': blend mode multiply shown as normal"
+
+
+def test_masks_of_photoshop_count_and_so_do_those_of_groups() -> None:
+    from psd_tools import PSDImage
+
+    def mask(psd: Any, body: Any, shade: Any) -> None:
+        half = np.zeros(SHAPE, np.uint8)
+        half[:, :50] = 255
+        body.create_mask(Image.fromarray(half))
+
+    found = photoshop(mask).layers[0]
+    assert found.left + found.pixels.shape[1] == 50
+    group = read_layers(FILES / "psd_group_mask.psd").layers[0]
+    psd: Any = PSDImage.open(FILES / "psd_group_mask.psd")
+    mask_of_group = np.zeros((64, 64), np.uint8)
+    of_group = psd[0].mask
+    mask_of_group[of_group.top : of_group.bottom, of_group.left : of_group.right] = of_group.topil()
+    rows, columns = group.pixels.shape[:2]
+    inside = np.s_[group.top : group.top + rows, group.left : group.left + columns]
+    alone = np.asarray(psd[0][0].topil())[..., 3]
+    assert (alone > mask_of_group).any()
+    assert np.array_equal(group.pixels[..., 3], np.minimum(alone, mask_of_group)[inside])
+
+
+def test_an_animated_krita_file_says_what_of_it_is_used(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = FILES / "two_frames.kra"
+    found = read_layers(path)
+    assert "it is animated in Krita, of which the frame 5, at which it was saved, is used" in found.note
+    assert (found.layers[0].left, found.layers[0].top) == (27, 27)
+    assert generate(str(path)) == 0
+    words = "it is animated in Krita, of which the picture that Krita merged when it was saved is used"
+    assert words in capsys.readouterr().err
+
+
+def test_the_documentation_has_the_table_of_what_is_shown() -> None:
+    page = Path(__file__).parents[3] / "docs" / "generate.md"
+    rows = [f"| {feature} | {' | '.join(each)} |".replace("|  ", "| ") for feature, each in TREATMENT.items()]
+    assert "\n".join(
+        [f"| feature | {' | '.join(KINDS_SHOWN)} |", "| --- | --- | --- | --- | --- |", *rows]
+    ) in page.read_text(encoding="utf-8")

@@ -218,18 +218,22 @@ def test_cells_can_share_a_frame(here: Path) -> None:
         (["--sheet", "0x3"], "sheet is '0x3'; it is columns x rows"),
         (["--sheet", "96x2"], "the cells of sheet.png would be 3 × 96 pixels"),
         (["--sheet", "3x2", "--split", "auto"], "--sheet and --split each say where the drawings"),
-        (["--sheet", "3x2", "--size", "64"], "a sheet keeps its packing"),
+        (["--sheet", "3x2", "--size", "64"], "a sheet of pixels keeps its packing"),
         (["--split", "by hand"], "expected"),
         (["--atlas", "none.json"], "there is no atlas none.json"),
-        (["--atlas", "empty"], "empty holds no atlas for sheet.png; it is named sheet.json."),
+        (["--atlas", "empty"], "empty holds no atlas for sheet.png; it is named sheet.json"),
         (["--atlas", "other.json"], "is of a sheet of 200 × 200 pixels, but sheet.png has 288 × 192."),
         (
             ["--atlas", "outside.json"],
-            "has the sprite 'a' at x 280, y 0 with 96 × 96 pixels, which do not lie",
+            "the sprite 'a' at x 280, y 0 with 96 × 96 pixels lies outside of sheet.png",
         ),
-        (["--atlas", "placeless.json"], "has the sprite 'a' without a place"),
-        (["--atlas", "broken.json"], "the atlas broken.json is no JSON"),
-        (["--atlas", "nothing.json"], "lists 0 sprites"),
+        (["--atlas", "placeless.json"], "the sprite 'a' has no position; it needs x, y, width and height"),
+        (["--atlas", "broken.json"], "the atlas broken.json is broken JSON: line 1, column 2"),
+        (["--atlas", "nothing.json"], "lists 0 sprites for sheet.png; it needs 1 to 4096"),
+        (
+            ["--atlas", "style.json"],
+            "style.json looks like a CSS style sheet; atlases that can be read are JSON",
+        ),
         (["--atlas", "strange.json"], "has the sprites of a.png, b.png; none of these is sheet.png."),
         (["--sheet", "1x1", "--mask", "outline", "--hints", "far.json"], "far.json"),
     ],
@@ -246,6 +250,7 @@ def test_what_cannot_be_used_is_told_in_a_sentence(
         ("placeless", json.dumps({"frames": {"a": {"frame": {"x": "1"}}}})),
         ("broken", "{"),
         ("nothing", "[]"),
+        ("style", ".fox { width: 20px }"),
         ("strange", json.dumps(textures("a.png", "b.png"))),
         ("far", json.dumps([{"x": 999, "y": 0, "normal": [0, 0, 1]}])),
     ):
@@ -269,9 +274,11 @@ def test_a_cell_that_cannot_be_painted_is_named_and_the_others_are(
 
 
 def test_a_tiny_sprite_of_an_atlas_is_named(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    Image.fromarray(packed()).save("sheet.png")
+    sheet = packed()
+    sheet[40:47, 186:192] = (90, 60, 30, 255)
+    Image.fromarray(sheet).save("sheet.png")
     told = atlas()
-    told["frames"]["spark"] = {"frame": {"x": 130, "y": 40, "w": 6, "h": 7}}
+    told["frames"]["spark"] = {"frame": {"x": 186, "y": 40, "w": 6, "h": 7}}
     told["frames"]["nothing"] = {"frame": {"x": 190, "y": 190, "w": 1, "h": 1}}
     Path("sheet.json").write_text(json.dumps(told))
     assert generate("sheet.png", "--atlas", "sheet.json") == 0
@@ -328,3 +335,50 @@ def test_dashes_on_nothing_are_no_sprites() -> None:
         start, end = ((100 + 80 * np.cos(angle + k), 100 + 80 * np.sin(angle + k)) for k in (0, 0.1))
         cv2.line(alpha, tuple(map(int, start)), tuple(map(int, end)), 1, 2)
     assert not is_silhouette(alpha)
+
+
+def test_a_sprite_that_libgdx_turned_counterclockwise_is_predicted_upright(here: Path) -> None:
+    sheet = np.zeros((100, 100, 4), np.uint8)
+    cell = sprite(SPRITES[1], 1)[8:88]
+    sheet[:96, :80] = np.rot90(cell)
+    Image.fromarray(sheet).save("sheet.png")
+    Path("sheet.atlas").write_text("sheet.png\nsize: 100,100\nfox\n  bounds: 0,0,96,80\n  rotate: true\n")
+    assert generate("sheet.png", "--atlas", ".", "--alpha") == 0
+    Image.fromarray(cell).save("fox.png")
+    assert generate("fox.png", "--alpha") == 0
+    part = np.rot90(pixels("normals/sheet_normal.png")[:96, :80], -1)
+    assert np.array_equal(part, pixels("normals/fox_normal.png"))
+
+
+def test_sprites_whose_boxes_overlap_keep_their_pixels(here: Path) -> None:
+    """The empty corner of a later box does not erase the sprite before it."""
+    sheet = np.zeros((96, 150, 4), np.uint8)
+    sheet[:, :96] = sprite(SPRITES[0])
+    small = sprite(blob((96, 96), (66, 80), 12), 3)
+    sheet[:, 54:] = np.where(small[..., 3:] > 0, small, sheet[:, 54:])
+    Image.fromarray(sheet).save("sheet.png")
+    frames = {"a": {"x": 0, "y": 0, "w": 96, "h": 96}, "b": {"x": 54, "y": 0, "w": 96, "h": 96}}
+    Path("sheet.json").write_text(
+        json.dumps({"frames": {key: {"frame": box} for key, box in frames.items()}})
+    )
+    assert generate("sheet.png", "--atlas", "sheet.json", "--alpha") == 0
+    assert np.array_equal(pixels("normals/sheet_normal.png")[..., 3] > 0, sheet[..., 3] > 0)
+
+
+@pytest.mark.parametrize("size", [(), ("--size", "400")])
+def test_an_svg_sheet_is_cut_in_its_own_units(here: Path, size: tuple[str, ...]) -> None:
+    circle = '<circle cx="50" cy="50" r="40" fill="none" stroke="#000" stroke-width="3"/>'
+    svg = '<svg xmlns="http://www.w3.org/2000/svg" width="200" height="100" viewBox="{} 0 {} 100">{}</svg>'
+    Path("sheet.svg").write_text(svg.format(0, 200, circle))
+    frames = {"a": {"x": 0, "y": 0, "w": 100, "h": 100}, "b": {"x": 100, "y": 0, "w": 100, "h": 100}}
+    Path("sheet.json").write_text(
+        json.dumps({"frames": {key: {"frame": box} for key, box in frames.items()}})
+    )
+    assert generate("sheet.svg", "--atlas", "sheet.json", "--alpha", *size) == 0
+    longest = 400 if size else 1024
+    found = pixels("normals/sheet_normal.png")
+    assert found.shape == (longest // 2, longest, 4)
+    rows, columns = np.nonzero(found[..., 3] > 127)
+    scale = longest / 200
+    assert [columns.min(), columns.max()] == pytest.approx([8.5 * scale, 91.5 * scale], abs=scale)
+    assert [rows.min(), rows.max()] == pytest.approx([8.5 * scale, 91.5 * scale], abs=scale)

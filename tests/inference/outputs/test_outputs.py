@@ -117,6 +117,19 @@ def test_heights_of_a_batch_have_one_scale(here: Path) -> None:
             assert tops[scale][name] == pytest.approx(65535 * spans[name] / white, rel=1e-3), (scale, name)
 
 
+def test_the_frames_of_a_moving_drawing_have_the_scale_of_the_batch_once(here: Path) -> None:
+    """Frames are of one scale in any case; with that of a batch they are not brought to it twice."""
+    frames = [Image.open(f"{name}.png").copy() for name in ("fox", "cub")]
+    frames[0].save("both.gif", save_all=True, append_images=frames[1:], duration=100)
+    for scale in ([], ["--height-scale", "batch"]):
+        assert generate("both.gif", "fox.png", "--height", "png", "-o", f"levels{len(scale)}", *scale) == 0
+    assert generate("both.gif", "--height", "tiff", "-o", "exact") == 0
+    spans = [float(np.ptp(read(f"exact/both_000{i}_height.tiff"))) for i in (1, 2)]
+    for folder in ("levels0", "levels2"):
+        tops = [int(read(f"{folder}/both_000{i}_height.png").max()) for i in (1, 2)]
+        assert tops[1] / tops[0] == pytest.approx(spans[1] / spans[0], rel=1e-2), folder
+
+
 @pytest.mark.parametrize("engine", ["unity", "unreal", "godot", "godot3", "blender"])
 def test_an_engine_sets_its_conventions_and_is_told_how_to_import(here: Path, engine: str) -> None:
     assert generate("fox.png", "-o", "plain") == 0

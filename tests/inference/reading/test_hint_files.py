@@ -20,6 +20,12 @@ def test_painted_and_listed_hints_are_the_same(tmp_path: Path) -> None:
     assert np.allclose(painted.normals, listed.normals, atol=0.01)
 
 
+def test_hints_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    for encoding in ("utf-8-sig", "utf-16"):
+        (tmp_path / "a.json").write_text('[{"x": 7, "y": 20, "normal": [1, 0, 0]}]', encoding=encoding)
+        assert load_hints(tmp_path / "a.json", (30, 40)).points.tolist() == [[7.5, 20.5]]
+
+
 def test_no_hints_are_no_hints(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("[]")
     hints = load_hints(tmp_path / "a.json", (30, 40))

@@ -10,10 +10,11 @@ import torch
 from normalgan.benchmark.human.drawings import read_drawings
 from normalgan.benchmark.human.evaluation import COUNTS, Measurement, measure_drawings
 from normalgan.benchmark.intervals import mesh_interval
-from normalgan.benchmark.machine import commit, describe_machine, describe_versions
+from normalgan.benchmark.machine import describe_machine, describe_versions
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.table import figure_cell, interval_cell
 from normalgan.benchmark.training import write_json
+from normalgan.commit import commit
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.writing import write_bytes
 from normalgan.inference.load import load

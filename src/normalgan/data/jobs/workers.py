@@ -12,6 +12,7 @@ from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Self, TypeVar
 
+from normalgan.data.jobs.main_guard import check_main_guard
 from normalgan.data.jobs.pool import unrelated
 from normalgan.errors import InputError, RunError
 
@@ -84,6 +85,7 @@ class Workers:
             return
         with one_thread_each():
             if self._pool is None:
+                check_main_guard()
                 context = multiprocessing.get_context("spawn")
                 self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_prepare)
             futures = {self._pool.submit(function, task): task for task in tasks}

@@ -1,5 +1,6 @@
 """Loaders: from samples to batches, in this process or in workers."""
 
+import multiprocessing
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +9,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 
 from normalgan.data.dataset import SampleDataset
+from normalgan.data.jobs.main_guard import check_main_guard
 from normalgan.data.jobs.workers import one_thread_each
 from normalgan.data.loading.items import AsStored, Item, StoredSamples, collate
 from normalgan.data.loading.shard_order import ShardOrder
@@ -25,13 +27,33 @@ class DeferredLoader(DataLoader[Item]):
     start with samples of the previous epoch. Rendering workers are spawned, with one thread each: a process
     forked after an OpenGL context exists hangs when it renders, and one forked from a process with threads,
     as torch has, may wait for a lock for ever.
+
+    A checkpoint saved within an epoch stores how many batches were given. A resumed run continues after them.
     """
+
+    _given = 0
+    _skipped = 0
 
     def __iter__(self) -> Any:
         """Yield the batches of the epoch that the sampler is set to by then."""
+        context = self.multiprocessing_context
+        if self.num_workers and (context or multiprocessing).get_start_method() != "fork":
+            check_main_guard()
         with one_thread_each():
             batches = super().__iter__()
-        yield from batches
+        skipped, self._skipped = self._skipped, 0
+        for number, batch in enumerate(batches, 1):
+            if number > skipped:
+                self._given = number
+                yield batch
+
+    def state_dict(self) -> dict[str, int]:
+        """Return how many batches of the epoch were given."""
+        return {"given": self._given}
+
+    def load_state_dict(self, state: dict[str, int]) -> None:
+        """Skip the batches of the next epoch that the stopped run has seen."""
+        self._skipped = self._given = max(int(state["given"]), 0)
 
 
 @dataclass(frozen=True)

@@ -1,108 +1,131 @@
-"""Atlas: the JSON in which TexturePacker and Aseprite say where the sprites of a sheet lie."""
+"""Atlas: where the sprites of a sheet lie, as another program's file says."""
 
-import json
-from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
+from normalgan.inference.composites.atlas_formats import (
+    ENDINGS,
+    Frame,
+    Page,
+    UnreadableAtlasError,
+    parse_atlas,
+)
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.sheets import MOST_CELLS
 
-__all__ = ["ENDINGS", "MOST_BYTES", "read_atlas"]
+__all__ = ["ENDINGS", "MOST_BYTES", "AtlasCells", "read_atlas"]
 
 MOST_BYTES = 2**24
 """Larger atlases are refused; each sprite takes some three hundred bytes."""
-ENDINGS = (".json", "_atlas.json")
-"""What the atlas of a sheet is named, after its stem."""
+_ALIKE = 0.01
+"""Share by which the proportions of an SVG and of the sheet in its atlas may differ."""
 
 
-def read_atlas(path: Path, shape: tuple[int, int], sheet: Path) -> list[Cell]:
-    """Return where the sprites of a sheet lie; those that share a place once.
+@dataclass(frozen=True)
+class AtlasCells:
+    """The sprites of a sheet.
 
     Args:
-        path: of the atlas: JSON as a hash or an array of frames, or Phaser's with several textures.
-        shape: (H, W) of the sheet.
+        cells: where they lie; those that share a place once.
+        warnings: what is wrong with the others, by name, each a part of a sentence.
+    """
+
+    cells: list[Cell]
+    warnings: list[str]
+
+
+def read_atlas(
+    path: Path, shape: tuple[int, int], sheet: Path, units: tuple[float, float] | None = None
+) -> AtlasCells:
+    """Return where the sprites of a sheet lie.
+
+    A sprite without pixels is left out. One outside the sheet is left out and named.
+
+    Args:
+        path: of the atlas, of any format of `atlas_formats.FORMATS`.
+        shape: (H, W) of the sheet in pixels.
         sheet: its file.
+        units: (width, height) of a sheet that is drawn at any size, such as an SVG, in its own units; None of
+            one of pixels.
 
     Raises:
-        InputError: if it cannot be read, or disagrees with the sheet.
+        InputError: if it cannot be read, disagrees with the sheet, or leaves no sprite.
     """
     try:
-        content = json.loads(read_bounded(path, MOST_BYTES))
+        pages = parse_atlas(read_bounded(path, MOST_BYTES))
     except OSError as error:
         raise InputError(f"the atlas {path} cannot be read: {error.strerror}.") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"the atlas {path} is no JSON: {brief(error)}.") from None
-    content, size = _texture(content, sheet, path)
-    frames = list(_frames(content))
-    if not 0 < len(frames) <= MOST_CELLS:
+    except UnreadableAtlasError as error:
+        raise InputError(f"the atlas {path} {error}.") from None
+    page = _page_of(pages, sheet, path)
+    if not 0 < len(page.frames) <= MOST_CELLS:
         raise InputError(
-            f"the atlas {path} lists {len(frames)} sprites; the JSON of TexturePacker or Aseprite lists 1 to "
-            f"{MOST_CELLS} under frames."
+            f"the atlas {path} lists {len(page.frames)} sprites for {sheet.name}; it needs 1 to {MOST_CELLS}."
         )
-    height, width = shape
-    if size is not None and size != (width, height):
+    scale = _scale(page, shape, sheet, path, units)
+    cells: dict[tuple[int, ...], Cell] = {}
+    warnings: list[str] = []
+    for name, frame in page.frames:
+        if frame is None:
+            warnings.append(f"the sprite {name!r} has no position; it needs x, y, width and height")
+            continue
+        cell = _cell(frame, scale)
+        if not cell.width or not cell.height:
+            continue
+        if (
+            cell.left < 0
+            or cell.top < 0
+            or cell.left + cell.width > shape[1]
+            or cell.top + cell.height > shape[0]
+        ):
+            warnings.append(
+                f"the sprite {name!r} at x {frame.left:g}, y {frame.top:g} with {frame.width:g} × "
+                f"{frame.height:g} pixels lies outside of {sheet.name}"
+            )
+            continue
+        cells.setdefault((cell.left, cell.top, cell.width, cell.height), cell)
+    if not cells:
         raise InputError(
-            f"the atlas {path} is of a sheet of {size[0]} × {size[1]} pixels, but {sheet} has "
+            f"the atlas {path}: {warnings[0] if warnings else 'none of its sprites has pixels'}."
+        )
+    return AtlasCells(list(cells.values()), warnings)
+
+
+def _page_of(pages: list[Page], sheet: Path, path: Path) -> Page:
+    """Return what an atlas says of a sheet; of several sheets by its name."""
+    named = next((each for each in pages if each.image == sheet.name), None)
+    if named is not None:
+        return named
+    if len(pages) > 1:
+        names = ", ".join(each.image for each in pages if each.image)
+        raise InputError(f"the atlas {path} has the sprites of {names}; none of these is {sheet.name}.")
+    return pages[0] if pages else Page("", None, [])
+
+
+def _scale(
+    page: Page, shape: tuple[int, int], sheet: Path, path: Path, units: tuple[float, float] | None
+) -> tuple[float, float]:
+    """Return the pixels for each unit of an atlas, across and down.
+
+    Raises:
+        InputError: if the atlas is of a sheet of another size.
+    """
+    height, width = shape
+    size = page.size or units
+    if size is None or size == (width, height):
+        return 1.0, 1.0
+    scale = width / size[0], height / size[1]
+    if units is None or abs(scale[0] / scale[1] - 1) > _ALIKE + 1 / min(shape):
+        raise InputError(
+            f"the atlas {path} is of a sheet of {size[0]:g} × {size[1]:g} pixels, but {sheet} has "
             f"{width} × {height}."
         )
-    cells: dict[tuple[int, ...], Cell] = {}
-    for name, frame in frames:
-        cell = _cell(name, frame, path)
-        if cell.left < 0 or cell.top < 0 or cell.left + cell.width > width or cell.top + cell.height > height:
-            raise InputError(
-                f"the atlas {path} has the sprite {name!r} at x {cell.left}, y {cell.top} with "
-                f"{cell.width} × {cell.height} pixels, which do not lie in {sheet}, {width} × {height}."
-            )
-        cells.setdefault((cell.left, cell.top, cell.width, cell.height), cell)
-    return list(cells.values())
+    return scale
 
 
-def _texture(content: Any, sheet: Path, path: Path) -> tuple[Any, tuple[int, int] | None]:
-    """Return what lists the sprites of a sheet, and (width, height) of the sheet as it says."""
-    if isinstance(content, dict) and isinstance(content.get("textures"), list):
-        textures = {
-            Path(str(each.get("image", ""))).name: each
-            for each in content["textures"]
-            if isinstance(each, dict)
-        }
-        if len(textures) > 1 and sheet.name not in textures:
-            raise InputError(
-                f"the atlas {path} has the sprites of {', '.join(textures)}; none of these is {sheet.name}."
-            )
-        content = textures.get(sheet.name) or next(iter(textures.values()), {})
-        return content, _size(content.get("size"))
-    meta = content.get("meta") if isinstance(content, dict) else None
-    return content, _size(meta.get("size") if isinstance(meta, dict) else None)
-
-
-def _size(content: Any) -> tuple[int, int] | None:
-    match content:
-        case {"w": int(width), "h": int(height)}:
-            return width, height
-        case _:
-            return None
-
-
-def _frames(content: Any) -> Iterator[tuple[str, Any]]:
-    frames = content.get("frames") if isinstance(content, dict) else None
-    if isinstance(frames, dict):
-        yield from frames.items()
-    elif isinstance(frames, list):
-        for number, each in enumerate(frames, 1):
-            yield str(each.get("filename", number)) if isinstance(each, dict) else str(number), each
-
-
-def _cell(name: str, frame: Any, path: Path) -> Cell:
-    match frame:
-        case {"frame": {"x": int(x), "y": int(y), "w": int(w), "h": int(h)}} if w > 0 and h > 0:
-            turned = frame.get("rotated") is True
-            # Both programs give the size that the sprite has upright.
-            return Cell(name, x, y, *((h, w) if turned else (w, h)), turned)
-        case _:
-            raise InputError(
-                f"the atlas {path} has the sprite {name!r} without a place; "
-                "it needs a frame with whole x, y, w and h."
-            )
+def _cell(frame: Frame, scale: tuple[float, float]) -> Cell:
+    left, right = (round(each * scale[0]) for each in (frame.left, frame.left + frame.width))
+    top, bottom = (round(each * scale[1]) for each in (frame.top, frame.top + frame.height))
+    return Cell(frame.name, left, top, right - left, bottom - top, frame.turned)

@@ -12,6 +12,7 @@ from normalgan.inference.reading.hint_files import Hints
 __all__ = ["Cell"]
 
 T = TypeVar("T", bound=np.generic)
+P = TypeVar("P", float, NDArray[np.float32])
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Cell:
         top: first row.
         width: columns in the sheet.
         height: rows in the sheet.
-        turned: whether it lies in the sheet turned clockwise by a quarter, as packers do to save room.
+        turned: quarters by which it lies in the sheet turned clockwise, as packers do to save room.
         own: (height, width), what of the box is its own; None if all is.
     """
 
@@ -33,7 +34,7 @@ class Cell:
     top: int
     width: int
     height: int
-    turned: bool = False
+    turned: int = 0
     own: NDArray[np.bool_] | None = None
 
     @property
@@ -43,11 +44,11 @@ class Cell:
 
     def upright(self, part: NDArray[T]) -> NDArray[T]:
         """Return its part of a sheet, (height, width, ...), as it was drawn."""
-        return np.rot90(part) if self.turned else part
+        return np.rot90(part, self.turned) if self.turned else part
 
     def turn(self, part: NDArray[T]) -> NDArray[T]:
         """Return an upright array as it lies in the sheet; directions in it are not turned along."""
-        return np.rot90(part, -1) if self.turned else part
+        return np.rot90(part, -self.turned) if self.turned else part
 
     def local(self, hints: Hints) -> Hints | None:
         """Return those of a sheet's hints that lie in it, in its own upright pixels; None if none does."""
@@ -55,7 +56,7 @@ class Cell:
         inside = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
         if not inside.any():
             return None
-        points = np.stack([y, self.width - x] if self.turned else [x, y], -1)
+        points = np.stack(self._upright_point(x, y), -1)
         return Hints(points[inside].astype(np.float32), hints.normals[inside])
 
     def points(self, given: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -66,7 +67,14 @@ class Cell:
             for x, y in local
             if 0 <= x < self.width and 0 <= y < self.height and (self.own is None or self.own[int(y), int(x)])
         ]
-        return [(y, self.width - x) for x, y in inside] if self.turned else inside
+        return [self._upright_point(x, y) for x, y in inside]
+
+    def _upright_point(self, x: P, y: P) -> tuple[P, P]:
+        """Return x and y in its box as they are in its own upright pixels."""
+        width, height = self.width, self.height
+        for _ in range(self.turned):
+            x, y, width, height = y, width - x, height, width
+        return x, y
 
     def put(self, whole: NDArray[T], part: NDArray[T]) -> None:
         """Write an upright array, (height, width, ...), into its part of a sheet's, where that is its own."""

@@ -14,7 +14,7 @@ from normalgan.inference.composites.sheets import MOST_CELLS
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.picture import MOST_WORKED, fitted, resize, to_picture
 
-__all__ = ["find_islands", "in_rows"]
+__all__ = ["drawn", "find_islands", "in_rows"]
 
 _GAP = 0.004
 """Half the gap across which parts hang together, as a share of the sheet's longer side."""
@@ -69,6 +69,12 @@ def find_islands(sheet: Decoded) -> list[Cell]:
         own = np.isin(labels[box], np.append(parts + 1, 0))
         cells.append(Cell("", int(left), int(top), int(right - left), int(bottom - top), own=own))
     return in_rows([cell for cell in cells if min(cell.width, cell.height) >= SMALLEST])
+
+
+def drawn(sheet: Decoded) -> BoolMask:
+    """Return where a sheet is opaque, or else its lines and what they enclose, (H, W)."""
+    opaque = _opaque(sheet)
+    return _lines(sheet) if opaque is None else opaque
 
 
 def _opaque(sheet: Decoded) -> BoolMask | None:

@@ -62,7 +62,7 @@ class LayeredJob:
         drawn = [layer for layer in found.layers if not is_plain(layer, found.shape)]
         numbers = sorted({layer.number for layer in drawn})
         predicted: list[DecodedLayer] = []
-        said: list[str] = []
+        said = [found.note] if found.note else []
         held: list[Held] = []
         failed: list[InputError] = []
         for number, got in stream(numbers, lambda number: self._predict(job, found, number)):

@@ -4,6 +4,7 @@ A PSD is written as PSD, a KRA or ORA as ORA, which Krita and GIMP open, an Asep
 """
 
 import io
+import re
 import struct
 import zipfile
 import zlib
@@ -152,14 +153,20 @@ def _psd(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes:
     psd: Any = PSDImage.frompil(_merged(shape, layers))
 
     def add(parent: Any, layers: Sequence[DecodedLayer], depth: int) -> None:
+        base = -1
         for node in _nodes(layers, depth):
             if isinstance(node, DecodedLayer):
                 image = Image.fromarray(node.pixels)
-                parent.create_pixel_layer(
-                    image, name=node.name or "Layer", top=node.top, left=node.left, opacity=node.opacity
-                )
+                own = parent.create_pixel_layer(image, top=node.top, left=node.left, opacity=node.opacity)
+                own.name = node.name or "Layer"  # in Unicode, with a substitute for the old name in Mac Roman
+                # What is clipped follows its base; if that could not be predicted, it stands alone.
+                own.clipping = node.clipped_to >= 0 and node.clipped_to == base
+                base = base if own.clipping else node.number
             else:
-                add(parent.create_group(name=node[0] or "Group"), node[1], depth + 1)
+                own = parent.create_group()
+                own.name = node[0] or "Group"
+                add(own, node[1], depth + 1)
+                base = -1
 
     add(psd, layers, 0)
     file = io.BytesIO()
@@ -177,10 +184,10 @@ def _openraster(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes
             if isinstance(node, DecodedLayer):
                 name = f"data/layer{len(pictures):03d}.png"
                 pictures.append((name, node.pixels))
-                about = {"name": node.name, "src": name, "x": str(node.left), "y": str(node.top)}
+                about = {"name": _xml_text(node.name), "src": name, "x": str(node.left), "y": str(node.top)}
                 each = Tree.Element("layer", about | {"opacity": f"{node.opacity / 255:.4f}"})
             else:
-                each = Tree.Element("stack", {"name": node[0]})
+                each = Tree.Element("stack", {"name": _xml_text(node[0])})
                 add(each, node[1], depth + 1)
             stack.insert(0, each)  # the first is the highest
 
@@ -201,6 +208,11 @@ def _openraster(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes
             # A fixed time: the same drawing gives the same bytes.
             archive.writestr(zipfile.ZipInfo(name), content)
     return file.getvalue()
+
+
+def _xml_text(text: str) -> str:
+    """Return a text without the characters that XML cannot hold."""
+    return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "\ufffd", text)
 
 
 def _png(image: Image.Image) -> bytes:

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from normalgan.decoding import Decoded
 from normalgan.errors import InputError
-from normalgan.inference.composites.atlas import ENDINGS, read_atlas
-from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.atlas import ENDINGS, AtlasCells, read_atlas
 from normalgan.inference.composites.islands import find_islands
+from normalgan.inference.composites.overlaps import separate
 from normalgan.inference.composites.sheets import grid_cells, parse_grid
 from normalgan.inference.reading.drawings import find_companion
 
@@ -21,7 +21,7 @@ class Packing:
     Args:
         sheet: a grid, columns x rows, such as 4x3.
         split: auto finds islands of opacity or of connected lines.
-        atlas: JSON of TexturePacker or Aseprite, or a folder of <sketch>.json.
+        atlas: a file of any format of `atlas_formats.FORMATS`, or a folder of <sketch>.json or the like.
 
     Raises:
         InputError: if they cannot be used, or more than one is given.
@@ -44,7 +44,7 @@ class Packing:
         if self.split not in {None, "auto"}:
             raise InputError(f"split is {self.split!r}; the one way to split a sheet by itself is auto.")
         if self.atlas is not None and not Path(self.atlas).exists():
-            raise InputError(f"there is no atlas {self.atlas}; name a JSON file, or a folder of them.")
+            raise InputError(f"there is no atlas {self.atlas}; name a file, or a folder of them.")
 
     @property
     def given(self) -> bool:
@@ -61,22 +61,34 @@ class Packing:
         found = None if self.atlas is None else find_companion(path, Path(self.atlas), ENDINGS, below)
         return [] if found is None else [found]
 
-    def cells(self, sheet: Decoded, path: Path, below: Path | None = None) -> list[Cell]:
-        """Return where the drawings of a sheet lie.
+    def cells(
+        self,
+        sheet: Decoded,
+        path: Path,
+        below: Path | None = None,
+        units: tuple[float, float] | None = None,
+    ) -> AtlasCells:
+        """Return where the drawings of a sheet lie, and what is wrong with others.
 
         Args:
             sheet: its pixels, not reduced.
             path: its file.
             below: as `beside` has it.
+            units: (width, height) of an SVG in its own units, in which its atlas may be.
 
         Raises:
             InputError: if it has none, or the grid or the atlas disagrees with it.
         """
         if self.sheet is not None:
-            return grid_cells(*parse_grid(self.sheet), sheet.shape, path)
+            return AtlasCells(grid_cells(*parse_grid(self.sheet), sheet.shape, path), [])
         if self.atlas is None:
-            return find_islands(sheet)
+            return AtlasCells(find_islands(sheet), [])
         found = self.beside(path, below)
         if not found:
-            raise InputError(f"{self.atlas} holds no atlas for {path}; it is named {path.stem}.json.")
-        return read_atlas(found[0], sheet.shape, path)
+            raise InputError(
+                f"{self.atlas} holds no atlas for {path}; it is named {path.stem}.json, .xml, .plist, "
+                ".atlas, .tpsheet, .txt or .csv."
+            )
+        read = read_atlas(found[0], sheet.shape, path, units)
+        cells, warnings = separate(read.cells, sheet)
+        return AtlasCells(cells, [*read.warnings, *warnings])

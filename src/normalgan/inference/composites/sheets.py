@@ -77,6 +77,7 @@ def predict_sheet(
     mask: BoolMask | str | None = None,
     shared: bool = False,
     flips: Sequence[tuple[float, float]] = (),
+    said: Sequence[str] = (),
 ) -> NormalMap:
     """Return the map of a sheet, in which each cell is as if it had been cut out and painted alone.
 
@@ -88,6 +89,7 @@ def predict_sheet(
         mask: (H, W) the objects; or how they are found, as `Predictor` has it.
         shared: whether the network is shown the same square of all cells, which are then of one size.
         flips: x and y in pixels of the sheet, as `prepare` has them.
+        said: what is to be said of the sheet besides, parts of a sentence.
 
     Raises:
         InputError: if no cell can be painted, or cells that share a frame differ in size.
@@ -104,7 +106,7 @@ def predict_sheet(
     if not fine:
         cell, error = done[0]
         raise InputError(f"{cell.name}: {error}")
-    return _assembled(sheet.shape, fine, _warning(done))
+    return _assembled(sheet.shape, fine, _warning(done, said))
 
 
 def _member(
@@ -160,9 +162,9 @@ def _assembled(
     return NormalMap(normals, mask, alpha, seen, confidence, warning, cells=cells)
 
 
-def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]]) -> str:
+def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str]) -> str:
     """Return what is to be said of the cells, a part of a sentence; empty if nothing is."""
     said = [(cell, left_flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
-    named = [f"{cell.name}: {words}" for cell, words in said if words]
-    more = f"; and so on, in {len(named)} of its {len(done)} drawings" if len(named) > _NAMED else ""
+    named = [*others, *(f"{cell.name}: {words}" for cell, words in said if words)]
+    more = f"; and so on, {len(named)} in all" if len(named) > _NAMED else ""
     return "; ".join(named[:_NAMED]) + more

@@ -36,17 +36,24 @@ def search(
     errors = []
     for word in words:
         place = Path(word)
+        broken: list[Path] = []
         if place.is_file():
             here = {place: Path()}
         elif place.is_dir():
             files = list(_below(place, leave_out) if recursive else place.iterdir())
             drawings = [path for path in files if is_drawing(path) and path.is_file()]
+            broken = sorted(path for path in files if is_drawing(path) and _is_broken(path))
             kept = without_companions(sorted(drawings), companions)
             here = {path: path.parent.relative_to(place) for path in kept}
         else:
-            matches = [Path(match) for match in sorted(glob(word, recursive=True)) if Path(match).is_file()]
+            every = [Path(match) for match in sorted(glob(word, recursive=True))]
+            broken = [path for path in {place: place, **dict.fromkeys(every)} if _is_broken(path)]
+            matches = [path for path in every if path.is_file() and not path.name.startswith("._")]
             here = dict.fromkeys(without_companions(matches, companions), Path())
-        if not here and not (may_be_empty and place.is_dir()):
+        errors += [
+            InputError(f"{path} is a link to {path.readlink()}, which is not there.") for path in broken
+        ]
+        if not here and not broken and not (may_be_empty and place.is_dir()):
             errors.append(
                 InputError(
                     f"no sketch found at {word!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
@@ -54,6 +61,10 @@ def search(
             )
         found |= {path: below for path, below in here.items() if path not in found}
     return _apart(found), errors
+
+
+def _is_broken(path: Path) -> bool:
+    return path.is_symlink() and not path.exists()
 
 
 def _below(folder: Path, leave_out: Path | None) -> Iterator[Path]:

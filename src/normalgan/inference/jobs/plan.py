@@ -186,6 +186,7 @@ def plan(
     ending: str,
     others: Sequence[str] = (),
     may_clash: bool = False,
+    also_read: Sequence[Path] = (),
 ) -> list[Job]:
     """Return what is to be painted, and where it goes.
 
@@ -195,6 +196,7 @@ def plan(
         ending: of a normal map's name, such as ``_normal.png``.
         others: endings of what else is written.
         may_clash: whether two drawings may go to one file, as somebody else sees to that.
+        also_read: what is read besides, such as the model.
 
     Raises:
         InputError: if something that is read would be written over, or two files would have one name.
@@ -202,7 +204,7 @@ def plan(
     jobs = [
         Job(each, folder / each.below / f"{each.drawing.stem}{ending}", each.drawing.stem) for each in files
     ]
-    _check_names(jobs, others, may_clash)
+    _check_names(jobs, others, also_read, may_clash)
     return jobs
 
 
@@ -238,8 +240,10 @@ def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
     return found
 
 
-def plan_file(files: Sequence[DrawingFiles], target: Path, others: Sequence[str] = ()) -> Job:
-    """Return the job of the one drawing whose map goes to a file of a given name.
+def plan_file(
+    files: Sequence[DrawingFiles], target: Path, others: Sequence[str] = (), also_read: Sequence[Path] = ()
+) -> Job:
+    """Return the job of the one drawing whose map goes to a file of a given name; see `plan`.
 
     Raises:
         InputError: if there are several, or something that is read would be written over.
@@ -247,7 +251,7 @@ def plan_file(files: Sequence[DrawingFiles], target: Path, others: Sequence[str]
     if len(files) != 1:
         raise InputError(f"{target} is one file, but there are {len(files)} sketches; name a folder (-o).")
     job = Job(files[0], target, target.stem, exact=True)
-    _check_names([job], others)
+    _check_names([job], others, also_read)
     return job
 
 
@@ -285,13 +289,15 @@ def _companions(
     return found
 
 
-def _check_names(jobs: Sequence[Job], others: Sequence[str], may_clash: bool = False) -> None:
-    """Raise `InputError` if something would be written over a sketch, its companions, or twice.
+def _check_names(
+    jobs: Sequence[Job], others: Sequence[str], also_read: Sequence[Path], may_clash: bool = False
+) -> None:
+    """Raise `InputError` if something would be written over what is read, or twice.
 
     With ``may_clash`` it is twice for one drawing that counts.
     """
-    given = [(job.files.drawing, job.files.hints, job.files.mask) for job in jobs]
-    read = {path.resolve() for each in given for path in each if isinstance(path, Path)}
+    given = [(job.files.drawing, *job.files.beside) for job in jobs]
+    read = {path.resolve() for each in (*given, also_read) for path in each}
     written: set[Path] = set()
     for job in jobs:
         if may_clash:

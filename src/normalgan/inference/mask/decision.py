@@ -30,7 +30,7 @@ _ADDED = 0.6
 """Mean presence from which an enclosed region is object although no outline encloses it."""
 _SURE, _SPECK = 0.72, 0.002
 """Least mean presence of an area that no outline encloses, and its least share of the object."""
-_UNSURE = 0.3, 0.7, 0.02
+_UNSURE = 0.15, 0.7, 0.02
 """Mean presence between which the reader is unsure of a region; and the least share of the object to warn."""
 _NEAR = 0.01
 """How far from a region a point that flips it may lie, as a share of the longer side: on its line, say."""

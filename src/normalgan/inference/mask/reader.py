@@ -18,7 +18,7 @@ __all__ = ["SHIPPED", "Reading", "drop_ground", "lines_of", "read"]
 
 SHIPPED = Path(__file__).parents[2] / "weights" / "reader.onnx"
 """The reader that comes with the package."""
-_SIDES = 256, 320
+_SIDES = 256, 384
 """Smallest and largest longer side, in pixels, of the pictures that the network sees."""
 _STRIDE = 32
 """The sides of these pictures are multiples of this many pixels."""

@@ -10,7 +10,7 @@ import numpy as np
 import onnxruntime
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError, brief, with_subject
+from normalgan.errors import InputError, RunError, brief, wants_memory, with_subject
 from normalgan.files.addresses import local_file
 from normalgan.files.limits import read_bounded
 from normalgan.inference.network.onnx_graph import check_graph
@@ -100,6 +100,10 @@ class OnnxBackend:
         except OSError as error:
             raise InputError(f"the model {path} cannot be read: {error.strerror}.") from None
         except Exception as error:  # ONNX Runtime's own classes of errors have no common base
+            if wants_memory(error):
+                raise RunError(
+                    f"there is too little memory to load the model {path}; close other programs."
+                ) from error
             raise InputError(
                 f"{path} is no model that ONNX Runtime can run: {brief(error)[:200].rstrip('.')}."
             ) from error
@@ -174,6 +178,10 @@ class OnnxBackend:
         except Exception as error:  # as above
             if late.is_set():
                 why = f"takes more than {PATIENCE:.0f} seconds to paint"
+            elif wants_memory(error):
+                raise RunError(
+                    f"there is too little memory to run the model {self._path}; close other programs."
+                ) from error
             elif "BFCArena" in str(error):
                 why = f"takes more than {MEMORY >> 30} GiB of memory to paint"
             else:

@@ -60,7 +60,8 @@ def outputs_of(settings: Mapping[str, Any]) -> Outputs:
     """Return what the options of a command ask for.
 
     Args:
-        settings: the value of each option, those of `Normal` and of every output in `OUTPUTS`.
+        settings: the value of each option, those of every output in `OUTPUTS`, and of `Normal` as far as the
+            command has them.
 
     Raises:
         InputError: if they do not go together.
@@ -79,5 +80,6 @@ def outputs_of(settings: Mapping[str, Any]) -> Outputs:
                 raise InputError(
                     f"{each.name} is a setting of the {kind.label.lower()}; add {flag}, or leave it out."
                 )
-    normal = {each.name: settings[each.name] for each in fields(Normal)}
+    own = {each.name: settings.get(each.name) for each in fields(Normal)}
+    normal = {name: value for name, value in own.items() if value is not None}  # null is the default
     return Outputs(Normal(**normal), tuple(others))

@@ -111,7 +111,7 @@ def _parsed(path: Path) -> Any:
     except OSError as error:
         raise InputError(f"the hints {path} cannot be read: {error.strerror}.") from None
     try:
-        return json.loads(content.decode("utf-8"))
+        return json.loads(content)  # of bytes it finds the encoding, with a byte order mark too
     except json.JSONDecodeError as error:
         raise InputError(f"the hints {path} are not JSON: line {error.lineno}: {error.msg}.") from None
     except UnicodeDecodeError:

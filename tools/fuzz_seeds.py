@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-TESTS = Path(__file__).parents[2] / "tests"
+TESTS = Path(__file__).parents[1] / "tests"
 CORPUS = TESTS / "trust" / "corpus"
 PROJECT = {
     **{"format": "normalgan-studio", "version": 2, "width": 64, "height": 64},

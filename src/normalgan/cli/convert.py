@@ -1,0 +1,83 @@
+"""normalgan convert: a normal or height map of any program to another format, direction or kind."""
+
+from pathlib import Path
+from typing import Literal
+
+from jsonargparse import Namespace
+
+from normalgan.cli.light_parser import LightParser
+from normalgan.errors import InputError, unwritable
+from normalgan.files.writing import write_bytes
+from normalgan.inference.conversion import map_of_heights, read_map, with_detail
+from normalgan.inference.outputs.outputs import encode_height
+from normalgan.normals import Bits, Green
+
+__all__ = ["build_parser", "convert", "run"]
+
+Kind = Literal["normal", "height"]
+
+
+def run(arguments: list[str]) -> int:
+    """Convert what the arguments name and return the exit code.
+
+    Raises:
+        InputError: if something that was given cannot be used.
+    """
+    return convert(build_parser().parse_args(arguments))
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan convert",
+        usage="%(prog)s MAP -o FILE.png|.exr|.tiff [--SETTING VALUE]...",
+        description="Convert a normal or height map to another format, direction or kind.",
+    )
+    parser.add_argument("map", help="a normal map (PNG, TIFF, EXR), or a grey height map")
+    parser.add_argument("-o", "--output", required=True, help="where it goes: .png, .tiff or .exr")
+    parser.add_argument("--from", dest="source", type=Kind, default="normal", help="what the map holds")
+    parser.add_argument("--to", type=Kind, default="normal", help="what to write: normals, or their heights")
+    parser.add_argument(
+        "--from_y", "--from-y", type=Green, default="up", help="green of the map: up is OpenGL"
+    )
+    parser.add_argument("--y", type=Green, default="up", help="green to write; down is DirectX")
+    parser.add_argument("--bits", type=Bits, default=8, help="of each channel of a normal map as PNG")
+    parser.add_argument("--strength", type=float, default=1.0, help="factor of the slopes")
+    parser.add_argument(
+        "--scale", type=float | None, help="pixels from black to white of a height map; null for all of them"
+    )
+    parser.add_argument("--detail", type=str | None, help="a normal map of details to lay over it; repeated")
+    parser.add_argument("--detail_y", "--detail-y", type=Green, default="up", help="green of the details")
+    return parser
+
+
+def convert(settings: Namespace) -> int:
+    """Convert a map; return the exit code.
+
+    Raises:
+        InputError: if it cannot be read or written, or the settings do not go together.
+    """
+    output = Path(settings.output)
+    if settings.source == "height" and settings.scale is None:
+        raise InputError("a height map needs --scale: the pixels from black to white.")
+    if output.resolve() == Path(settings.map).resolve():
+        raise InputError(f"{output} is read and would be overwritten; give another output (-o).")
+    if settings.source == "height":
+        found = map_of_heights(settings.map, settings.scale)
+    else:
+        found = read_map(settings.map, settings.from_y)
+    found = found.stronger(settings.strength)
+    if settings.detail is not None:
+        found = with_detail(found, read_map(settings.detail, settings.detail_y))
+    try:
+        if settings.to == "height":
+            form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
+            if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
+                raise InputError(f"the height map {output} is to end in .png, .tif or .tiff.")
+            write_bytes(output, encode_height(found.height(), found, form, settings.scale))
+        else:
+            found.save(output, settings.bits, settings.y, alpha=bool((found.alpha < 1).any()))
+    except OSError as error:
+        raise unwritable(f"the map cannot be written to {output}: {error.strerror}.", error) from None
+    print(output)
+    return 0

@@ -1,0 +1,216 @@
+"""normalgan mcp: the Python API as tools of the Model Context Protocol, for assistants."""
+
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from normalgan.cli.light_parser import LightParser
+from normalgan.errors import InputError, unwritable
+from normalgan.files.writing import write_bytes
+
+if TYPE_CHECKING:
+    from mcp.server import MCPServer
+
+    from normalgan.inference.normal_map import NormalMap
+    from normalgan.inference.predictor import Predictor
+
+__all__ = ["Tools", "build_parser", "make_server", "run"]
+
+_INSTRUCTIONS = (
+    "normalgan turns line drawings and sprites into normal maps for lighting in games and 3D programs. "
+    "Paths are relative to the folder that the server serves."
+)
+
+
+def run(arguments: list[str]) -> int:
+    """Serve over standard input and output until the client ends; return the exit code.
+
+    Raises:
+        InputError: if the extra is not installed, or a setting cannot be used.
+    """
+    settings = build_parser().parse_args(arguments)
+    make_server(Path(settings.root), settings.model).run("stdio")
+    return 0
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan mcp",
+        usage="%(prog)s [--root FOLDER] [--model FILE]",
+        description="Serve infer, preview and sheet as MCP tools over standard input and output.",
+    )
+    parser.add_argument("--root", default=".", help="the folder that tools read from and write to")
+    parser.add_argument("--model", default="shipped", help="a file that normalgan export wrote")
+    return parser
+
+
+def make_server(root: Path, model: str = "shipped") -> "MCPServer[Any]":
+    """Return a server whose tools read and write below a folder.
+
+    Raises:
+        InputError: if the extra is not installed, or there is no such folder.
+    """
+    try:
+        from mcp.server import MCPServer
+    except ImportError:
+        raise InputError("normalgan mcp needs mcp; run `pip install 'normalgan[mcp]'`.") from None
+    if not root.is_dir():
+        raise InputError(f"there is no folder {root} to serve.")
+    import normalgan
+
+    tools = Tools(root.resolve(), model)
+    server: MCPServer[Any] = MCPServer("normalgan", instructions=_INSTRUCTIONS, version=normalgan.__version__)
+    for tool in (tools.infer, tools.preview, tools.sheet):
+        server.tool()(tool)
+    return server
+
+
+@dataclass
+class Tools:
+    """What the server offers; docstrings and annotations are what an assistant is told.
+
+    Args:
+        root: the folder that tools read from and write to.
+        model: a file, or ``shipped``.
+    """
+
+    root: Path
+    model: str = "shipped"
+    _predictor: "Predictor | None" = None
+
+    def infer(
+        self,
+        drawing: str,
+        output: str,
+        hints: list[dict[str, Any]] | None = None,
+        mask: str | None = None,
+        size: int | None = None,
+        green: Literal["up", "down"] = "up",
+        bits: Literal[8, 16] = 8,
+        alpha: bool = False,
+        strength: float = 1.0,
+        tile: Literal["both", "x", "y"] | None = None,
+    ) -> dict[str, Any]:
+        """Predict the normal map of a line drawing or sprite and write it to a file.
+
+        Args:
+            drawing: the picture: PNG, JPEG, WebP, TIFF, SVG, PSD, KRA, ORA or Aseprite.
+            output: the file to write: .png, .exr or .tiff.
+            hints: known normals: [{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}], in pixels from the top left.
+            mask: a picture that is white on the object, or "outline", "model" or "reader".
+            size: longer side of the map in pixels; default that of the drawing.
+            green: "up" for OpenGL, Godot, Unity and Blender; "down" for DirectX and Unreal.
+            bits: of each channel of a PNG.
+            alpha: whether the object's mask becomes the alpha channel.
+            strength: factor of the slopes.
+            tile: the directions in which the drawing repeats.
+        """
+        with _told():
+            where = None if mask is None else mask if mask in _SOURCES else str(self._inside(mask))
+            preds = self._load()(self._inside(drawing), hints, where, size, tile).stronger(strength)
+            preds.save(target := self._inside(output), bits, green, alpha)
+        return self._answer(target, preds)
+
+    def preview(self, drawing: str, output: str | None = None) -> Any:
+        """Show a drawing lit from eight directions by its predicted normal map.
+
+        Args:
+            drawing: the picture.
+            output: a PNG to write the preview to; default none.
+        """
+        from mcp.server.mcpserver import Image
+        from PIL import Image as Pictures
+
+        from normalgan.inference.normal_map import as_it_lies
+        from normalgan.inference.outputs.preview import preview_png
+
+        with _told():
+            preds = self._load()(self._inside(drawing))
+            content = preview_png(as_it_lies(preds), preds.mask)
+            if output is not None:
+                write_bytes(self._inside(output), content)
+        with Pictures.open(BytesIO(content)) as picture:
+            picture.thumbnail((1024, 1024))
+            picture.save(small := BytesIO(), "PNG")
+        return Image(data=small.getvalue(), format="png")
+
+    def sheet(
+        self,
+        drawing: str,
+        output: str,
+        grid: str | None = None,
+        atlas: str | None = None,
+        green: Literal["up", "down"] = "up",
+        alpha: bool = True,
+    ) -> dict[str, Any]:
+        """Predict the normal map of a sprite sheet, each sprite separately, and write it to a file.
+
+        Args:
+            drawing: the sheet.
+            output: the file to write: .png, .exr or .tiff.
+            grid: columns x rows, such as "4x3".
+            atlas: the JSON of TexturePacker or Aseprite; default finds sprites by what surrounds them.
+            green: "up" for OpenGL, Godot, Unity and Blender; "down" for DirectX and Unreal.
+            alpha: whether the objects' mask becomes the alpha channel.
+        """
+        from normalgan.inference.composites.packing import Packing
+        from normalgan.inference.composites.sheets import predict_sheet
+        from normalgan.inference.reading.drawings import read_pixels
+
+        with _told():
+            path = self._inside(drawing)
+            split = "auto" if grid is None and atlas is None else None
+            packing = Packing(grid, split, None if atlas is None else str(self._inside(atlas)))
+            pixels = read_pixels(path)
+            found = packing.cells(pixels, path)
+            preds = predict_sheet(self._load(), pixels, found.cells, said=found.warnings)
+            preds.save(target := self._inside(output), 8, green, alpha)
+        return self._answer(target, preds) | {"sprites": len(found.cells)}
+
+    def _load(self) -> "Predictor":
+        from normalgan.inference.load import load
+
+        if self._predictor is None:
+            self._predictor = load(self.model)
+        return self._predictor
+
+    def _inside(self, name: str) -> Path:
+        """Return a file below the root.
+
+        Raises:
+            InputError: if it lies elsewhere.
+        """
+        path = (self.root / name).resolve()
+        if not path.is_relative_to(self.root):
+            raise InputError(f"{name} lies outside {self.root}; name a file in that folder.")
+        return path
+
+    def _answer(self, target: Path, preds: "NormalMap") -> dict[str, Any]:
+        height, width = preds.mask.shape
+        return {
+            "file": str(target.relative_to(self.root)),
+            "width": width,
+            "height": height,
+            "object_share": round(float(preds.mask.mean()), 3),
+            "warning": preds.warning,
+        }
+
+
+_SOURCES = ("outline", "model", "reader")
+
+
+class _told:  # noqa: N801 -- used like a function
+    """Turn what a user can do something about into an error that the assistant is told."""
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        from mcp.server.mcpserver.exceptions import ToolError
+
+        if isinstance(error, OSError):
+            error = unwritable(f"{error.filename} cannot be written: {error.strerror}.", error)
+        if isinstance(error, InputError):
+            raise ToolError(str(error)) from error

@@ -1,0 +1,88 @@
+"""Conversion of maps that exist: between normals and heights, and details laid over a normal map."""
+
+from pathlib import Path
+
+import numpy as np
+
+from normalgan.arrays import Floats
+from normalgan.errors import InputError
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.reading.drawings import read_normals, read_pixels, to_unit
+from normalgan.inference.vectors import unit
+from normalgan.normals import Green
+
+__all__ = ["map_of_heights", "read_map", "reoriented", "with_detail"]
+
+
+def read_map(path: str | Path, green: Green = "up") -> NormalMap:
+    """Return the normal map in a file as if it had been predicted.
+
+    Args:
+        path: a PNG, TIFF or EXR.
+        green: which way of y its green channel holds.
+
+    Raises:
+        InputError: if it cannot be read, or is no normal map.
+    """
+    found, alpha = read_normals(path, green)
+    return _map(unit(np.ascontiguousarray(found), front=True), alpha)
+
+
+def map_of_heights(path: str | Path, scale: float) -> NormalMap:
+    """Return the normal map of the surface in a height map.
+
+    Args:
+        path: a grey picture; white is high.
+        scale: pixels from black to white; of a TIFF of floats, that each unit stands for.
+
+    Raises:
+        InputError: if it cannot be read, or has colours that differ.
+    """
+    if not scale > 0:
+        raise InputError(f"scale is {scale}; it is pixels from black to white, more than 0.")
+    pixels = read_pixels(Path(path), exact=True).pixels
+    alpha = to_unit(pixels[..., 3]) if pixels.ndim == 3 and pixels.shape[2] == 4 else None
+    if pixels.ndim == 3:
+        if (pixels[..., :3] != pixels[..., :1]).any():
+            raise InputError(f"{path} has colours; a height map is grey.")
+        pixels = pixels[..., 0]
+    heights = pixels if pixels.dtype == np.float32 else to_unit(pixels)
+    down, right = np.gradient(heights.astype(np.float32) * np.float32(scale))
+    slopes = np.stack([-right, down, np.ones_like(right)], axis=-1)
+    return _map(unit(np.ascontiguousarray(slopes, np.float32), front=True), alpha)
+
+
+def with_detail(base: NormalMap, detail: NormalMap) -> NormalMap:
+    """Return a map with the details of another on it; a smaller one is repeated."""
+    height, width = base.mask.shape
+    rows, columns = (-(-a // b) for a, b in zip((height, width), detail.mask.shape, strict=True))
+    repeated = np.tile(detail.extended, (rows, columns, 1))[:height, :width]
+    return NormalMap(
+        reoriented(base.extended, repeated), base.mask, base.alpha, base.seen, base.confidence, base.warning
+    )
+
+
+def reoriented(base: Floats, detail: Floats) -> Floats:
+    """Return normals (H, W, 3) of a surface whose details (H, W, 3) stand on its own normals (H, W, 3).
+
+    References:
+        Barré-Brisebois, Hill 2012, "Blending in detail".
+
+    Example:
+        On a flat surface a detail is itself, and a flat detail changes nothing:
+
+        >>> flat = np.array([[[0, 0, 1]]], np.float32)
+        >>> tilted = np.array([[[0.6, 0, 0.8]]], np.float32)
+        >>> [bool(np.allclose(each, tilted)) for each in (reoriented(flat, tilted), reoriented(tilted, flat))]
+        [True, True]
+    """
+    onto = base + np.array([0, 0, 1], np.float32)
+    turned = detail * np.array([-1, -1, 1], np.float32)
+    share = (onto * turned).sum(axis=-1, keepdims=True) / np.maximum(onto[..., 2:], np.float32(1e-4))
+    return unit(np.ascontiguousarray(onto * share - turned, np.float32), front=True)
+
+
+def _map(normals: Floats, alpha: Floats | None) -> NormalMap:
+    shape = normals.shape[:2]
+    opacity = np.ones(shape, np.float32) if alpha is None else alpha
+    return NormalMap(normals, opacity > 0.5, opacity, np.zeros((8, 8), np.float32), None, "")

@@ -1,0 +1,69 @@
+"""Metrics of where a method says that there is an object: IoU with the true mask, and coverage of it."""
+
+import torch
+from torch import Tensor
+
+from normalgan.metrics.base import MapMetric
+
+__all__ = ["PRESENT", "Coverage", "MaskIoU", "presence"]
+
+PRESENT = 0.5
+"""A predicted vector longer than this says that there is an object."""
+
+
+def presence(vectors: Tensor) -> Tensor:
+    """Return where vectors (N, 3, H, W) say that there is an object, (N, 1, H, W) of bool."""
+    return vectors.square().sum(1, keepdim=True).sqrt() > PRESENT
+
+
+class _PresenceMetric(MapMetric):
+    """Base of the two: counts over all pixels of the pictures, whatever mask is given."""
+
+    is_differentiable = False
+
+    both: Tensor
+    total: Tensor
+
+    def __init__(self) -> None:
+        super().__init__()
+        for name in ("both", "total"):
+            self.add_state(name, torch.zeros((), dtype=torch.int64), dist_reduce_fx="sum")
+
+    def compute(self) -> Tensor:
+        """Return the share, nan where there was nothing to count."""
+        return self.both.float() / self.total
+
+
+class MaskIoU(_PresenceMetric):
+    """Intersection over union of the object that is predicted and the true one; 1 is right everywhere."""
+
+    label = "mask IoU"
+
+    @property
+    def figure(self) -> str:
+        """Its name in results."""
+        return "mask_iou"
+
+    def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
+        """Count a batch; where the target is zero there is no object, and ``mask`` is ignored."""
+        predicted, there = presence(preds), presence(target)
+        self.both = self.both + (predicted & there).sum()
+        self.total = self.total + (predicted | there).sum()
+
+
+class Coverage(_PresenceMetric):
+    """Share of the true object at which an object is predicted."""
+
+    label = "coverage"
+    unit = "%"
+
+    @property
+    def figure(self) -> str:
+        """Its name in results."""
+        return "coverage"
+
+    def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
+        """Count a batch; where the target is zero there is no object, and ``mask`` is ignored."""
+        there = presence(target)
+        self.both = self.both + (presence(preds) & there).sum()
+        self.total = self.total + there.sum()

@@ -1,0 +1,86 @@
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from normalgan.__main__ import main
+from normalgan.inference.reading.drawings import read_normals
+from normalgan.normals import angles, encode_grey, encode_png, normalize, write_bytes
+
+ALONG = (np.arange(64, dtype=np.float32) - 31.5) / 32
+X, Y = np.meshgrid(ALONG, -ALONG)
+HEIGHT = np.asarray(8 * np.exp(-3 * (X**2 + Y**2)), np.float32)
+"""A hill of 8 pixels; its slopes are those of pixels."""
+NORMALS = normalize(np.stack([6 * X * HEIGHT / 32, 6 * Y * HEIGHT / 32, np.ones_like(X)], axis=-1))
+
+
+@pytest.fixture
+def hill(tmp_path: Path) -> Path:
+    path = tmp_path / "hill.png"
+    write_bytes(path, encode_png(NORMALS, 16))
+    return path
+
+
+def off(path: Path, truth: np.ndarray, green: str = "up") -> float:
+    """Return the largest angle in degrees between a map in a file and the truth, off the border."""
+    found = normalize(read_normals(path, green)[0])  # type: ignore[arg-type]
+    return float(np.max(np.asarray(angles(found, truth))[2:-2, 2:-2]))
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.exr", "a.tiff"])
+def test_green_bits_and_format_change_and_the_surface_does_not(hill: Path, tmp_path: Path, name: str) -> None:
+    down = tmp_path / name
+    assert main(["convert", str(hill), "-o", str(down), "--y", "down"]) == 0
+    assert off(down, NORMALS, "down") < 0.7
+    assert off(down, NORMALS, "up") > 10
+    back = tmp_path / "back.png"
+    assert main(["convert", str(down), "-o", str(back), "--from-y", "down", "--bits", "16"]) == 0
+    assert off(back, NORMALS) < 0.7
+
+
+def test_normals_and_heights_are_turned_into_each_other(hill: Path, tmp_path: Path) -> None:
+    height, normals = tmp_path / "height.tiff", tmp_path / "normal.png"
+    assert main(["convert", str(hill), "-o", str(height), "--to", "height"]) == 0
+    found = cv2.imread(str(height), cv2.IMREAD_UNCHANGED)
+    assert found is not None
+    assert np.abs((found - found.mean()) - (HEIGHT - HEIGHT.mean())).max() < 0.4
+    grey = tmp_path / "grey.png"
+    write_bytes(grey, encode_grey(HEIGHT / 8, ".png", 16))
+    assert main(["convert", str(grey), "-o", str(normals), "--from", "height", "--scale", "8"]) == 0
+    assert off(normals, NORMALS) < 1.5
+
+
+def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Path) -> None:
+    tilt = np.broadcast_to(np.array([0.6, 0, 0.8], np.float32), (10, 10, 3))
+    detail, out = tmp_path / "detail.png", tmp_path / "out.png"
+    write_bytes(detail, encode_png(tilt, 16))
+    arguments = ["convert", str(hill), "-o", str(out), "--detail", str(detail), "--bits", "16"]
+    assert main(arguments) == 0
+    found = normalize(read_normals(out)[0])
+    # Everywhere the detail makes its own angle with the surface below it.
+    turned = np.asarray(angles(found, NORMALS))
+    np.testing.assert_allclose(turned, np.degrees(np.arccos(0.8)), atol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        (["-o", "x.jpg"], "x.jpg is to end in one of .png .exr .tif .tiff"),
+        (["-o", "x.exr", "--to", "height"], "the height map x.exr is to end in .png, .tif or .tiff"),
+        (["-o", "x.png", "--from", "height"], "needs --scale"),
+        (["-o", "hill.png"], "hill.png is read and would be overwritten"),
+        (["-o", "x.png", "--detail", "gone.png"], "there is no file gone.png"),
+    ],
+)
+def test_what_cannot_be_converted_is_told(
+    hill: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    more: list[str],
+    sentence: str,
+) -> None:
+    monkeypatch.chdir(hill.parent)
+    assert main(["convert", "hill.png", *more]) == 2
+    assert sentence in capsys.readouterr().err
+    assert [path.name for path in hill.parent.iterdir()] == ["hill.png"]

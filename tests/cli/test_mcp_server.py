@@ -1,0 +1,73 @@
+"""The tools as an assistant calls them: through the client of the SDK."""
+
+import asyncio
+import base64
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from normalgan.__main__ import main
+from pens import blob, outline
+
+mcp = pytest.importorskip("mcp", reason="the extra mcp is not installed")
+GREY = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+
+
+def call(tool: str, **arguments: Any) -> Any:
+    from normalgan.cli.mcp_server import make_server
+
+    async def ask() -> Any:
+        async with mcp.Client(make_server(Path(), "model.onnx")) as client:
+            return await client.call_tool(tool, arguments)
+
+    return asyncio.run(ask())
+
+
+def test_infer_writes_what_generate_does(here: Path) -> None:
+    Image.fromarray(GREY).save("fox.png")
+    answer = call("infer", drawing="fox.png", output="maps/fox.png", green="down")
+    assert not answer.is_error, answer
+    assert answer.structured_content["width"] == GREY.shape[1]
+    assert 0 < answer.structured_content["object_share"] < 1
+    assert main(["generate", "fox.png", "--model", "model.onnx", "--y", "down"]) == 0
+    assert Path("maps/fox.png").read_bytes() == Path("normals/fox_normal.png").read_bytes()
+
+
+def test_sheet_paints_each_sprite(here: Path) -> None:
+    Image.fromarray(np.hstack([GREY, GREY])).save("two.png")
+    answer = call("sheet", drawing="two.png", output="two.exr", grid="2x1")
+    assert not answer.is_error, answer
+    assert answer.structured_content["sprites"] == 2
+    assert Path("two.exr").exists()
+
+
+def test_preview_shows_a_picture(here: Path) -> None:
+    Image.fromarray(GREY).save("fox.png")
+    (shown,) = call("preview", drawing="fox.png", output="lit.png").content
+    picture = Image.open(io.BytesIO(base64.b64decode(shown.data)))
+    assert np.asarray(picture).std() > 10
+    assert Path("lit.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({"drawing": "gone.png", "output": "a.png"}, "there is no file"),
+        ({"drawing": "fox.png", "output": "a.jpg"}, "is to end in one of .png .exr"),
+        ({"drawing": "fox.png", "output": "../a.png"}, "../a.png lies outside"),
+        ({"drawing": "/etc/hostname", "output": "a.png"}, "/etc/hostname lies outside"),
+        ({"drawing": "fox.png", "output": "a.png", "hints": [{"x": 1}]}, "a hint has x, y"),
+    ],
+)
+def test_what_cannot_be_used_is_told_to_the_assistant(
+    here: Path, arguments: dict[str, Any], sentence: str
+) -> None:
+    Image.fromarray(GREY).save("fox.png")
+    answer = call("infer", **arguments)
+    assert answer.is_error
+    assert sentence in answer.content[0].text
+    assert not Path("a.png").exists()
