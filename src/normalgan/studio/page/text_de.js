@@ -231,7 +231,7 @@ export const words = {
   whatHeight: "Höhenkarte",
   whatRelief: "Relief als Mesh",
   whatAll: "Alle Dateien, gezippt",
-  whatOcclusion: "Ambient Occlusion",
+  whatAo: "Ambient Occlusion",
   whatCurvature: "Krümmung",
   whatSpecular: "Specular",
   whatMask: "Maske",

@@ -231,7 +231,7 @@ export const words = {
   whatHeight: "Mapa de altura",
   whatRelief: "Malla del relieve",
   whatAll: "Todos los archivos, en zip",
-  whatOcclusion: "Oclusión ambiental",
+  whatAo: "Oclusión ambiental",
   whatCurvature: "Curvatura",
   whatSpecular: "Especular",
   whatMask: "Máscara",

@@ -231,7 +231,7 @@ export const words = {
   whatHeight: "Carte de hauteur",
   whatRelief: "Maillage en relief",
   whatAll: "Tous les fichiers, en zip",
-  whatOcclusion: "Occlusion ambiante",
+  whatAo: "Occlusion ambiante",
   whatCurvature: "Courbure",
   whatSpecular: "Spéculaire",
   whatMask: "Masque",

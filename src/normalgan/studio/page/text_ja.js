@@ -231,7 +231,7 @@ export const words = {
   whatHeight: "高さマップ",
   whatRelief: "レリーフのメッシュ",
   whatAll: "全ファイル（ZIP）",
-  whatOcclusion: "アンビエントオクルージョン",
+  whatAo: "アンビエントオクルージョン",
   whatCurvature: "曲率",
   whatSpecular: "スペキュラー",
   whatMask: "マスク",

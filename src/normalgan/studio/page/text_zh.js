@@ -231,7 +231,7 @@ export const words = {
   whatHeight: "高度图",
   whatRelief: "浮雕网格",
   whatAll: "全部文件（ZIP）",
-  whatOcclusion: "环境光遮蔽",
+  whatAo: "环境光遮蔽",
   whatCurvature: "曲率",
   whatSpecular: "高光",
   whatMask: "蒙版",
