@@ -143,6 +143,7 @@ PRESETS: Final = {
 _PLAIN: Final = Preset(Names(), "Green points up (OpenGL); flip it for DirectX.")
 
 
+_PAGE_WORDS = Path(__file__).with_name("page") / "text.js"
 _FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr", "tiff": "tiff"}
 
 
@@ -153,14 +154,14 @@ def offered() -> dict[str, tuple[str, ...]]:
 
 
 def with_export_menu(page: str) -> str:
-    """Return the page with the menu of all that can be exported."""
-    labels = {kind.name: escape(kind.label) for kind in OUTPUTS}
-    own = {"map": ' data-text="whatMap"', "all": ' data-text="whatAll"'}  # the page's own words
-    options = [
-        f'<option value="{name}" data-formats="{" ".join(formats)}"{own.get(name, "")}>'
-        f"{labels.get(name, '')}</option>"
-        for name, formats in offered().items()
-    ]
+    """Return the page with the menu of all exports, in the page's words as far as it has them."""
+    labels = {kind.name: kind.label for kind in OUTPUTS}
+    options = []
+    for name, formats in offered().items():
+        word = f"what{name.capitalize()}"
+        known = f"  {word}: " in _PAGE_WORDS.read_text(encoding="utf-8")
+        own, label = (f' data-text="{word}"', "") if known else ("", escape(labels[name]))
+        options.append(f'<option value="{name}" data-formats="{" ".join(formats)}"{own}>{label}</option>')
     return page.replace("<!-- outputs -->", "".join(options))
 
 
