@@ -15,7 +15,7 @@ from normalgan.normals import Bits, Green, encode_grey
 
 __all__ = ["build_parser", "convert", "run"]
 
-Kind = Literal["normal", "height"]
+_Kind = Literal["normal", "height"]
 
 
 def run(arguments: list[str]) -> int:

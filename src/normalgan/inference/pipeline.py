@@ -88,7 +88,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     if pins is not None and prepared.given is not None:
         off = hints_off(prepared.given.points, pins.points, mask)
         warning = "; ".join(filter(None, [warning, off]))
-    edge: Floats = np.rint(covered * 255) / np.float32(255)
+    edge = (np.rint(covered * 255) / 255).astype(np.float32)
     alpha: Floats = edge
     if prepared.alpha is not None:
         alpha = np.clip(resize(prepared.alpha, prepared.shape), 0, 1)

@@ -228,13 +228,10 @@ export const words = {
   whatMap: "Normal Map",
   whatLit: "Beleuchtetes Bild, wie gezeigt",
   whatAll: "Alle Dateien, gezippt",
-<<<<<<< HEAD
-=======
   whatAo: "Ambient Occlusion",
   whatCurvature: "Krümmung",
   whatSpecular: "Specular",
   whatMask: "Maske",
->>>>>>> house3
   whatLines: "Linien",
   allHelp: "Map, Linien, Maske, Höhe, Ambient Occlusion, Krümmung, Specular und Vorschau, mit Dateinamen, Grünrichtung und Bittiefe der Engine.",
   plain: "Schlicht",

@@ -228,13 +228,10 @@ export const words = {
   whatMap: "Mapa de normales",
   whatLit: "Imagen iluminada, como se ve",
   whatAll: "Todos los archivos, en zip",
-<<<<<<< HEAD
-=======
   whatAo: "Oclusión ambiental",
   whatCurvature: "Curvatura",
   whatSpecular: "Especular",
   whatMask: "Máscara",
->>>>>>> house3
   whatLines: "Líneas",
   allHelp: "Mapa, líneas, máscara, altura, oclusión ambiental, curvatura, especular y vista previa, con los nombres, el sentido del verde y los bits del motor.",
   plain: "Simple",

@@ -228,13 +228,10 @@ export const words = {
   whatMap: "Carte de normales",
   whatLit: "Image éclairée, comme affichée",
   whatAll: "Tous les fichiers, en zip",
-<<<<<<< HEAD
-=======
   whatAo: "Occlusion ambiante",
   whatCurvature: "Courbure",
   whatSpecular: "Spéculaire",
   whatMask: "Masque",
->>>>>>> house3
   whatLines: "Lignes",
   allHelp: "Carte, lignes, masque, hauteur, occlusion ambiante, courbure, spéculaire et aperçu, avec les noms de fichiers, le sens du vert et les bits du moteur.",
   plain: "Simple",

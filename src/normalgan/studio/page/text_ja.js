@@ -228,13 +228,10 @@ export const words = {
   whatMap: "法線マップ",
   whatLit: "照明画像（表示どおり）",
   whatAll: "全ファイル（ZIP）",
-<<<<<<< HEAD
-=======
   whatAo: "アンビエントオクルージョン",
   whatCurvature: "曲率",
   whatSpecular: "スペキュラー",
   whatMask: "マスク",
->>>>>>> house3
   whatLines: "線画",
   allHelp: "マップ、線画、マスク、高さ、アンビエントオクルージョン、曲率、スペキュラー、プレビュー。ファイル名、緑の向き、ビット数はエンジンに合わせます。",
   plain: "標準",

@@ -228,13 +228,10 @@ export const words = {
   whatMap: "法线贴图",
   whatLit: "打光图（如所见）",
   whatAll: "全部文件（ZIP）",
-<<<<<<< HEAD
-=======
   whatAo: "环境光遮蔽",
   whatCurvature: "曲率",
   whatSpecular: "高光",
   whatMask: "蒙版",
->>>>>>> house3
   whatLines: "线稿",
   allHelp: "贴图、线稿、蒙版、高度、环境光遮蔽、曲率、高光和预览，按引擎的文件名、绿色方向和位深。",
   plain: "通用",
