@@ -36,8 +36,8 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("map", help="a normal map (PNG, TIFF, EXR), or a grey height map")
     parser.add_argument("-o", "--output", required=True, help="where it goes: .png, .tiff or .exr")
-    parser.add_argument("--from", dest="source", type=Kind, default="normal", help="what the map holds")
-    parser.add_argument("--to", type=Kind, default="normal", help="what to write: normals, or their heights")
+    parser.add_argument("--from", dest="source", type=_Kind, default="normal", help="what the map holds")
+    parser.add_argument("--to", type=_Kind, default="normal", help="what to write: normals, or their heights")
     parser.add_argument(
         "--from_y", "--from-y", type=Green, default="up", help="green of the map: up is OpenGL"
     )
