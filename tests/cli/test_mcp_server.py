@@ -40,7 +40,8 @@ def test_infer_writes_what_generate_does(here: Path) -> None:
 def test_sheet_paints_each_sprite(here: Path) -> None:
     Image.fromarray(np.hstack([GREY, GREY])).save("two.png")
     answer = call("sheet", drawing="two.png", output="two.exr", grid="2x1")
-    assert answer.structured_content["sprites"] == 2, answer
+    assert not answer.is_error, answer
+    assert answer.structured_content["sprites"] == 2
     assert Path("two.exr").exists()
 
 

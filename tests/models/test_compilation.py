@@ -1,6 +1,5 @@
 """torch.compile: what it trains is saved by the names of the plain network, and loads."""
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,6 @@ from lightning.pytorch import LightningModule
 
 import normalgan
 from normalgan.errors import InputError
-from normalgan.gan import NormalGAN
 from normalgan.weights.checkpoint import read_checkpoint
 from small import QUIET, data, gan, trainer
 
@@ -84,11 +82,3 @@ def test_an_unknown_backend_is_refused() -> None:
         InputError, match=r"compile is true, false or a backend .*, not 'inductr'\. Did you mean inductor\?"
     ):
         gan(compile="inductr")
-
-
-@pytest.mark.slow  # compiles C++
-@pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
-def test_the_default_backend_trains(meshes: Path, cache: Path, tmp_path: Path) -> None:
-    path = fit(gan(compile=True), meshes, cache, tmp_path / "run")
-    assert normalgan.load(path).backend.size == 32
-    assert NormalGAN.load_from_checkpoint(path, weights_only=True)

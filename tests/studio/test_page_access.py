@@ -252,23 +252,3 @@ def test_escape_closes_a_card_and_the_keys_go_on_from_its_button(studio: Studio,
     studio.page.keyboard.press("Escape")
     assert not studio.page.evaluate(f"document.getElementById('{card}').open")
     assert summary.evaluate("node => node === document.activeElement")
-
-
-def test_what_a_finger_hits_on_a_telephone_is_44_pixels_large(opened: "Browser", server: Server) -> None:
-    with open_studio(opened, server.url, width=390, height=844) as studio:
-        page = studio.page
-        studio.new()
-        with studio.repainting():
-            studio.circle()
-        page.locator("#view-lit").click()
-        for tool in ("pen", "select", "hint", "mask", "light"):
-            page.locator(f"#tool-{tool}").click()
-            small = page.evaluate(
-                """() => [...document.querySelectorAll("button, summary, select, input[type=color]")]
-                  .filter((each) => each.checkVisibility() && !each.closest("dialog"))
-                  .map((each) => [each.id || each.textContent, each.getBoundingClientRect()])
-                  .filter(([, { width, height }]) => width < 43.5 || height < 43.5)
-                  .map(([name, { width, height }]) => `${name}: ${width} × ${height}`)"""
-            )
-            assert small == [], tool
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

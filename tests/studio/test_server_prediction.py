@@ -43,9 +43,8 @@ def test_it_paints_what_generate_paints(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path / "p") as client:
         pixels = predicted(client)
     assert pixels.shape == truth.shape == (HEIGHT, WIDTH, 4)
-    # The file's edge is soft, as wide as a pixel; the page needs the object itself.
+    # The file's edge is as soft as the drawing's ink; the page needs the object itself.
     assert np.mean((pixels[..., 3] > 0) != (truth[..., 3] > 127)) < 0.001
-    assert np.unique(truth[..., 3]).size > 10
     inside = pixels[..., 3] == 255
     assert set(np.unique(pixels[..., 3])) == {0, 255}
     assert abs(int(inside.sum()) - np.pi * RADIUS**2) < 0.1 * np.pi * RADIUS**2

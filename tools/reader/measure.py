@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.inference.jobs.plan import READER
+from normalgan.inference.jobs.plan import OUTLINE
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import read_picture
 
@@ -25,7 +25,7 @@ def mask_of(path: Path, reader: bool) -> tuple[np.ndarray | None, float, str]:
     picture = read_picture(path)
     start = time.perf_counter()
     try:
-        prepared = prepare(picture, 256, source=READER if reader else None)
+        prepared = prepare(picture, 256, source=None if reader else OUTLINE)
     except InputError as error:
         return None, 0.0, str(error)
     mask = prepared.mask if prepared.mask is not None else np.zeros(prepared.ink.shape, bool)

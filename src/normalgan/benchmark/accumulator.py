@@ -12,6 +12,7 @@ from torchmetrics import MetricCollection
 
 from normalgan.metrics import MapMetric, angular_error, normal_map_metrics, without_hints
 from normalgan.metrics.calibration import Calibration, expected_angle
+from normalgan.metrics.presence import presence
 from normalgan.metrics.relief import depth_difference, total_variation
 
 __all__ = ["DEEP", "EDGES", "PICTURE", "RIM", "Accumulator", "Figure", "Sums", "mesh_of"]
@@ -27,7 +28,6 @@ _LAST = len(EDGES) - 2  # number of the last bin
 
 Figure = dict[str, float | None]
 Sums = dict[str, NDArray[np.float64]]
-_BACKGROUND = 0.5  # a painted vector shorter than this says that there is no object
 
 
 class Accumulator:
@@ -76,7 +76,10 @@ class Accumulator:
             distance: (N, 1, H, W) pixels from the contour.
             names: of the samples, ``mesh/view``.
         """
-        preds, counted = predicted[:, :3], without_hints(mask, where)
+        preds = predicted[:, :3]
+        # Direction counts wherever one is given, at any length; where none is, the coverage tells.
+        given = ~(preds == 0).all(1, keepdim=True)
+        counted = without_hints(mask, where) * given
         self._all.update(preds, target, counted)
         meshes = [mesh_of(name) for name in names]
         for mesh in dict.fromkeys(meshes):
@@ -142,6 +145,7 @@ class Accumulator:
             "angular_rim": _ratio(total["rim_angle"], total["rim_pixels"]),
             "angular_deep": _ratio(total["deep_angle"], total["deep_pixels"]),
             "gradient_ratio": _ratio(total["variation"], total["true_variation"]),
+            "coverage": _ratio(total["intersection"], total["object"]),
             "mask_iou": _ratio(total["intersection"], total["union"]),
         }
         known = {name: float(value) for name, value in metrics.compute().items()}
@@ -162,7 +166,7 @@ def _view_sums(
 ) -> Sums:
     """Return sums over the pixels of each view, (N,), and over those of each bin of distance, (N, bins)."""
     inside, nz = counted > 0.5, depth_difference(preds, target)
-    predicted = preds.square().sum(1, keepdim=True).sqrt() > _BACKGROUND
+    predicted = presence(preds)
     there = mask > 0.5
     of_all = {
         "pixels": inside.double(),
@@ -178,6 +182,7 @@ def _view_sums(
     sums["variation"] = total_variation(preds, counted)
     sums["true_variation"] = total_variation(target, counted)
     sums["intersection"] = (predicted & there).sum((1, 2, 3))
+    sums["object"] = there.sum((1, 2, 3))
     sums["union"] = (predicted | there).sum((1, 2, 3))
     plain = {name: values.double().cpu().numpy() for name, values in sums.items()}
     values = {name: summed.cpu().numpy() for name, summed in of_all.items()}

@@ -124,7 +124,7 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--spec",
         type=str | None,
-        help="a frozen specification, such as configs/benchmark/v2.json; refuse to measure on anything else",
+        help="a frozen specification, such as configs/benchmark/v3.json; refuse to measure on anything else",
     )
     return parser
 

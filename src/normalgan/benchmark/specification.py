@@ -14,6 +14,10 @@ __all__ = ["Specification", "check_specification", "specify"]
 Specification = dict[str, str | int]
 
 _RULE = "uniform on the object, in the order of a permutation by numpy's default_rng, seeded by the name"
+_SCORING = (
+    "v3: direction error on the true object wherever a direction is given, at any length; an object is where "
+    "vectors are longer than 1/2, or where a submission is opaque; ranked by IoU * error + (1 - IoU) * 90"
+)
 _DRAWN_ALIKE = ("size", "renderer")  # the size stands beside, and renderers give the same maps
 
 
@@ -21,7 +25,8 @@ def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | No
     """Return what decides on the figures of a given model.
 
     ``meshes`` stands for the names of each split's meshes, ``views`` for how and how often each test mesh is
-    looked at and drawn, ``hints`` for where the common hints lie; ``size`` is that of the pictures in pixels.
+    looked at and drawn, ``hints`` for where the common hints lie,
+    ``scoring`` for the rule that makes figures of maps; ``size`` is that of the pictures in pixels.
     Where the training split is drawn otherwise, ``training`` stands for how.
 
     Args:
@@ -36,6 +41,7 @@ def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | No
         "meshes": digest({split: [s.name for s in found] for split, found in data.sources.items()}),
         "views": digest({"recipe": recipe, "number": data.views_per_mesh["test"]}),
         "hints": digest({"rule": _RULE, "seed": tests.seed}),
+        "scoring": digest({"rule": _SCORING}),
         **other,
     }
 
@@ -77,7 +83,7 @@ def check_specification(found: Specification, path: Path) -> str:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    right = 'it must be like {"version": "v2", "sizes": [{"size": 128, "meshes": "…", "views": "…"}]}.'
+    right = 'it must be like {"version": "v3", "sizes": [{"size": 128, "meshes": "…", "views": "…"}]}.'
     try:
         content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:

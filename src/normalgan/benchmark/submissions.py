@@ -2,6 +2,8 @@
 
 A submission is a folder of ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is what
 was painted of view 3 of the mesh horse without hints, ``15/horse/3.png`` with the 15 hints of the benchmark.
+A map declares two things: its colours the direction of each pixel, its opacity where there is an object.
+Without opacity an object is where the vector is longer than 1/2, as with methods of ours.
 """
 
 import json
@@ -16,16 +18,20 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.benchmark.methods import Method
 from normalgan.benchmark.points import hint_order
+from normalgan.data.sources.pair import looks_flipped, outwardness
 from normalgan.errors import InputError, brief
 from normalgan.files.writing import write_bytes
 from normalgan.hints import NoHints, UniformHints
 from normalgan.inference.reading.drawings import read_pixels, to_unit
+from normalgan.normals import normalize
 
 __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
 SUBMISSION = "submission.json"
 _SILENT = 0.05
 """A vector shorter than this is the background's grey, of 8 bits or 16, and says nothing."""
+_THERE, _ABSENT = 1.0, 0.25
+"""Lengths of vectors where a submission says that there is an object, and where that there is none."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,9 @@ class Submission:
             # A small object has fewer hints than were asked for.
             folders = [min(count for count in self.counts if count >= number) for number in given]
             named = zip(folders, batch["name"], strict=True)
-            return torch.stack([self._read(*one, size) for one in named]).to(batch["normal"])
+            maps = torch.stack([self._read(*one, size) for one in named])
+            _refuse_flipped_green(self.folder, maps, batch["mask"].cpu())
+            return maps.to(batch["normal"])
 
         # One that has maps with hints takes them, and has none of its own.
         return Method(predict, UniformHints(0, 0) if max(self.counts) else NoHints(), timed=False)
@@ -65,11 +73,26 @@ class Submission:
                 "pixels in colour."
             )
         normals = 2 * pixels[..., :3] - 1
+        length = np.linalg.norm(normals, axis=-1, keepdims=True)
         if pixels.shape[2] == 4:
-            normals = normals * pixels[..., 3:]
+            present = pixels[..., 3:] > 0.5
+            normals = normals / np.maximum(length, _SILENT) * np.where(present, _THERE, _ABSENT)
         # Grey has no exact middle: 128 would be a short vector with a direction, and count as a guess.
-        normals[np.linalg.norm(normals, axis=-1) < _SILENT] = 0
+        normals[length[..., 0] < _SILENT] = 0
         return torch.from_numpy(np.ascontiguousarray(normals)).permute(2, 0, 1)
+
+
+def _refuse_flipped_green(folder: Path, maps: Tensor, masks: Tensor) -> None:
+    """Raise `InputError` if the vectors along the true outlines say that y is upside down, over a batch."""
+    found = [
+        outwardness(normalize(one.permute(1, 2, 0).numpy()), mask[0].numpy() > 0.5)
+        for one, mask in zip(maps.float(), masks, strict=True)
+    ]
+    if looks_flipped(*(float(value) for value in np.mean(found, axis=0))):
+        raise InputError(
+            f"the maps in {folder} look as if their green had the other direction: along the outlines x "
+            "points outward and y inward; write green up, as in OpenGL."
+        )
 
 
 def read_submission(folder: Path) -> Submission:

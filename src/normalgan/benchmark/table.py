@@ -25,6 +25,7 @@ __all__ = [
     "large",
     "markdown",
     "mesh_table",
+    "ranked_error",
     "spread_of",
 ]
 
@@ -120,9 +121,12 @@ def markdown(
             metric.label or metric.figure: figure_cell(given, metric.figure, metric.unit)
             for metric in more_metrics(plan.metrics)
         }
+        cells |= {"coverage": figure_cell(given, "coverage", "%"), "mask IoU": figure_cell(given, "mask_iou")}
         if given == OWN:
             cells = {"hints": lambda runs: spread_of([r["figures"][OWN]["hints"] for r in runs], 1)} | cells
         lines += ["", f"## {title}", "", *_table(plan, results, cells)]
+    for given in ("0", str(plan.hints)):
+        lines += _ranking(plan, results, given)
     lines += ["", *interval_table(plan, results)]
     for given in ("0", str(plan.hints)):
         cells = {heading: figure_cell(given, name) for name, heading in RELIEF.items()}
@@ -146,6 +150,44 @@ def markdown(
     lines += ["", "## What it costs", "", *_table(plan, results, _COSTS)]
     notes = "Speed in float32, in batches, on: " + "; ".join(sorted(_machines(results))) + "."
     return "\n".join([*lines, "", notes]) + "\n"
+
+
+def ranked_error(error: float, iou: float) -> float:
+    """Return what methods are ranked by, in degrees: a pixel missed or wrongly predicted counts 90°.
+
+    Args:
+        error: mean angular error on the true object, in degrees.
+        iou: intersection over union of the predicted object and the true one.
+
+    >>> ranked_error(20.0, 1.0), ranked_error(20.0, 0.5), ranked_error(20.0, 0.0)
+    (20.0, 55.0, 90.0)
+    """
+    return iou * error + (1 - iou) * 90
+
+
+def _ranking(plan: Plan, results: Results, given: str) -> list[str]:
+    """Return the lines of the ranking with some hints; nothing if no row has its figures."""
+    ranked = []
+    for row in plan.rows:
+        runs = [run["figures"].get(given, {}) for run in results.get(row.name, ())]
+        found = [[_number(run.get(name)) for name in ("angular_mean", "mask_iou")] for run in runs]
+        scores = [ranked_error(*figures) for figures in found]
+        if scores and not any(map(isnan, scores)):
+            ranked.append((mean(scores), row, scores))
+    if not ranked:
+        return []
+    title = "no hints" if given == "0" else f"{given} hints"
+    lines = ["", f"## Ranking, {title}", "", "| rank | method | ranked by | error | coverage | mask IoU |"]
+    lines.append("| ---: | --- | ---: | ---: | ---: | ---: |")
+    columns = (("angular_mean", None), ("coverage", "%"), ("mask_iou", None))
+    for place, (_, row, scores) in enumerate(sorted(ranked, key=lambda one: one[0]), 1):
+        cells = [figure_cell(given, name, unit)(results[row.name]) for name, unit in columns]
+        lines.append(f"| {place} | {row.label} | {' | '.join([spread_of(scores, 2, '°'), *cells])} |")
+    notes = (
+        "Ranked by IoU × error + (1 - IoU) × 90°: a pixel of the object that is missed, or of the background "
+        "that is predicted as object, counts 90°. The error is of direction, wherever one is given."
+    )
+    return [*lines, "", notes]
 
 
 def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:

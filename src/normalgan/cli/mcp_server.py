@@ -164,10 +164,10 @@ class Tools:
             split = "auto" if grid is None and atlas is None else None
             packing = Packing(grid, split, None if atlas is None else str(self._inside(atlas)))
             pixels = read_pixels(path)
-            cells = packing.cells(pixels, path)
-            preds = predict_sheet(self._load(), pixels, cells)
+            found = packing.cells(pixels, path)
+            preds = predict_sheet(self._load(), pixels, found.cells, said=found.warnings)
             preds.save(target := self._inside(output), 8, green, alpha)
-        return self._answer(target, preds) | {"sprites": len(cells)}
+        return self._answer(target, preds) | {"sprites": len(found.cells)}
 
     def _load(self) -> "Predictor":
         from normalgan.inference.load import load

@@ -15,7 +15,7 @@ from normalgan.cli.light_parser import LightParser
 from normalgan.cli.parser_errors import refusal
 from normalgan.errors import InputError, did_you_mean, unwritable
 from normalgan.files.writing import write_bytes
-from normalgan.normals import paint_flat, write_png
+from normalgan.normals import encode_png, paint_flat
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
 from normalgan.rendering.hand import Hand
@@ -121,7 +121,9 @@ def draw(settings: Namespace) -> None:
             ink = draw_ink(strokes, settings.size, settings.medium, rngs.__getitem__)
             write_bytes(settings.output, _png(ink))
         if settings.normal is not None:
-            write_png(settings.normal, paint_flat(maps.normal, maps.mask))
+            # Opaque on the object: by its colour a hole is a surface that faces the viewer.
+            flat = paint_flat(maps.normal, maps.mask)
+            write_bytes(settings.normal, encode_png(flat, alpha=maps.mask.astype(np.float32)))
     except OSError as error:
         raise unwritable(
             f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
@@ -170,9 +172,9 @@ def _check(settings: Namespace) -> str:
     """Return the suffix of the drawing's file, or raise `InputError` if the settings do not go together."""
     kind = Path(settings.output).suffix.lower()
     if kind not in {".svg", ".png"}:
-        raise InputError(f"the drawing {settings.output} is to be a .svg or a .png.")
+        raise InputError(f"the drawing {settings.output} must be a .svg or a .png.")
     if settings.normal is not None and Path(settings.normal).suffix.lower() != ".png":
-        raise InputError(f"the normal map {settings.normal} is to be a .png.")
+        raise InputError(f"the normal map {settings.normal} must be a .png.")
     read = [Path(each).resolve() for each in (settings.mesh, settings.orientation) if each]
     for path in filter(None, (settings.output, settings.normal)):
         if Path(path).resolve() in read:

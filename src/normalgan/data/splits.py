@@ -83,7 +83,8 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
     _refuse_twins(names, noun)
     split = _read(find_beside(str(path)))
     named = [name for part in split.values() for name in part]
-    unknown = [name for name in named if name not in set(names)]
+    known, listed = set(names), set(named)
+    unknown = [name for name in named if name not in known]
     if unknown:
         raise InputError(
             f"{path} names {_few(unknown)}, but there is no such {noun} among the {len(names)} given."
@@ -91,7 +92,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
     twice = [name for name, times in Counter(named).items() if times > 1]
     if twice:
         raise InputError(f"{path} names {_few(twice)} more than once; a {noun} belongs to one split only.")
-    left_out = [name for name in names if name not in set(named)]
+    left_out = [name for name in names if name not in listed]
     if left_out:
         warnings.warn(f"left out, because {path} does not name them: {_few(left_out)}.", stacklevel=2)
     return split

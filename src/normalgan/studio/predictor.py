@@ -156,7 +156,9 @@ class Predictor:
         left = float((lines * near).sum() / max(float(lines.sum()), 1e-6))
         if left < _LEFT:
             return prepared
-        return replace(prepared, mask=prepared.mask | (mask > 0.5), held=True)
+        # Where the outline is open now, the reader would only guess what is known from before.
+        enclosed = resize(prepared.decision.outline.astype(np.float32), shape) > 0.5
+        return replace(prepared, mask=enclosed | (mask > 0.5), held=True)
 
     def _recalled(self, kept: OrderedDict[_Key, T], key: _Key) -> T | None:
         with self._lock:

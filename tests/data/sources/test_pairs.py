@@ -14,10 +14,12 @@ from PIL import Image
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.sources import Pair, Pairs, SplitSettings
 from normalgan.data.sources.pair import PairRecipe
+from normalgan.data.sources.pairs import PairFiles
+from normalgan.data.store.manifest import views_by_split
 from normalgan.errors import InputError
 from normalgan.hints import CurvatureHints
 from normalgan.metrics import angular_error
-from normalgan.normals import Bits, Green, encode_png, write_bytes
+from normalgan.normals import Bits, Green, encode_exr, encode_png, paint_flat, write_bytes
 from pairs_on_disk import SIZE, ellipsoid, hints_picture, write_pair, write_pairs
 
 SPLITS = ("train", "val", "test")
@@ -206,8 +208,6 @@ def add_twin(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("spoil", "sentence"),
     [
-        (remove_normal, r"a1\.png has no normal map; a pair is a\.png with a_normal\.png beside it"),
-        (remove_sketch, r"a1_normal\.png has no sketch; a pair is"),
         (remove_all, r"an empty folder is at .*; a pair is"),
         (
             put_in_folders,
@@ -421,3 +421,84 @@ def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
         pytest.raises(InputError, match=f"(?s)none of the 1 .*for train .*: .*{sentence}"),
     ):
         alone.prepare_data()
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (remove_normal, r"1 files are left out: .*a1\.png has no normal map\.$"),
+        (remove_sketch, r"1 files are left out: .*a1_normal\.png has no sketch\.$"),
+    ],
+)
+def test_a_file_without_its_partner_is_left_out_in_one_list(
+    tmp_path: Path, spoil: Callable[[Path], None], sentence: str
+) -> None:
+    write_pairs(tmp_path, 3)
+    spoil(tmp_path)
+    with pytest.warns(UserWarning, match=sentence):
+        assert [pair.name for pair in Pairs(str(tmp_path)).found()] == ["a0", "a2"]
+    for path in tmp_path.glob("a[02]_normal.png"):
+        path.unlink()
+    with pytest.raises(InputError, match=r"; a pair is .*A/a\.png with B/a\.png"):
+        Pairs(str(tmp_path)).found()
+
+
+@pytest.mark.parametrize("layout", ["AB", "bare", "A and B"])
+def test_folders_of_pix2pix_are_read_as_they_are(tmp_path: Path, layout: str) -> None:
+    for part, count in (("train", 2), ("val", 1), ("test", 1)):
+        for number in range(count):
+            if layout == "A and B":
+                write_pair(
+                    tmp_path / "A" / part / f"{number}.png", tmp_path / "B" / part / f"{number}.png", 1
+                )
+                continue
+            write_pair(tmp_path / "a.png", tmp_path / "b.png", 1)
+            halves = [np.asarray(Image.open(tmp_path / f"{half}.png").convert("RGB")) for half in "ab"]
+            folder = tmp_path / "pairs" / ("AB" if layout == "AB" else "") / part
+            folder.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(np.hstack(halves)).save(folder / f"{number}.png")
+    module = data(tmp_path if layout == "A and B" else tmp_path / "pairs", tmp_path / "cache")
+    assert names(module) == {"train": ["train/0", "train/1"], "val": ["val/0"], "test": ["test/0"]}
+    write_pair(tmp_path / "plain" / "a.png", tmp_path / "plain" / "a_normal.png", 1)
+    (plain,) = Pairs(str(tmp_path / "plain")).found()
+    pair, other = module.sources["val"][0].load(), plain.load()
+    np.testing.assert_array_equal(pair.normal, other.normal)
+    assert pair.sketch.shape == other.sketch.shape == (SIZE, SIZE)
+
+
+def test_a_hole_is_background_where_the_file_can_say_so(tmp_path: Path) -> None:
+    _, normal = ellipsoid(1)
+    hole = np.zeros((SIZE, SIZE), np.bool_)
+    hole[28:36, 28:36] = True
+    mask = (np.abs(normal).sum(-1) > 0) & ~hole
+    zero = np.where(mask[..., None], normal, np.float32(0))
+    write_pair(tmp_path / "a.png", tmp_path / "a_normal.png", 1)
+    flat = paint_flat(zero, mask)
+    write_bytes(tmp_path / "zero.exr", encode_exr(zero))
+    write_bytes(tmp_path / "opaque.exr", encode_exr(zero, np.ones((SIZE, SIZE), np.float32)))
+    write_bytes(tmp_path / "grey.png", encode_png(zero))
+    write_bytes(tmp_path / "cut.png", encode_png(flat, alpha=mask.astype(np.float32)))
+    for name in ("zero.exr", "opaque.exr", "grey.png", "cut.png"):
+        pair = PairFiles("a", tmp_path / "a.png", tmp_path / name).load()
+        np.testing.assert_array_equal(pair.mask, mask, err_msg=name)
+
+
+def test_names_are_compared_in_one_pass() -> None:
+    """Ten thousand pairs took minutes: each name was counted in the list of all."""
+    compared = 0
+
+    class Name(str):
+        def __eq__(self, other: object) -> bool:
+            nonlocal compared
+            compared += 1
+            return str.__eq__(self, str(other))
+
+        __hash__ = str.__hash__
+
+    class Named:
+        def __init__(self, name: str) -> None:
+            self.name = Name(name)
+
+    pairs: list[Any] = [Named(f"p{i}") for i in range(300)]
+    views_by_split(1, {"train": pairs})
+    assert compared < 3000

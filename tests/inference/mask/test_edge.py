@@ -35,7 +35,8 @@ def drawn(points: Points, size: int, width: float, *, closed: bool = True) -> Fl
     band = np.zeros((size, size), np.uint8)
     cv2.polylines(band, [np.rint(points - 0.5).astype(np.int32)], closed, 1, round(width) + 6)
     rows, columns = np.nonzero(band)
-    away = distances(np.stack([columns, rows], 1) + 0.5, points, closed=closed)
+    middles = np.stack([columns, rows], 1).astype(np.float64) + 0.5
+    away = distances(middles, points, closed=closed)
     ink = np.zeros((size, size), np.float32)
     ink[rows, columns] = np.clip(width / 2 + 0.5 - away, 0, 1)
     return ink

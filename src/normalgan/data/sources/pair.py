@@ -16,9 +16,9 @@ from normalgan.inference.reading.picture import resize
 from normalgan.normals import normalize
 from normalgan.rendering.samples import Sample
 
-__all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "outwardness"]
+__all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "looks_flipped", "outwardness"]
 
-PAIRS_VERSION = 1
+PAIRS_VERSION = 2
 """Raise it when a change to the code changes the samples that are made of pairs: they are then made anew."""
 
 _RIGHT = "axes of the camera, x right, y up, z to the viewer, stored as (n + 1) / 2"
@@ -135,8 +135,8 @@ class PairRecipe:
 def background(levels: NDArray[Any], tolerance: float = 0.02) -> NDArray[np.bool_]:
     """Return what lies around the object of a normal map without a mask, (H, W).
 
-    That is what is of the corners' colour and reaches the picture's edge; nothing where the four corners
-    differ: the object then fills the picture.
+    That is what is of the corners' colour and reaches the picture's edge, and all of that colour if it is no
+    normal's, such as zero or black; nothing where the four corners differ: the object then fills the picture.
 
     Args:
         levels: (H, W, 3) colours or vectors, of a range of 2.
@@ -152,7 +152,10 @@ def background(levels: NDArray[Any], tolerance: float = 0.02) -> NDArray[np.bool
     colour = np.median(corners, axis=0)
     if not (np.abs(corners - colour) <= tolerance).all():
         return np.zeros(levels.shape[:2], np.bool_)
-    alike = (np.abs(levels - colour) <= tolerance).all(-1).astype(np.uint8)
+    same = (np.abs(levels - colour) <= tolerance).all(-1)
+    if abs(float(np.linalg.norm(colour)) - 1) > 0.25:  # no normal: a hole has it too
+        return np.asarray(same)
+    alike = same.astype(np.uint8)
     _, labels = cv2.connectedComponents(alike, connectivity=4)
     edge = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
     return np.isin(labels, np.setdiff1d(edge, [0]))
@@ -207,11 +210,16 @@ def _check_hints(hints: Hints, mask: NDArray[np.bool_]) -> None:
 def _check_green(normal: Floats, mask: NDArray[np.bool_]) -> None:
     """Raise `InputError` if the vectors along the outline say that y is upside down."""
     x, y = outwardness(normal, mask)
-    if x > 0.4 and y < -0.4:
+    if looks_flipped(x, y):
         raise InputError(
             "the normal map looks as if its green had the other direction: along the outline x points "
             "outward and y inward; set green to down if it is that of DirectX, and to up if of OpenGL."
         )
+
+
+def looks_flipped(x: float, y: float) -> bool:
+    """Return whether the `outwardness` in x and in y is that of a map whose green is upside down."""
+    return x > 0.4 and y < -0.4
 
 
 def outwardness(normal: Floats, mask: NDArray[np.bool_]) -> tuple[float, float]:

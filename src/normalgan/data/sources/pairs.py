@@ -4,6 +4,7 @@ import csv
 import hashlib
 import io
 import json
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,9 +21,9 @@ from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError, did_you_mean, with_subject
 from normalgan.files.limits import read_bounded
-from normalgan.inference.reading.drawings import is_drawing, read_normals
+from normalgan.inference.inputs import AnyPicture, as_picture
+from normalgan.inference.reading.drawings import is_drawing, read_normals, read_pixels
 from normalgan.inference.reading.hint_files import load_hints
-from normalgan.inference.reading.picture import read_picture
 from normalgan.normals import Green, flip_green
 
 __all__ = ["COLUMNS", "NORMAL_SUFFIXES", "PairFiles", "Pairs"]
@@ -39,9 +40,15 @@ _FOLDERS = {
     "hints": ("hints", "hint"),
 }
 _ENDS_IN = {"normal": NORMAL_SUFFIXES, "mask": (".png", ".webp", ".bmp"), "hints": (".png", ".json")}
+_ZERO = 0.05
+"""A vector shorter than this is none, in 8 bits too, and says that there is no object."""
+_SHOWN = 20
+"""As many of what was left out are listed in a warning."""
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
 _RIGHT = (
-    "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to it"
+    "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "
+    "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; the last two also in train, "
+    "val and test below these"
 )
 
 
@@ -86,8 +93,13 @@ class PairFiles:
         Raises:
             InputError: if a file cannot be used, or they do not go together.
         """
-        sketch = read_picture(self.sketch)
+        picture: AnyPicture = self.sketch
         vectors, alpha = read_normals(self.normal, self.green)
+        if self.sketch == self.normal:  # side by side: the sketch on the left
+            middle = vectors.shape[1] // 2
+            picture = read_pixels(self.sketch).pixels[:, :middle]
+            vectors, alpha = vectors[:, middle:], None if alpha is None else alpha[:, middle:]
+        sketch = as_picture(picture)
         hints = None if self.hints is None else load_hints(self.hints, sketch.shape)
         if hints is not None and self.hints is not None and self.hints.suffix.lower() == ".png":
             hints = replace(hints, normals=flip_green(hints.normals)) if self.green == "down" else hints
@@ -103,7 +115,8 @@ class Pairs(PairSource):
     """Sketches and their normal maps on disk, pixel on pixel; no meshes.
 
     Args:
-        files: a folder, a glob of sketches, a CSV, or a list of these. The normal map of ``a.png`` is
+        files: a folder, a glob of sketches, a CSV, or a list of these; folders of pix2pix are read as
+            they are (``A`` and ``B``, or ``AB/train`` with both side by side). The normal map of ``a.png`` is
             ``a_normal.png`` beside it, or in a folder ``normal`` next to its folder ``sketch``; so for masks
             and hints.
         green: which way of y the normal maps hold as green: up as in OpenGL, down as in DirectX.
@@ -152,7 +165,14 @@ class Pairs(PairSource):
             InputError: if there are none, a file is missing, or two have one name.
         """
         entries = [self.files] if isinstance(self.files, str) else self.files
-        pairs = [self._with_settings(pair) for entry in entries for pair in _found_at(entry)]
+        left_out: list[str] = []
+        pairs = [self._with_settings(pair) for entry in entries for pair in _found_at(entry, left_out)]
+        if left_out and not pairs:
+            raise InputError(f"{left_out[0]}; {_RIGHT}.")
+        if left_out:
+            more = [f"and {len(left_out) - _SHOWN} more"] if len(left_out) > _SHOWN else []
+            listed = "; ".join([*left_out[:_SHOWN], *more])
+            warnings.warn(f"{len(left_out)} files are left out: {listed}.", stacklevel=2)
         if not pairs:
             raise InputError("Pairs was given no files; name a folder, a glob of sketches, or a CSV.")
         twice = [name for name, count in Counter(pair.name for pair in pairs).items() if count > 1]
@@ -191,9 +211,12 @@ def _as_texts(files: object) -> str | list[str]:
     )
 
 
-def _found_at(entry: str) -> Iterator[PairFiles]:
-    """Yield the pairs at a folder, a file or a glob."""
+def _found_at(entry: str, left_out: list[str]) -> Iterator[PairFiles]:
+    """Yield the pairs at a folder, a file or a glob; note what has no partner."""
     path = Path(entry)
+    if path.is_dir() and (known := list(_pix2pix(path, left_out))):
+        yield from known
+        return
     if path.suffix.lower() == ".csv":
         yield from _listed(path)
         return
@@ -202,7 +225,7 @@ def _found_at(entry: str) -> Iterator[PairFiles]:
         within = [each for each in (inner or path).iterdir() if is_drawing(each)]
         sketches = sorted(each for each in within if inner or not _is_partner(each))
         for orphan in _orphans(path, inner, sketches):
-            raise InputError(f"{orphan} has no sketch; {_RIGHT}.")
+            left_out.append(f"{orphan} has no sketch")
         root = path
     elif path.is_file():
         sketches, root = [path], path.parent
@@ -220,9 +243,49 @@ def _found_at(entry: str) -> Iterator[PairFiles]:
     for sketch in sketches:
         normal = _partner(sketch, "normal")
         if normal is None:
-            raise InputError(f"{sketch} has no normal map; {_RIGHT}.")
+            left_out.append(f"{sketch} has no normal map")
+            continue
         name = _name(sketch, root)
         yield PairFiles(name, sketch, normal, _partner(sketch, "mask"), _partner(sketch, "hints"))
+
+
+def _pix2pix(root: Path, left_out: list[str]) -> Iterator[PairFiles]:
+    """Yield the pairs of a folder laid out as for pix2pix: ``A`` and ``B``, or both side by side in ``AB``.
+
+    ``A`` holds the sketches and ``B`` the normal maps; side by side the sketch is on the left. ``train``,
+    ``val`` and ``test`` below them are the splits.
+    """
+    a, b, both = (root / name for name in ("A", "B", "AB"))
+    for part in (None, *SPLITS):
+        below = part or "."
+        if (a / below).is_dir() and (b / below).is_dir():
+            normals = {path.stem: path for path in _pictures(b / below)}
+            for sketch in sorted(filter(is_drawing, (a / below).iterdir())):
+                if (normal := normals.pop(sketch.stem, None)) is None:
+                    left_out.append(f"{sketch} has no normal map")
+                else:
+                    yield PairFiles(_in_part(part, sketch), sketch, normal, part=part)
+            left_out += [f"{normal} has no sketch" for normal in normals.values()]
+        elif not a.is_dir() and ((both / below).is_dir() or (part and not both.is_dir())):
+            folder = both / below if both.is_dir() else root / below
+            pictures = _pictures(folder) if folder.is_dir() else []
+            if pictures and _is_double(pictures[0]):
+                for picture in pictures:
+                    yield PairFiles(_in_part(part, picture), picture, picture, part=part)
+
+
+def _pictures(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in NORMAL_SUFFIXES)
+
+
+def _in_part(part: str | None, path: Path) -> str:
+    return f"{part}/{path.stem}" if part else path.stem
+
+
+def _is_double(path: Path) -> bool:
+    """Return whether a picture is twice as wide as high, as one of sketch and normal map is."""
+    height, width = read_pixels(path).pixels.shape[:2]
+    return bool(width == 2 * height)
 
 
 def _name(sketch: Path, root: Path) -> str:
@@ -317,6 +380,7 @@ def _named_file(given: str, kind: str, table: Path, where: str) -> Path | None:
 def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> NDArray[np.bool_]:
     """Return the object of a normal map without a mask: what is opaque, or what is not its background."""
     found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors)
+    found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))
     if not found.any():
         raise InputError("the normal map shows nothing but its background.")
     return found

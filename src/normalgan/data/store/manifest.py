@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -129,7 +130,7 @@ def views_by_split(
         InputError: if it is not a positive number for every split, or a mesh's name occurs twice.
     """
     names = [source.name for part in sources.values() for source in part]
-    twins = sorted({name for name in names if names.count(name) > 1})
+    twins = sorted(name for name, count in Counter(names).items() if count > 1)
     if twins:
         raise InputError(
             f"two {plural(noun)} are named {twins[0]}; every {noun} needs a name of its own, in one split."
