@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from jsonargparse import Namespace
 
 from normalgan.cli.light_parser import LightParser
@@ -11,7 +10,8 @@ from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail
 from normalgan.inference.normal_map import NormalMap
-from normalgan.normals import Bits, Green, encode_grey
+from normalgan.inference.outputs import Height
+from normalgan.normals import Bits, Green
 
 __all__ = ["build_parser", "convert", "run"]
 
@@ -85,10 +85,6 @@ def convert(settings: Namespace) -> int:
 
 
 def _encode_heights(preds: NormalMap, form: Literal["png", "tiff"], scale: float | None) -> bytes:
-    """Return the heights of a map: floats in pixels as TIFF, 16 bits from the lowest up as PNG."""
-    heights = preds.height()
-    inside = heights[preds.mask] if preds.mask.any() else np.zeros(1, np.float32)
-    if form == "tiff":
-        return encode_grey(np.where(preds.mask, heights, inside.min()), ".tiff")
-    spread = max(float(np.ptp(inside)), 1e-6) if scale is None else scale
-    return encode_grey(np.where(preds.mask, (heights - inside.min()) / spread, 0), ".png", 16)
+    """Return the heights of a map, in the file that `normalgan generate --height` writes."""
+    (content,) = Height(form, scale if form == "png" else None).encode(preds).values()
+    return content
