@@ -51,7 +51,7 @@ def test_a_run_that_max_steps_stops_and_that_goes_on_is_an_unbroken_one(
     meshes: Path, cache: Path, tmp_path: Path, stop: int, epochs: int
 ) -> None:
     end = 3 * BATCHES + 2
-    until = {"max_epochs": epochs, "max_steps": 2 * end}
+    until: dict[str, Any] = {"max_epochs": epochs, "max_steps": 2 * end}
     weights, steps = run(tmp_path / "whole", meshes, cache, **until)
     _, first = run(tmp_path / "parts", meshes, cache, **until | {"max_steps": 2 * stop})
     found, rest = run(tmp_path / "parts", meshes, cache, tmp_path / "parts" / LAST, **until)

@@ -46,7 +46,7 @@ def test_normals_and_heights_are_turned_into_each_other(hill: Path, tmp_path: Pa
     assert found is not None
     assert np.abs((found - found.mean()) - (HEIGHT - HEIGHT.mean())).max() < 0.4
     grey = tmp_path / "grey.png"
-    write_bytes(grey, encode_grey(HEIGHT / 8, ".png", 16))
+    write_bytes(grey, encode_grey((HEIGHT / 8).astype(np.float32), ".png", 16))
     assert main(["convert", str(grey), "-o", str(normals), "--from", "height", "--scale", "8"]) == 0
     assert off(normals, NORMALS) < 1.5
 

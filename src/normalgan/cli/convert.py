@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 from jsonargparse import Namespace
 
 from normalgan.cli.light_parser import LightParser
@@ -10,12 +11,11 @@ from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.outputs import Height
-from normalgan.normals import Bits, Green
+from normalgan.normals import Bits, Green, encode_grey
 
 __all__ = ["build_parser", "convert", "run"]
 
-Kind = Literal["normal", "height"]
+_Kind = Literal["normal", "height"]
 
 
 def run(arguments: list[str]) -> int:
@@ -36,8 +36,8 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("map", help="a normal map (PNG, TIFF, EXR), or a grey height map")
     parser.add_argument("-o", "--output", required=True, help="where it goes: .png, .tiff or .exr")
-    parser.add_argument("--from", dest="source", type=Kind, default="normal", help="what the map holds")
-    parser.add_argument("--to", type=Kind, default="normal", help="what to write: normals, or their heights")
+    parser.add_argument("--from", dest="source", type=_Kind, default="normal", help="what the map holds")
+    parser.add_argument("--to", type=_Kind, default="normal", help="what to write: normals, or their heights")
     parser.add_argument(
         "--from_y", "--from-y", type=Green, default="up", help="green of the map: up is OpenGL"
     )
@@ -85,6 +85,10 @@ def convert(settings: Namespace) -> int:
 
 
 def _encode_heights(preds: NormalMap, form: Literal["png", "tiff"], scale: float | None) -> bytes:
-    """Return the heights of a map, in the file that `normalgan generate --height` writes."""
-    (content,) = Height(form, scale if form == "png" else None).encode(preds).values()
-    return content
+    """Return the heights of a map: floats in pixels as TIFF, 16 bits from the lowest up as PNG."""
+    heights = preds.height()
+    inside = heights[preds.mask] if preds.mask.any() else np.zeros(1, np.float32)
+    if form == "tiff":
+        return encode_grey(np.where(preds.mask, heights, inside.min()), ".tiff")
+    spread = max(float(np.ptp(inside)), 1e-6) if scale is None else scale
+    return encode_grey(np.where(preds.mask, (heights - inside.min()) / spread, 0), ".png", 16)

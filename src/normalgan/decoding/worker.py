@@ -40,6 +40,7 @@ __all__ = [
     "MOST_PIXELS",
     "MOST_TEXT",
     "DamagedError",
+    "Message",
     "RefusedError",
     "UnknownTiffError",
     "decode",

@@ -88,11 +88,13 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     if pins is not None and prepared.given is not None:
         off = hints_off(prepared.given.points, pins.points, mask)
         warning = "; ".join(filter(None, [warning, off]))
-    edge = np.rint(covered * 255) / np.float32(255)
-    alpha = edge if prepared.alpha is None else np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
+    edge = (np.rint(covered * 255) / 255).astype(np.float32)
+    alpha: Floats = edge
+    if prepared.alpha is not None:
+        alpha = np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
     if prepared.alpha is not None and prepared.painted is not None:
         by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
-        alpha = np.where(by_hand == 0, alpha, edge)
+        alpha = np.where(by_hand == 0, alpha, edge).astype(np.float32)
     return NormalMap(normals, mask, alpha, prepared.seen, shown, warning)
 
 

@@ -51,7 +51,8 @@ def test_each_page_of_a_tiff_gets_a_map_of_its_own(here: Path, capsys: pytest.Ca
     wide = Image.fromarray(np.pad(pen(FRAMES[0]), ((0, 0), (0, 40)), constant_values=255))
     copy = TiffImagePlugin.ImageFileDirectory_v2()
     copy[254] = 1  # a small copy, such as cameras write, is no page
-    with TiffImagePlugin.AppendingTiffWriter("three.tiff", new=True) as file:  # type: ignore[no-untyped-call]
+    writer: Any = TiffImagePlugin.AppendingTiffWriter
+    with writer("three.tiff", new=True) as file:
         for page, tags in (
             (pages[0], None),
             (pages[0].resize((30, 20)), copy),
@@ -68,10 +69,10 @@ def test_each_page_of_a_tiff_gets_a_map_of_its_own(here: Path, capsys: pytest.Ca
     for number, each in ((1, pages[0]), (3, pages[1])):
         each.save("one.png")
         assert generate("one.png") == 0
-        alone, page = (
+        alone, again = (
             np.asarray(Image.open(f"normals/{name}_normal.png")) for name in ("one", f"three_{number:04d}")
         )
-        np.testing.assert_array_equal(page, alone)
+        np.testing.assert_array_equal(again, alone)
     assert generate("three.tiff", "--split", "auto") == 2
     assert "three.tiff has several pages; a sheet is a still picture" in capsys.readouterr().err
 

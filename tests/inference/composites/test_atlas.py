@@ -22,6 +22,7 @@ FLAT = {"x": 50, "y": 10, "w": 30, "h": 20}
 
 
 def plist(version: int) -> bytes:
+    frames: dict[str, dict[str, object]]
     if version == 0:
         frames = {
             "a": {"x": 0, "y": 0, "width": 40, "height": 60},
@@ -98,7 +99,7 @@ def phaser(*names: str) -> str:
     return json.dumps({"textures": [*others, {"image": "sheet.png", "size": SIZE, "frames": ARRAY}]})
 
 
-FILES = {
+FILES: dict[str, tuple[str | bytes, set[tuple[str, int, int, int, int, int]]]] = {
     "hash": (json.dumps({"frames": {each["filename"]: each for each in ARRAY}}), CLOCKWISE),
     "array": (json.dumps({"frames": ARRAY, "meta": {"image": "x.png", "size": SIZE}}), CLOCKWISE),
     "bare array": (json.dumps(ARRAY), CLOCKWISE),

@@ -122,7 +122,8 @@ def mug(size: int, soft: float) -> tuple[Floats, BoolMask, NDArray[np.float64]]:
     up = np.where(opening, -0.3, 0.3)
     normals = normalize(np.stack([lean, up * depth, depth], -1).astype(np.float32))
     mask = opening | body
-    normals = normalize(cv2.GaussianBlur(np.where(mask[..., None], normals, 0), (0, 0), soft))
+    blurred = cv2.GaussianBlur(np.where(mask[..., None], normals, 0), (0, 0), soft)
+    normals = normalize(np.asarray(blurred, np.float32))
     rim = (np.abs(across) <= 1) & (np.abs(y - 0.3 - 0.1 * np.sqrt(np.maximum(1 - across**2, 0))) < 1 / size)
     return normals, mask, ndimage.distance_transform_edt(~rim)
 

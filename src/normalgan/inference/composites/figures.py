@@ -11,7 +11,7 @@ from normalgan.inference.mask.decision import Decision
 from normalgan.inference.mask.reader import Reading
 from normalgan.inference.reading.drawings import SMALLEST
 
-__all__ = ["find_figures"]
+__all__ = ["alike", "find_figures"]
 
 _ALIKE = 0.25
 """Least share of the largest figure's area that a figure has; smaller areas are parts of their neighbour."""

@@ -39,7 +39,8 @@ def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[st
         return list(cells), []
     crowded = [i for i, cell in enumerate(cells) if (counts[cell.box] > 1).any()]
     crowded.sort(key=lambda i: cells[i].width * cells[i].height)
-    labels = np.asarray(cv2.connectedComponents(drawn(sheet).astype(np.uint8), connectivity=8)[1])
+    found = cv2.connectedComponents(drawn(sheet).astype(np.uint8), connectivity=8)[1]
+    labels = np.asarray(found, np.int32)
     sizes = np.bincount(labels.ravel())
     best, owner = np.zeros(labels.shape, np.float32), np.full(labels.shape, -1, np.int32)
     for i in crowded:

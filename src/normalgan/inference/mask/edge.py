@@ -91,12 +91,13 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
 def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
     """Return an object whose edge is off by two pixels at most, with the ink that is there."""
     lines = inked.view(np.uint8)
-    grown, shrunk = cv2.dilate(rough.view(np.uint8), _WIDE), cv2.erode(rough.view(np.uint8), _WIDE)
+    grown = np.asarray(cv2.dilate(rough.view(np.uint8), _WIDE), np.uint8)
+    shrunk = np.asarray(cv2.erode(rough.view(np.uint8), _WIDE), np.uint8)
     free = 1 - lines
     one, other = shrunk & free, (1 - grown) & free
     for _ in range(6):
-        further = cv2.dilate(one, _CROSS) & free & (1 - other)
-        other = cv2.dilate(other, _CROSS) & free & (1 - further)
+        further = np.asarray(cv2.dilate(one, _CROSS), np.uint8) & free & (1 - other)
+        other = np.asarray(cv2.dilate(other, _CROSS), np.uint8) & free & (1 - further)
         one = further
     body: BoolMask = (one > 0) | (inked & (grown > 0)) | (rough & (other == 0))
     return body
@@ -115,7 +116,7 @@ def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, Bo
     """Return which pixels between the lines are object, and which lie in regions narrower than ``reach``."""
     free = ~inked
     count, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
-    depth = cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, 3)
+    depth = np.asarray(cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, 3), np.float32)
     size, held = region_sums(labels, count), region_sums(labels, count, mask)
     deep = region_sums(labels, count, depth > reach)
     among = held / np.maximum(size, 1)
@@ -141,10 +142,11 @@ def _meet(mask: BoolMask, mixed: BoolMask, depth: Floats, reach: float) -> BoolM
     # Far from any line, nothing is known but the mask.
     sure = (within > reach) | (beyond > reach) | (depth > reach)
     free = mixed.astype(np.uint8)
-    one, other = (mixed & sure & mask).astype(np.uint8), (mixed & sure & ~mask).astype(np.uint8)
+    one: NDArray[np.uint8] = (mixed & sure & mask).astype(np.uint8)
+    other: NDArray[np.uint8] = (mixed & sure & ~mask).astype(np.uint8)
     for _ in range(int(2 * reach) + 2):
-        grown = cv2.dilate(one, _CROSS) & free & ~other
-        other = cv2.dilate(other, _CROSS) & free & ~grown
+        grown = np.asarray(cv2.dilate(one, _CROSS), np.uint8) & free & ~other
+        other = np.asarray(cv2.dilate(other, _CROSS), np.uint8) & free & ~grown
         one = grown
     return np.where(other > 0, False, (one > 0) | (mask & mixed))
 

@@ -1,5 +1,7 @@
 """Regions: sums over the connected regions of a picture."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,7 +9,7 @@ __all__ = ["region_sums"]
 
 
 def region_sums(
-    labels: NDArray[np.int32], count: int, marked: NDArray[np.bool_] | None = None
+    labels: NDArray[Any], count: int, marked: NDArray[np.bool_] | None = None
 ) -> NDArray[np.intp]:
     """Return how many pixels each region has, (count,), or how many marked ones.
 

@@ -228,7 +228,7 @@ export const words = {
   whatMap: "Carte de normales",
   whatLit: "Image éclairée, comme affichée",
   whatAll: "Tous les fichiers, en zip",
-  whatPreview: "Aperçu, huit lumières",
+  whatPreview: "Aperçu éclairé, huit lumières",
   whatHeight: "Carte de hauteur",
   whatRelief: "Maillage en relief",
   whatAo: "Occlusion ambiante",

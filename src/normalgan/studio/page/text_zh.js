@@ -228,7 +228,7 @@ export const words = {
   whatMap: "法线贴图",
   whatLit: "打光图（如所见）",
   whatAll: "全部文件（ZIP）",
-  whatPreview: "打光预览，八个光源",
+  whatPreview: "受光预览，八盏灯",
   whatHeight: "高度图",
   whatRelief: "浮雕网格",
   whatAo: "环境光遮蔽",
