@@ -67,8 +67,8 @@ def test_test_leaves_table_and_gallery_and_the_settings_of_fit(bench: Bench, tra
     assert outcome.code == 0, outcome.err
     results = figures_of(trained)
     assert {"hints", "no_hints", "constant", "mean_map"} <= results.keys()
-    assert str(trained / "test" / "gallery.png") in outcome.out.replace("\n", "")
-    with Image.open(trained / "test" / "gallery.png") as gallery:
+    assert str(trained / "test" / "last" / "gallery.png") in outcome.out.replace("\n", "")
+    with Image.open(trained / "test" / "last" / "gallery.png") as gallery:
         assert gallery.width > gallery.height > 200
     assert (trained / "config.yaml").read_text() == settings
 
