@@ -54,7 +54,7 @@ def test_a_bad_sketch_is_named_and_the_others_are_painted(
     Image.fromarray(drawing()).save(tmp_path / "sketches" / "good.png")
     outcome = predict()
     assert outcome.code == 1
-    first, last = outcome.err.splitlines()
+    first, *_, last = outcome.err.splitlines()
     assert first.startswith(f"normalgan: {tmp_path / 'sketches' / 'bad.png'}")
     assert reason in first
     assert last == "normalgan: 1 of 2 sketches could not be used."

@@ -38,8 +38,8 @@ def away() -> NDArray[np.float64]:
 
 
 def circle() -> Pixels:
-    """Return a circle, black on white."""
-    return np.where(np.abs(away() - RADIUS) < 1.3, 0, 255).astype(np.uint8)
+    """Return a circle, black on white, with an edge as smooth as a pen's."""
+    return np.rint(255 * np.clip(np.abs(away() - RADIUS) - 0.8, 0, 1)).astype(np.uint8)
 
 
 def png(pixels: Pixels) -> bytes:

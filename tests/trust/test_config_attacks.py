@@ -117,7 +117,7 @@ def test_a_safe_configuration_does_not_say_where_is_written(folder: Path, name: 
     assert not (folder / "other").exists()
 
 
-@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize("name", [name for name in FOREIGN if not name.startswith("output")])
 def test_a_file_for_one_section_does_not_say_where_is_written(folder: Path, name: str) -> None:
     section = name.partition(".")[0]
     (folder / "section.yaml").write_text(

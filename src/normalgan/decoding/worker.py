@@ -556,8 +556,8 @@ def _layered(content: bytes) -> Any:
 
 
 def _layered_reader() -> Any:
-    # By its own name: the package is not on this program's path.
-    return import_module("layered_files")
+    # By its own name in the child: the package is not on this program's path.
+    return import_module("normalgan.decoding.layered_files" if __package__ else "layered_files")
 
 
 def _refuse_foreign(content: bytes) -> None:
