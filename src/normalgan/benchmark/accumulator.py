@@ -1,4 +1,4 @@
-"""Accumulator: all figures of what a method paints, over the whole split, by mesh and by view."""
+"""Accumulator: all figures of what a method predicts, over the whole split, by mesh and by view."""
 
 import math
 from collections.abc import Sequence
@@ -31,14 +31,14 @@ Sums = dict[str, NDArray[np.float64]]
 
 
 class Accumulator:
-    """Takes what was painted batch by batch, and gives the figures.
+    """Collects predictions batch by batch, and returns the figures.
 
-    Besides those of `normal_map_metrics`: ``nz_bias``, mean n_z painted - true (above 0 is too flat);
-    ``gradient_ratio``, how much the painted normals change from pixel to pixel in proportion to the true ones
-    (below 1 is too smooth); ``angular_rim`` and ``angular_deep``, mean errors in the outer 1/170 of the
+    Besides those of `normal_map_metrics`: ``nz_bias``, mean n_z predicted - true (above 0 is too flat);
+    ``gradient_ratio``, how much the predicted normals change from pixel to pixel in proportion to the true
+    ones (below 1 is too smooth); ``angular_rim`` and ``angular_deep``, mean errors in the outer 1/170 of the
     picture along the contour and farther than 10/170 from it; ``nz_bias_rim``; ``mask_iou``, intersection
-    over union of where an object is painted and where it is; ``calibration_error`` in degrees, if there is a
-    confidence. The rim has at least the outermost pixels, also where they are wider than that.
+    over union of where an object is predicted and where it is; ``calibration_error`` in degrees, if there is
+    a confidence. The rim has at least the outermost pixels, also where they are wider than that.
 
     Args:
         device: where maps are compared.
@@ -125,7 +125,7 @@ class Accumulator:
         return {unit: _profile(sums, unit) for unit in ("pixels", "170ths")}
 
     def calibration(self) -> list[dict[str, float]] | None:
-        """Return the calibration curve; None if no confidence was painted."""
+        """Return the calibration curve; None if no confidence was predicted."""
         return None if self._calibration is None else self._calibration.curve()
 
     def _metrics(self) -> MetricCollection:

@@ -185,7 +185,7 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
 
 
 def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> int:
-    """Measure what another program painted of the plan's test split, print tables, return the exit code.
+    """Measure what another program predicted of the plan's test split, print tables, return the exit code.
 
     Args:
         plan: in what way.

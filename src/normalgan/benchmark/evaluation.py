@@ -155,7 +155,7 @@ class Evaluation:
         return specify(build_data(self.shared, **shared, **other) if other else trained, self.tests, trained)
 
     def predict_shown(self, method: Method) -> Floats:
-        """Return what a method paints of the gallery's samples with the hints of table 1, (K, 3, H, W)."""
+        """Return what a method predicts of the gallery's samples with the hints of table 1, (K, 3, H, W)."""
         batch = moved(self.shown, self.device)
         hints = None
         if method.takes_hints:
@@ -195,6 +195,6 @@ def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
 
 
 def maps_of(folder: Path) -> Floats:
-    """Return what a run painted of the gallery's samples, (K, 3, H, W)."""
+    """Return what a run predicted of the gallery's samples, (K, 3, H, W)."""
     with np.load(folder / "maps.npz") as file:
         return np.asarray(file["preds"], np.float32)

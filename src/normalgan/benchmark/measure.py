@@ -94,7 +94,7 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
         method: what is measured.
         batches: the samples; each is taken once.
         tests: with what hints.
-        device: where to paint and measure.
+        device: where to predict and measure.
     """
     gathered = {given: Accumulator(device, tests.metrics) for given in tests.names}
     hints_given = samples = 0

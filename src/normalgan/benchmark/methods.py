@@ -30,13 +30,13 @@ Paint = Callable[[Batch, Tensor | None], Tensor]
 
 @dataclass(frozen=True)
 class Method:
-    """What paints, and what is said of it.
+    """A method and its properties.
 
     Args:
-        predict: paints a batch; it must not look at the truth, but for what is told of a classical method.
+        predict: predicts a batch; it must not look at the truth, but for what is told of a classical method.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
-        timed: whether it paints here, so that its speed can be measured; what another program painted is
+        timed: whether it predicts here, so that its speed can be measured; what another program predicted is
             only read.
     """
 

@@ -24,7 +24,7 @@ Picture = NDArray[np.generic]
 
 @dataclass(frozen=True)
 class Line:
-    """What one method paints of the samples.
+    """What one method predicts of the samples.
 
     Args:
         label: of the method.

@@ -24,8 +24,8 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
 
     Args:
         name: of the file; ``shipped`` is the one that comes with the package.
-        size: side of the pictures that it is to paint.
-        device: where to; ONNX paints on the processor.
+        size: side of the pictures that it is to predict.
+        device: where to; ONNX predicts on the processor.
 
     Raises:
         InputError: if it cannot be used, or was trained at another size.

@@ -1,4 +1,4 @@
-"""Submissions: normal maps that another program painted of the test views, measured like a method of ours.
+"""Submissions: normal maps that another program predicted of the test views, measured like a method of ours.
 
 A submission is a folder of ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is what
 was painted of view 3 of the mesh horse without hints, ``15/horse/3.png`` with the 15 hints of the benchmark.
@@ -36,7 +36,7 @@ _THERE, _ABSENT = 1.0, 0.25
 
 @dataclass(frozen=True)
 class Submission:
-    """A folder with what another program painted.
+    """A folder with what another program predicted.
 
     Args:
         folder: of it.
@@ -49,7 +49,7 @@ class Submission:
     counts: tuple[int, ...]
 
     def method(self) -> Method:
-        """Return the maps as a method; it paints what lies there for the number of hints that it is given."""
+        """Return the maps as a method, which reads the maps for the number of hints that it is given."""
 
         def predict(batch: Batch, hints: Tensor | None) -> Tensor:
             given = [0] * len(batch["name"]) if hints is None else hints[:, 3].sum((1, 2)).int().tolist()
@@ -119,7 +119,7 @@ def read_submission(folder: Path) -> Submission:
 
 
 def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -> None:
-    """Write what another program needs to paint a batch: sketches, and the hints as JSON.
+    """Write what another program needs to predict a batch: sketches, and the hints as JSON.
 
     ``sketches/horse/3.png`` has ink black on white. ``hints/horse/3.json`` has the points in order, each with
     ``x``, ``y`` (whole pixels from the left and the top) and ``normal``; of n hints these are the first n.

@@ -56,7 +56,7 @@ def run(arguments: list[str]) -> int:
 
 
 def generate(settings: Namespace) -> int:
-    """Paint and write the maps; return the exit code, 1 if some of several drawings could not be used.
+    """Predict and write the maps; return the exit code, 1 if some of several drawings could not be used.
 
     Raises:
         InputError: if nothing can be done: a setting or the only drawing cannot be used.
@@ -78,7 +78,7 @@ def generate(settings: Namespace) -> int:
     jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
         raise wrong[0]
-    if piped is not None and len(jobs) > 1:  # told before they are painted
+    if piped is not None and len(jobs) > 1:  # told before they are predicted
         raise _not_one(len(jobs))
     if settings.hole and len(jobs) > 1:
         raise InputError(f"a hole is a point of one drawing, but there are {len(jobs)}; name one.")
@@ -87,7 +87,7 @@ def generate(settings: Namespace) -> int:
         check_writable(jobs)
     writer = Writer(outputs) if piped is None else Writer(outputs, piped)
     batch = _Batch(settings, writer, packing, wrong, found.left_out)
-    # Before anything is painted: what is saved meanwhile is painted anew.
+    # Before anything is predicted: what is saved meanwhile is predicted anew.
     watcher = Watcher(batch.read(jobs) if settings.watch else {})
     if settings.skip_existing and piped is None:
         jobs = batch.without_existing(jobs)
@@ -334,7 +334,7 @@ class _Batch:
         try:
             return self._target(job).exists()
         except InputError:
-            return False  # it is told when it is painted
+            return False  # it is told when it is predicted
 
 
 @dataclass(frozen=True)
@@ -342,7 +342,7 @@ class _Found:
     """What a command names.
 
     Args:
-        jobs: what is to be painted.
+        jobs: what is to be predicted.
         missing: what is wrong with the words that name nothing.
         clashing: of drawings that would be written to one file.
         left_out: what is to be said of layered files and their exports.

@@ -92,7 +92,8 @@ class NormalMapWriter(BasePredictionWriter):
         """Write what belongs to the drawings of one batch, each file whole or not at all.
 
         Raises:
-            InputError: if the only drawing cannot be used; one of several is named, and the rest are painted.
+            InputError: if the only drawing cannot be used; one of several is named, and the rest are
+                predicted.
         """
         drawings = _data_of(trainer).drawings
         for name, preds in zip(batch["name"], prediction, strict=True):

@@ -71,7 +71,7 @@ def export(name: str, target: Path, options: Namespace) -> str:
 
     Raises:
         InputError: if the model cannot be used or the file not be written.
-        RunError: if the exported model paints something else than torch; nothing is written then.
+        RunError: if the exported model predicts something else than torch; nothing is written then.
     """
     with gc_paused():
         from normalgan.exporting.comparison import largest_difference, turn_in_degrees

@@ -19,11 +19,11 @@ class Deployed(nn.Module):
     """Takes sketch and hints, returns normals and optional confidence; dropout off, statistics fixed.
 
     Args:
-        generator: what paints.
+        generator: the network.
         size: side of the pictures in pixels.
 
     Raises:
-        InputError: if the generator cannot paint that size.
+        InputError: if the generator cannot predict that size.
     """
 
     def __init__(self, generator: Generator, size: int) -> None:

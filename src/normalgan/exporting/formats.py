@@ -43,7 +43,7 @@ class Format:
 
     Args:
         write: makes the bytes from a model and what is to be said about it.
-        read: makes of the bytes what paints sketches with hints.
+        read: returns a function that predicts sketches with hints, from the bytes.
         halve: makes of the bytes those with weights in 16 bits; None where that is not done.
     """
 

@@ -31,13 +31,14 @@ _LEAST_REACH = 2.0
 
 
 def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:
-    """Return a map that has given normals at given points, and goes over into what was painted about them.
+    """Return a map with given normals at given points, which blends into the prediction around them.
 
-    At each pin there is a turn from what was painted to what is wanted. The turns are interpolated by radial
-    basis functions, exactly at all pins, so that two pins hold however near they are and however opposed.
+    At each pin there is a turn from what was predicted to what is wanted. The turns are interpolated by
+    radial basis functions, exactly at all pins, so that two pins hold however near they are and however
+    opposed.
 
     Args:
-        normals: (H, W, 3), unit, as painted.
+        normals: (H, W, 3), unit, as predicted.
         points: (K, 2), x and y in pixels.
         wanted: (K, 3), unit.
         reaches: (K,), how far each pin has an effect, in pixels.

@@ -1,4 +1,4 @@
-"""NormalMap: what comes out of painting: normals, mask, confidence; as arrays, pictures and files."""
+"""NormalMap: the result of a prediction, with normals, mask and confidence, as arrays, pictures and files."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -173,7 +173,7 @@ class NormalMap:
         write_bytes(path, self.encode(form, bits, y, alpha))
 
     def _repr_png_(self) -> bytes:
-        """Return the map as a notebook shows it."""
+        """Return the map as a picture for notebooks."""
         return self.encode()
 
 

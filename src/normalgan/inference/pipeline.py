@@ -1,4 +1,4 @@
-"""Pipeline: the one way from a prepared drawing to its map, whoever asks and whatever network paints.
+"""Pipeline: the one way from a prepared drawing to its map, whoever asks and whatever the network.
 
 A drawing is read (`picture`, `inputs`), cleaned, its mask found and framed (`preparation`), painted by a
 `Backend`, brought to its own size (`upsampling`) and place, and written (`outputs`).
@@ -26,7 +26,7 @@ __all__ = ["coarse_of", "finish", "hints_off", "predict"]
 _PRESENT = 0.6
 """Share of the mask in which the model should see the object."""
 _LEAST = 0.02
-"""Painted vectors that are shorter have no direction."""
+"""Predicted vectors that are shorter have no direction."""
 
 _BESIDE = 0.005
 """How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
@@ -42,7 +42,7 @@ _HELD = "its outline is open, so the object stays as it was before; close the ga
 
 
 def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
-    """Bring what the network painted back to the drawing's size and place; hold it to the mask and the pins.
+    """Bring the prediction back to the drawing's size and place, and apply the mask and the pins.
 
     Args:
         prepared: as `prepare` gives it.
@@ -152,7 +152,7 @@ def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:
 
 
 def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats | None = None) -> Coarse:
-    """Return what the network painted, and where it has a direction worth keeping.
+    """Return what the network predicted, and where it has a direction worth keeping.
 
     Where there is an object for certain, the model's doubt of it, a short vector, is no doubt of the
     direction: what is short beside most of the others is left out there.
@@ -173,7 +173,7 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats 
 
 
 def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = None) -> NormalMap:
-    """Paint the normal map of a prepared drawing; ``upsample`` replaces the network's own step to its size.
+    """Predict the normal map of a prepared drawing; ``upsample`` replaces the network's own step to its size.
 
     Raises:
         InputError: if the network sees no object.

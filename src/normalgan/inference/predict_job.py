@@ -1,4 +1,4 @@
-"""Painting a job: a file of whatever kind, one drawing or many, to what is written for it."""
+"""Predicting a job: a file of whatever kind, one drawing or many, to what is written for it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -63,7 +63,7 @@ class Done:
 
 @dataclass(frozen=True)
 class JobPredictor:
-    """Paints what a job names and writes what belongs to it. It may be called by several threads.
+    """Predicts what a job names and writes what belongs to it. It may be called by several threads.
 
     Args:
         predictor: the network.
@@ -73,7 +73,7 @@ class JobPredictor:
         frame: whether the network is shown the same square of all drawings that belong together; None is
             ``shared`` for an animation, and ``own`` else.
         strength: what the slopes of all maps are multiplied by.
-        layers: whether each visible layer of a layered file is painted for itself.
+        layers: whether each visible layer of a layered file is predicted separately.
         tile: the ways in which each drawing is repeated, and its map can be; None is not at all.
         single: whether a page is one object, whatever it shows; else its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
@@ -93,7 +93,7 @@ class JobPredictor:
     explain: Path | None = None
 
     def __call__(self, job: Job) -> Done:
-        """Paint and write one job.
+        """Predict and write one job.
 
         Raises:
             InputError: if the drawing cannot be used.
@@ -292,7 +292,7 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
     try:
         target = target_of(job, outputs, packing, layers)
         moves = not packing.given and moving_kind(job.files.drawing, job.files.content) is not None
-    except InputError:  # it is told when it is painted, and nothing is written then
+    except InputError:  # it is told when it is predicted, and nothing is written then
         return
     yield target
     if not layers:

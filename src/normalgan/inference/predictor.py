@@ -12,7 +12,7 @@ __all__ = ["Predictor"]
 
 
 class Predictor:
-    """Paints drawings. It may be called by several threads.
+    """Predicts drawings. It may be called by several threads.
 
     Args:
         backend: the network.

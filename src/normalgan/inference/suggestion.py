@@ -25,7 +25,7 @@ class Point:
     Args:
         x: pixels from the left.
         y: pixels from the top.
-        normal: what is painted there.
+        normal: what is predicted there.
         gain: how much a hint there would help, in [0, 1]; 1 is where most is to be gained.
     """
 
@@ -46,7 +46,7 @@ def suggest(
     noise does, as with the best candidates of Mitchell.
 
     Args:
-        normals: (H, W, 3), unit, as painted.
+        normals: (H, W, 3), unit, as predicted.
         mask: (H, W), the object.
         confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
         taken: (K, 2), x and y in pixels of the hints that are there already.

@@ -49,7 +49,7 @@ def predict_tile(
     source: str | None = None,
     upsample: Upsampler | None = None,
 ) -> NormalMap:
-    """Paint the normal map of a drawing that is repeated; the map can be repeated in the same ways.
+    """Predict the normal map of a drawing that is repeated; the map can be repeated in the same ways.
 
     The network takes what it is shown for one object, round as a whole. So it is shown the repeated drawing
     in windows that overlap, and counts most in the middle of each: what the drawing has at an edge is in the
@@ -153,7 +153,7 @@ def _part(frame: Frame, origin: tuple[int, int], shape: tuple[int, int]) -> tupl
 
 
 def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
-    """Return what was painted without the slope that it has on average along the ways that repeat.
+    """Return what was predicted without the slope that it has on average along the ways that repeat.
 
     What is repeated rises nowhere on the whole: it would be a cliff at each edge.
 

@@ -50,7 +50,7 @@ def build_app(
     """Return the application.
 
     Args:
-        predictor: paints the drawings.
+        predictor: predicts the drawings.
         projects: where they are kept, and in a folder below what is not saved yet.
         port: that it will be served at.
         opened: what the page is to open first, as `normalgan.studio.opening.find_opened` gives it.

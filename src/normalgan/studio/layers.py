@@ -1,4 +1,4 @@
-"""Layers: the parts of a drawing in a request, the hindmost first; each is painted for itself."""
+"""Layers: the parts of a drawing in a request, the hindmost first; each is predicted separately."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -80,14 +80,14 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
 
 
 def predict_layers(layers: Sequence[Layer], predict: Callable[[Drawing], NormalMap]) -> NormalMap:
-    """Return the map of all layers; what one of several lacks to be painted is in its warning.
+    """Return the map of all layers; what one of several lacks to be predicted is in its warning.
 
     Args:
         layers: the hindmost first.
-        predict: paints one.
+        predict: predicts one.
 
     Raises:
-        InputError: if none can be painted.
+        InputError: if none can be predicted.
     """
     if len(layers) == 1:
         return predict(layers[0].drawing)

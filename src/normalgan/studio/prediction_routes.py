@@ -38,7 +38,7 @@ class PredictionRoutes:
     """Responses to drawings.
 
     Args:
-        predictor: paints them.
+        predictor: predicts them.
     """
 
     def __init__(self, predictor: Predictor) -> None:

@@ -1,4 +1,4 @@
-"""Predictor: the model at work for the studio; what was painted last is remembered."""
+"""Predictor: the model at work for the studio; what was predicted last is remembered."""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 _REMEMBERED = 2**24
 """Pixels of the maps that are kept: a map, and its heights or its export, are asked for in turn, and of
-several layers only one is painted again. So many have four of the largest drawings, each of which may take
+several layers only one is predicted again. So many have four of the largest drawings, each of which may take
 80 MB; the newest two are kept in any case.
 
 As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
@@ -54,7 +54,7 @@ class _Closed:
 
 
 class Predictor:
-    """Paints drawings with a model.
+    """Predicts drawings with a model.
 
     Args:
         path: file that `normalgan export` wrote.

@@ -38,7 +38,7 @@ def metric_checks() -> list[Check[MapMetric]]:
 
 
 def _samples(count: int = 3) -> tuple[Tensor, Tensor, Tensor]:
-    """Return painted normals that are somewhat off, the true ones, and masks."""
+    """Return predicted normals that are somewhat off, the true ones, and masks."""
     target, mask = pictures(count)
     tilt = torch.tensor([0.3, -0.2, 0.1]).view(1, 3, 1, 1) * torch.arange(1, count + 1).view(-1, 1, 1, 1)
     return (target + tilt) * mask, target, mask

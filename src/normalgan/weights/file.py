@@ -41,7 +41,7 @@ class Weights:
     tensors: Mapping[str, Tensor]
 
     def generator(self) -> Generator:
-        """Return the generator, in float32, ready to paint."""
+        """Return the generator, in float32, ready to predict."""
         return build_generator(self.notes.generator, self.tensors)
 
     def load_into(self, generator: Generator) -> None:

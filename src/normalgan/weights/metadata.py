@@ -22,7 +22,7 @@ class ModelMetadata:
     """All that is needed to build a model and to measure it as the checkpoint it is from.
 
     Args:
-        generator: what paints.
+        generator: what predicts.
         hint_sampler: gave the hints in training; None if plain values do not say it. Only measuring needs it.
         size: side of the pictures in pixels.
         noise_at_test: whether the noise stays on when testing and predicting.

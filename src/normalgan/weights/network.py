@@ -47,7 +47,7 @@ def check_fit(part: ClassSpec, tensors: Tensors, registry: Registry[T], finite: 
 
 
 def build_generator(part: ClassSpec, tensors: Tensors) -> Generator:
-    """Return the generator with these weights, in float32, ready to paint."""
+    """Return the generator with these weights, in float32, ready to predict."""
     generator = part.build(GENERATORS)
     generator.load_state_dict(dict(tensors))
     return generator.eval()

@@ -177,7 +177,7 @@ def _predict(predictor: Predictor, batch: Batch, count: int, seed: int) -> tuple
 
 
 def _of_one(predicted: Tensor, batch: Batch, where: Tensor) -> Figure:
-    """Return the error on the object, on what is painted of it, and how far what is painted overlaps it."""
+    """Return the error on the object, the error where it is predicted, and the IoU of the prediction."""
     preds = predicted[:, :3]
     there, seen = batch["mask"] > 0.5, (preds != 0).any(1, keepdim=True)
     counted = without_hints(batch["mask"], where) > 0.5

@@ -1,4 +1,4 @@
-"""Composition: maps of parts that were painted each for itself, put one over the other."""
+"""Composition: maps of parts that were predicted separately, put one over the other."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Layered job: each visible layer of a file painted for itself, and all of them written."""
+"""Layered job: each visible layer of a file predicted separately, and all of them written."""
 
 import re
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ _LONGEST = 48
 
 @dataclass(frozen=True)
 class LayeredJob:
-    """Paints the layers of one file.
+    """Predicts the layers of one file.
 
     Args:
         predictor: the network.
@@ -48,10 +48,10 @@ class LayeredJob:
     strength: float = 1.0
 
     def __call__(self, job: Job) -> tuple[str, list[Held]]:
-        """Paint and write; return what is to be said of it, and what waits for other drawings.
+        """Predict and write; return the warning, and what waits for other drawings.
 
         Raises:
-            InputError: if the file has no layers, or none of them can be painted.
+            InputError: if the file has no layers, or none of them can be predicted.
             OSError: if a file cannot be written.
         """
         path = job.files.drawing
@@ -87,7 +87,7 @@ class LayeredJob:
     def _predict(
         self, job: Job, found: DecodedLayers, number: int
     ) -> tuple[list[DecodedLayer], str, list[Held]]:
-        """Return what a layer is painted as, frame by frame, what is to be said of it, and what waits."""
+        """Return what a layer is predicted as, frame by frame, what is to be said of it, and what waits."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
         where = job.files.mask if isinstance(job.files.mask, str) else None
@@ -118,13 +118,13 @@ class LayeredJob:
 
 
 def goes_in_one(outputs: Outputs) -> bool:
-    """Return whether painted layers go into one layered file: it has 8 bits, and engines want pictures."""
+    """Return whether predicted layers go into one layered file: it has 8 bits, and engines want pictures."""
     normal = outputs.normal
     return normal.format == "png" and normal.bits == 8 and normal.engine is None
 
 
 def layered_target(job: Job, outputs: Outputs) -> Path:
-    """Return where the painted layers of a file go; of files of their own that of the first.
+    """Return where the predicted layers of a file go; of files of their own that of the first.
 
     Raises:
         InputError: if the file has no layers, or one file was named for them.

@@ -1,4 +1,4 @@
-"""Layers: those of a layered file, read one by one, and painted ones written back as a layered file.
+"""Layers: those of a layered file, read one by one, and predicted ones written back as a layered file.
 
 A PSD is written as PSD, a KRA or ORA as ORA, which Krita and GIMP open, an Aseprite file as such.
 """

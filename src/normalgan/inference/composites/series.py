@@ -1,4 +1,4 @@
-"""Series: drawings that belong together, cells of a sheet or frames of an animation, painted alike."""
+"""Series: drawings that belong together, cells of a sheet or frames of an animation, predicted alike."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -101,7 +101,7 @@ def predict_series(
 
 
 def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
-    """Return what was painted for the frames of an animation, each averaged with its neighbours.
+    """Return what was predicted for the frames of an animation, each averaged with its neighbours.
 
     A neighbour counts at a pixel as far as its lines about it are those of the frame itself: the difference
     of both drawings, blurred over a window, tells. Blank paper is alike everywhere, so the normals must be
@@ -110,7 +110,7 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
 
     Args:
         seen: (S, S) each, what the network was shown, all framed alike.
-        preds: (S, S, 3) each, what it painted.
+        preds: (S, S, 3) each, what it predicted.
 
     Example:
         >>> still = np.zeros((32, 32), np.float32)
@@ -140,12 +140,12 @@ def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
 
 
 def left_flat(error: InputError) -> str:
-    """Return what is to be said of a drawing that could not be painted, a part of a sentence."""
+    """Return the warning about a drawing that could not be predicted, a part of a sentence."""
     return f"it is left flat, as {str(error).rstrip('.')}"
 
 
 def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
-    """Return the map of a drawing (H, W) that could not be painted: flat, and nowhere an object.
+    """Return the map of a drawing (H, W) that could not be predicted: flat, and nowhere an object.
 
     Args:
         shape: of the drawing.

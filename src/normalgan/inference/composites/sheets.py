@@ -1,4 +1,4 @@
-"""Sheets: several drawings in one picture; each is painted for itself and put back in its place."""
+"""Sheets: several drawings in one picture; each is predicted separately and put back in its place."""
 
 import re
 from collections.abc import Sequence
@@ -79,7 +79,7 @@ def predict_sheet(
     flips: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
 ) -> NormalMap:
-    """Return the map of a sheet, in which each cell is as if it had been cut out and painted alone.
+    """Return the map of a sheet, in which each cell is as if it had been cut out and predicted alone.
 
     Args:
         predictor: the network.
@@ -92,7 +92,7 @@ def predict_sheet(
         said: what is to be said of the sheet besides, parts of a sentence.
 
     Raises:
-        InputError: if no cell can be painted, or cells that share a frame differ in size.
+        InputError: if no cell can be predicted, or cells that share a frame differ in size.
     """
     members = [(cell, _member(cell, sheet.pixels, hints, mask, flips)) for cell in cells]
     drawn = [(cell, member) for cell, member in members if member is not None]

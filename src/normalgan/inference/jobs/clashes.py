@@ -45,7 +45,7 @@ def without_clashes(
 ) -> tuple[list[Job], list[InputError]]:
     """Return the jobs that write files of their own, and what is wrong with each of the others.
 
-    Of two drawings that would be written to one file neither is painted: which was meant nobody can tell.
+    Of two drawings that would be written to one file neither is predicted: which was meant nobody can tell.
 
     Args:
         jobs: the drawings.

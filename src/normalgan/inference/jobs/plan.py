@@ -73,7 +73,7 @@ class DrawingFiles:
 
 @dataclass(frozen=True)
 class Job:
-    """One drawing to be painted.
+    """One drawing to be predicted.
 
     Args:
         files: what is read.
@@ -188,7 +188,7 @@ def plan(
     may_clash: bool = False,
     also_read: Sequence[Path] = (),
 ) -> list[Job]:
-    """Return what is to be painted, and where it goes.
+    """Return the jobs: what to predict, and where it goes.
 
     Args:
         files: the drawings.

@@ -1,4 +1,4 @@
-"""Backend: what paints the coarse map of a prepared drawing: a network, by ONNX Runtime or torch."""
+"""Backend: what predicts the coarse map of a prepared drawing: a network, by ONNX Runtime or torch."""
 
 from typing import Protocol
 
@@ -14,7 +14,7 @@ class Backend(Protocol):
 
     @property
     def size(self) -> int:
-        """Side in pixels of the pictures that it takes and paints."""
+        """Side in pixels of the pictures that it takes and predicts."""
         ...
 
     @property
@@ -28,7 +28,7 @@ class Backend(Protocol):
         ...
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
-        """Return what is painted for one sketch, and how sure the network is of it.
+        """Return what is predicted for one sketch, and how sure the network is of it.
 
         Args:
             sketch: (S, S) ink in [0, 1].

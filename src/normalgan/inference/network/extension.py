@@ -1,4 +1,4 @@
-"""Extension: normals where the model painted none, from those around, as smoothly as can be."""
+"""Extension: normals where the model predicted none, from those around, as smoothly as can be."""
 
 import cv2
 import numpy as np

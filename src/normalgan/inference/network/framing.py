@@ -98,7 +98,7 @@ class Frame:
         return np.concatenate([unit, hinted], axis=-1).transpose(2, 0, 1)
 
     def restore(self, predicted: Floats) -> Floats:
-        """Bring what the model painted, (size, size, C), to the drawing's own place and size, (H, W, C)."""
+        """Bring what the model predicted, (size, size, C), to the drawing's own place and size, (H, W, C)."""
         scale = round(self.side) / self.size
         # Maps pixel centres of the model to those of the drawing.
         x0, y0 = round(self.left) + (scale - 1) / 2, round(self.top) + (scale - 1) / 2

@@ -131,7 +131,7 @@ class OnnxBackend:
         """The step from that size to a drawing's."""
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
-        """Return the normals painted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
+        """Return the normals predicted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
 
         One at a time: in a batch the last bits of a picture would depend on its neighbours.
 
@@ -140,7 +140,7 @@ class OnnxBackend:
             hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
 
         Raises:
-            InputError: if the model does not paint what a generator paints, or takes too long.
+            InputError: if the model does not predict what a generator predicts, or takes too long.
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)

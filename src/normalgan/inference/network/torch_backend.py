@@ -17,10 +17,10 @@ class TorchBackend:
     """A generator in torch: sketches and hints in, normals and perhaps confidence out. A `Backend`.
 
     Args:
-        generator: paints (N, 3, S, S), or 4 channels of which the last is the confidence. It is put into
+        generator: predicts (N, 3, S, S), or 4 channels of which the last is the confidence. It is put into
             evaluation: dropout is off, statistics are fixed.
         size: side of its pictures in pixels.
-        device: where it paints.
+        device: where it predicts.
         refined: whether the refiner of the package was trained for it.
         line_widths: the lines that it is shown as they were drawn, in its pixels.
     """
@@ -41,14 +41,14 @@ class TorchBackend:
         self._device = device
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
-        """Return the normals painted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
+        """Return the normals predicted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
 
         Args:
             sketch: (S, S) ink in [0, 1].
             hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
 
         Raises:
-            InputError: if the generator paints other than 3 or 4 channels, or maps of another size.
+            InputError: if the generator predicts other than 3 or 4 channels, or maps of another size.
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)

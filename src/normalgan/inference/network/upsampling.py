@@ -42,10 +42,10 @@ _LARGEST = 4.0
 
 @dataclass(frozen=True)
 class Coarse:
-    """What the network painted, at its own size.
+    """What the network predicted, at its own size.
 
     Args:
-        normals: (S, S, 3), unit; zero where the network painted nothing.
+        normals: (S, S, 3), unit; zero where the network predicted nothing.
         known: (S, S), where they are to be kept; True somewhere.
         needed: (S, S), where the object is.
     """
@@ -62,7 +62,7 @@ class Upsampler(Protocol):
         """Return normals (h, w, 3) at the size and place of ``prepared.ink``, of any length.
 
         Args:
-            coarse: what was painted in the square ``prepared.frame``.
+            coarse: what was predicted in the square ``prepared.frame``.
             prepared: the drawing: its lines (h, w), its frame, what the network was shown.
             mask: (h, w), the object, not empty. Off it normals matter only for what blends across its edge.
         """
@@ -96,7 +96,7 @@ class Refiner:
 
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = self._threads
-        options.add_session_config_entry("session.intra_op.allow_spinning", "0")  # as the painting network's
+        options.add_session_config_entry("session.intra_op.allow_spinning", "0")  # as for the network
         # Where that one is of ONNX, both work in the same memory, one after the other.
         options.add_session_config_entry("session.use_env_allocators", "1")
         return onnxruntime.InferenceSession(self._path, options, providers=["CPUExecutionProvider"])

@@ -51,7 +51,7 @@ class Window:
 def windows(ink: Floats, tile: Tile, size: int) -> list[Window]:
     """Return the parts of a repeated drawing (H, W) that a network of a size is shown.
 
-    They overlap, so that what the network paints depends little on where an edge of the drawing is. Half as
+    They overlap, so that what the network predicts depends little on where an edge of the drawing is. Half as
     many are too few for that.
     """
     top, bottom, left, right = bounds_of(ink)
@@ -79,7 +79,7 @@ def predict_windows(
     origin: tuple[int, int],
     hints: Hints | None = None,
 ) -> tuple[Floats, Floats | None]:
-    """Return what a network paints in windows, brought together: as `Backend.predict`, in another frame.
+    """Return what a network predicts in windows, brought together: as `Backend.predict`, in another frame.
 
     Args:
         backend: the network.
