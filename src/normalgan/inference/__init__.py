@@ -1,3 +1,3 @@
-"""From a drawing as it was made to its normal map, through a model as ONNX; numpy, no torch."""
+"""Inference: from a drawing to its normal map, by a model as ONNX; numpy, no torch."""
 
 __all__ = []

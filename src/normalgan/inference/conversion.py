@@ -1,4 +1,4 @@
-"""Conversion of maps that exist: between normals and heights, and details laid over a normal map."""
+"""Conversion of existing maps: between normals and heights, and details over a normal map."""
 
 from pathlib import Path
 

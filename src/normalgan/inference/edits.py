@@ -1,4 +1,4 @@
-"""Edits: a painted map held to what a hand says of it: exact normals at pins, directions of areas."""
+"""Edits of a predicted map: exact normals at pins, directions of areas."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -33,9 +33,8 @@ _LEAST_REACH = 2.0
 def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:
     """Return a map with given normals at given points, which blends into the prediction around them.
 
-    At each pin there is a turn from what was predicted to what is wanted. The turns are interpolated by
-    radial basis functions, exactly at all pins, so that two pins hold however near they are and however
-    opposed.
+    Each pin defines a rotation from the predicted normal to the given one. The rotations are interpolated by
+    radial basis functions, exactly at all pins, even if two pins are close and opposed.
 
     Args:
         normals: (H, W, 3), unit, as predicted.
@@ -87,7 +86,7 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
 
 
 def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floats) -> Floats:
-    """Return a map with an area turned as a whole, so that on the average it faces a direction.
+    """Turn an area of a map as a whole, so that on average it faces a direction.
 
     What is bent in the area stays as bent as it was: a flat wall stays flat, where a pin would make a dent.
 
@@ -109,7 +108,7 @@ def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floa
 
 
 def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
-    """Return a map that faces a direction where it was brushed, as far as it was.
+    """Turn a map towards a direction under a brush, by the brush's coverage.
 
     Args:
         normals: (H, W, 3), unit.
@@ -125,7 +124,7 @@ def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
 
 
 def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
-    """Return how much each pixel (H, W) belongs to a closed polygon, with an edge that is soft.
+    """Return the coverage of each pixel (H, W) by a closed polygon with a soft edge.
 
     Args:
         shape: (H, W).
@@ -138,7 +137,7 @@ def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
 
 
 def stroke(shape: tuple[int, int], points: Floats, width: float) -> Floats:
-    """Return how much a stroke covers each pixel (H, W), with an edge as soft as an airbrush's.
+    """Return the coverage of each pixel (H, W) by an airbrush stroke.
 
     Args:
         shape: (H, W).
@@ -214,7 +213,7 @@ def _wendland(distance: NDArray[np.floating]) -> Floats:
 
 
 def _turns(before: Floats, after: Floats) -> Floats:
-    """Return the turns (K, 3) from unit vectors to others: axes, as long as the angles."""
+    """Return rotation vectors (K, 3) from unit vectors to others."""
     axis = np.cross(before, after)
     sine = np.linalg.norm(axis, axis=-1, keepdims=True)
     angle = np.arctan2(sine, (before * after).sum(-1, keepdims=True))
@@ -225,7 +224,7 @@ def _turns(before: Floats, after: Floats) -> Floats:
 
 
 def _turned(vectors: Floats, turns: Floats) -> Floats:
-    """Return vectors (N, 3) turned by axes as long as angles (Rodrigues)."""
+    """Turn vectors (N, 3) by rotation vectors (Rodrigues)."""
     angle = np.linalg.norm(turns, axis=-1, keepdims=True)
     axis = turns / np.maximum(angle, 1e-12)
     along = (axis * vectors).sum(-1, keepdims=True) * axis

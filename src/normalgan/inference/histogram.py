@@ -1,4 +1,4 @@
-"""Levels: medians and percentiles, of a picture by counting how often each level occurs."""
+"""Histogram: medians and percentiles of a picture, by counting levels."""
 
 import math
 
@@ -18,7 +18,7 @@ _BINS = 4097
 class Histogram:
     """How often each value occurs in a picture, to a 4096th of the range.
 
-    Sorting the pixels for each percentile takes longer than all else that is done to a drawing.
+    Sorting the pixels for each percentile would take longer than everything else.
 
     Args:
         values: (H, W), float32.

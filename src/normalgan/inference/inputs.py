@@ -52,7 +52,7 @@ def prepare_any(
     line_widths: LineWidths = USUAL_WIDTHS,
     flips: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
-    """Return a drawing as far as it gets without the network.
+    """Prepare a drawing for the network.
 
     Args:
         image: a path; an image of Pillow; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
@@ -81,7 +81,7 @@ def prepare_any(
 
 @dataclass(frozen=True)
 class Given:
-    """A drawing and what belongs to it, as far as it was given.
+    """A drawing with its optional mask and hints.
 
     Args:
         picture: the drawing.
@@ -233,7 +233,7 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
 
 
 def _decoded(image: Image.Image) -> Picture:
-    """Return an image as one that is read from a file: of its mode and, where it is large, reduced alike."""
+    """Convert an image as if it had been read from a file: the same mode, and reduced if large."""
     full = (image.height, image.width)
     image = plain(image)
     if max(full) > MOST_WORKED:

@@ -1,4 +1,4 @@
-"""Saved models: any file of a trained model, or the one that comes with the package, as a predictor."""
+"""load: a predictor from any file of a trained model, or the shipped one."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ __all__ = ["SHIPPED_NAME", "load"]
 def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Predictor:
     """Return a trained model as a function of a drawing.
 
-    ONNX files, among them the one that comes with the package, need no torch and load in a moment.
+    ONNX files, such as the shipped model, need no torch and load quickly.
 
     Args:
         path_or_name: ``shipped``, or a file: ``.onnx`` or ``.safetensors`` that `normalgan export` wrote, or

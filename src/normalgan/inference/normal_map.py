@@ -72,7 +72,7 @@ class NormalMap:
         return np.where(self.mask[..., None], self.extended, np.float32(0))
 
     def stronger(self, strength: float) -> "NormalMap":
-        """Return the map of a surface that is as many times as high: its slopes are multiplied.
+        """Return the map with its slopes multiplied by a factor.
 
         Raises:
             InputError: if the strength is none: negative, or more than 100.
@@ -192,9 +192,9 @@ def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
 
 
 def as_it_lies(sheet: NormalMap) -> Floats:
-    """Return normals as a sheet is lit that is looked at as a picture, (H, W, 3).
+    """Return the normals of a sheet seen as one picture, (H, W, 3).
 
-    Those of drawings that lie turned are turned along: in the map they are those of the upright drawing.
+    The map holds normals of upright sprites; here those of turned sprites are turned with them.
     """
     if not any(cell.turned for cell in sheet.cells):
         return sheet.extended

@@ -1,4 +1,4 @@
-"""Pipeline: several drawings at once, each from its file to its map in one thread."""
+"""Run several jobs at once, each in one thread."""
 
 import os
 from collections import deque
@@ -16,9 +16,9 @@ _MOST = 8
 
 
 def workers(jobs: int) -> int:
-    """Return how many drawings are to be worked on at once: one more than there are cores for.
+    """Return the number of jobs to run at once: one more than the cores.
 
-    One of them waits: for the disk to have its map, or for the other process to decode its drawing.
+    One of them waits for the disk or for its drawing to be decoded.
     """
     # The scheduler's own count where there is one: a container may have fewer cores than its machine.
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -26,11 +26,11 @@ def workers(jobs: int) -> int:
 
 
 def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | Exception]]:
-    """Yield each job with what came of it, or the exception that stopped it, in order.
+    """Yield each job with its result, or the exception that stopped it, in order.
 
-    Each thread does whole jobs. NumPy, OpenCV and ONNX Runtime let others run while they compute,
-    so that threads, each with a network that runs on one core, keep all cores busy; a network that is spread
-    over all cores would wait for the rest of each job, which cannot be.
+    Each thread does whole jobs. NumPy, OpenCV and ONNX Runtime release the lock while they compute, so
+    threads with one-core networks keep all cores busy. A network over all cores would wait for the serial
+    rest of each job.
 
     >>> list(stream([1, 2], lambda j: 10 // (j - 1)))
     [(1, ZeroDivisionError('integer division or modulo by zero')), (2, 10)]
@@ -51,7 +51,7 @@ def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | E
 
 
 def _drained(waiting: deque[tuple[J, Future[R]]], left: int) -> Iterator[tuple[J, R | Exception]]:
-    """Yield what came of the first jobs, once it is there, until so many are left."""
+    """Yield the results of the first jobs as they finish, until a number is left."""
     while len(waiting) > left:
         job, future = waiting.popleft()
         failure = future.exception()

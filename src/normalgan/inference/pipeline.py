@@ -1,7 +1,7 @@
-"""Pipeline: the one way from a prepared drawing to its map, whoever asks and whatever the network.
+"""Pipeline: from a prepared drawing to its map, for every caller and every network.
 
-A drawing is read (`picture`, `inputs`), cleaned, its mask found and framed (`preparation`), painted by a
-`Backend`, brought to its own size (`upsampling`) and place, and written (`outputs`).
+A drawing is read (`picture`, `inputs`), cleaned, masked and framed (`preparation`), predicted by a `Backend`,
+brought to its own size (`upsampling`) and place, and written (`outputs`).
 """
 
 import cv2
@@ -99,7 +99,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
 
 
 def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> str:
-    """Return what is to be said of hints that lie off the object, a part of a sentence; empty if none does.
+    """Return the warning about hints off the object, a part of a sentence; empty if there are none.
 
     Args:
         drawn: (K, 2), where the hints are, in pixels of the drawing.
@@ -123,9 +123,9 @@ def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> str:
 
 
 def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
-    """Return how much of each pixel (h, w) the object covers.
+    """Return the coverage of each pixel (h, w) by the object.
 
-    Where the mask is still that of the outline, its ink has told; elsewhere the edge is a pixel wide.
+    Where the mask is still the outline's, coverage comes from the ink; elsewhere the edge is one pixel wide.
 
     Args:
         prepared: as `prepare` gives it.
@@ -152,10 +152,10 @@ def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:
 
 
 def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats | None = None) -> Coarse:
-    """Return what the network predicted, and where it has a direction worth keeping.
+    """Return the network's prediction, and where its direction is reliable.
 
-    Where there is an object for certain, the model's doubt of it, a short vector, is no doubt of the
-    direction: what is short beside most of the others is left out there.
+    Inside a certain object a short vector means doubt about presence, not direction; only vectors that are
+    short compared with most others are left out there.
 
     Args:
         prepared: as `prepare` gives it.
@@ -182,16 +182,16 @@ def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = N
 
 
 def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
-    """Return the object's mask, and what is to be said of it."""
+    """Return the object's mask, and the warning about it."""
     mask, warning = _found(prepared, present)
     if prepared.painted is None:
         return mask, warning
-    # The hand has the last word, and nothing is to be said of what it has settled.
+    # Edits by hand have the last word, so warnings about them are dropped.
     return (mask | (prepared.painted > 0)) & (prepared.painted >= 0), ""
 
 
 def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
-    """Return the object's mask without what was painted on it, and what is to be said of it."""
+    """Return the object's mask before edits by hand, and the warning about it."""
     if prepared.mask is None:
         return present, ""
     if prepared.held:

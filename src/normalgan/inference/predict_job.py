@@ -1,4 +1,4 @@
-"""Predicting a job: a file of whatever kind, one drawing or many, to what is written for it."""
+"""JobPredictor: predict a file of any kind, with one drawing or many, and write its outputs."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -46,7 +46,7 @@ MOST_TOGETHER = 2**26
 
 @dataclass(frozen=True)
 class Done:
-    """What came of a job.
+    """The result of a job.
 
     Args:
         target: where the map is.
@@ -63,7 +63,7 @@ class Done:
 
 @dataclass(frozen=True)
 class JobPredictor:
-    """Predicts what a job names and writes what belongs to it. It may be called by several threads.
+    """Predicts the drawings of a job and writes its outputs. Several threads may call it.
 
     Args:
         predictor: the network.
@@ -124,7 +124,7 @@ class JobPredictor:
         return replace(self._written(job, preds), note=note if figures else "")
 
     def together(self, jobs: Sequence[Job]) -> Iterator[tuple[Job, Done | Exception]]:
-        """Yield what came of drawings in files of their own that share a frame, in order.
+        """Yield the results of drawings in separate files that share a frame, in order.
 
         Raises:
             InputError: if they differ in size, or are too many.
@@ -180,7 +180,7 @@ class JobPredictor:
         return _noted(preds, picture.note)
 
     def _figures(self, files: DrawingFiles, prepared: Prepared) -> list[Cell]:
-        """Return where the figures of a page lie, in pixels of its map; none if it shows one object."""
+        """Return the cells of a page's figures, in pixels of its map; empty for a single object."""
         if prepared.alpha is not None and prepared.mask is not None:
             if cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3 or self.size is not None:
                 return []
@@ -269,7 +269,7 @@ class JobPredictor:
 
 
 def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False) -> Path:
-    """Return where the map of a job goes; of several that do not go into one file, where the first goes.
+    """Return the path of a job's map, or of the first one if there are several files.
 
     Raises:
         InputError: if it is a broken animation, has no layers that are asked for, or would be written over.
@@ -288,7 +288,7 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False
 
 
 def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = False) -> Iterator[Path]:
-    """Yield what is written for a job; of several frames the map and what belongs to the first."""
+    """Yield the files that are written for a job; of several frames the map and the outputs of the first."""
     try:
         target = target_of(job, outputs, packing, layers)
         moves = not packing.given and moving_kind(job.files.drawing, job.files.content) is not None
@@ -311,7 +311,7 @@ def _source(files: DrawingFiles) -> str | None:
 
 
 def _noted(preds: NormalMap, note: str) -> NormalMap:
-    """Return a map that also says what is to be said of its drawing's file."""
+    """Return a map with the warning about its drawing's file added."""
     return replace(preds, warning="; ".join(filter(None, [note, preds.warning])))
 
 

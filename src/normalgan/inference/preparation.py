@@ -1,4 +1,4 @@
-"""Preparation: a drawing as far as it gets without the model: cleaned, framed, its mask found."""
+"""Preparation: clean a drawing, find its mask and frame it for the network."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ _LEAST = 0.01
 
 @dataclass(frozen=True)
 class Prepared:
-    """A drawing as far as it gets without the model.
+    """A drawing that is ready for the network.
 
     Args:
         shape: (H, W) of the map to be.
@@ -145,7 +145,7 @@ def prepare(
 def _clean_and_read(
     picture: Picture, shown: Picture, asked: bool, always: bool
 ) -> tuple[Cleaned, Reading | None]:
-    """Return a picture's ink and, if the reader is to vote on its object, what that sees in it.
+    """Return a picture's ink and, if the reader votes on its object, the reading.
 
     Where cleaning finds no line, as in a sprite on a flat ground, the rim of the reader's object is its line.
 
@@ -176,14 +176,14 @@ def _clean_and_read(
 
 
 def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:
-    """Return a prepared drawing framed about a box in pixels of its ``ink``; give hints afterwards."""
+    """Return a prepared drawing with a frame around a box in pixels of its ``ink``; add hints afterwards."""
     frame = Frame.about(bounds, prepared.ink.shape, prepared.frame.size)
     seen = render_model_input(prepared.ink, frame, prepared.line_widths)
     return replace(prepared, frame=frame, seen=seen, hints=None, pins=None, given=None)
 
 
 def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> Prepared:
-    """Return a prepared drawing with other hints: all else stays, which takes most of the time.
+    """Return a prepared drawing with other hints; everything else, which takes most of the time, is kept.
 
     Args:
         prepared: as `prepare` gives it.

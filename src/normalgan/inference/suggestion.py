@@ -40,10 +40,10 @@ def suggest(
 ) -> list[Point]:
     """Return at most ``count`` points, best first.
 
-    A hint helps where the model is in doubt and where the surface bends, for there a small mistake of its
-    guess turns the most normals; and it helps all about it. So gains are summed over the reach of a hint, the
-    best point is taken, the gain about it falls, and those within its reach are left out: points lie as blue
-    noise does, as with the best candidates of Mitchell.
+    A hint helps where the model is uncertain and where the surface bends, because there a small error turns
+    many normals. It also helps its surroundings. So gains are summed over a hint's reach, the best point is
+    taken, the gain around it is lowered, and points within its reach are excluded. The points are spread
+    like blue noise, as with Mitchell's best candidates.
 
     Args:
         normals: (H, W, 3), unit, as predicted.
@@ -98,7 +98,7 @@ def suggest(
 
 
 def uncertainty(confidence: Floats) -> Floats:
-    """Return how far off the model expects its normals to be, as a share of a right angle.
+    """Return the angular error that the model expects, as a share of a right angle.
 
     For the density exp(-κ θ) on the sphere the mean angle is 2κ / (κ² + 1) + π / (exp(π κ) + 1): minus the
     derivative of the logarithm of its integral, 2π (1 + exp(-π κ)) / (κ² + 1), by κ.
@@ -116,7 +116,7 @@ def uncertainty(confidence: Floats) -> Floats:
 
 
 def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
-    """Return the length of the normals' change from pixel to pixel; steps across the mask's edge are none."""
+    """Return how much normals change from pixel to pixel; changes across the mask's edge do not count."""
     squares = np.zeros(mask.shape, np.float32)
     for before, after in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
         both = mask[before] & mask[after]
@@ -133,7 +133,7 @@ def _peaked(values: Floats, reach: float) -> Floats:
 
 
 def _depth(mask: NDArray[np.bool_]) -> Floats:
-    """Return how far the object's edge is away, in rims; 0 off the object."""
+    """Return the distance to the object's edge, in rims; 0 off the object."""
     rows, columns = np.nonzero(mask)
     extent = max(np.ptp(rows), np.ptp(columns)) + 1
     away = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]

@@ -1,4 +1,4 @@
-"""Tiling: from a drawing that goes on past its edges to a map that does."""
+"""Tiling: a seamless map of a seamless drawing."""
 
 from dataclasses import replace
 from functools import partial
@@ -49,12 +49,12 @@ def predict_tile(
     source: str | None = None,
     upsample: Upsampler | None = None,
 ) -> NormalMap:
-    """Predict the normal map of a drawing that is repeated; the map can be repeated in the same ways.
+    """Predict the normal map of a drawing that repeats; the map repeats in the same directions.
 
-    The network takes what it is shown for one object, round as a whole. So it is shown the repeated drawing
-    in windows that overlap, and counts most in the middle of each: what the drawing has at an edge is in the
-    middle of another window, and what leans to opposite sides cancels out. All else sees so much of the
-    repeats about the drawing that an edge is like any other place.
+    The network takes its input for one object that is round as a whole. So it sees the repeated drawing in
+    overlapping windows, weighted towards their centres. What lies at an edge of one window is in the centre
+    of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing that
+    an edge is like any other place.
 
     Args:
         backend: the network.
@@ -135,7 +135,7 @@ def _frame_of(around: Floats, window: Window) -> Frame:
 
 
 def _outlined(ink: Floats, tile: Tile) -> BoolMask:
-    """Return what the lines (H, W) of a repeated drawing enclose; all, if they leave much open."""
+    """Return what the lines (H, W) of a repeated drawing enclose; everything, if much is open."""
     half = ink.shape[0] // 2, ink.shape[1] // 2
     outline = fill_outline(wrapped(ink, tile, half))
     if outline.guessed or outline.closed < CLOSED:
@@ -153,9 +153,9 @@ def _part(frame: Frame, origin: tuple[int, int], shape: tuple[int, int]) -> tupl
 
 
 def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
-    """Return what was predicted without the slope that it has on average along the ways that repeat.
+    """Remove a prediction's mean slope along the directions that repeat.
 
-    What is repeated rises nowhere on the whole: it would be a cliff at each edge.
+    A repeated surface cannot rise on the whole, because it would jump at each edge.
 
     Args:
         predicted: (S, S, 3), vectors as long as an object is probable.

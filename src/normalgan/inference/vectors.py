@@ -1,4 +1,4 @@
-"""Vectors: unit vectors of large pictures, plane by plane, in a fraction of the time of the general way."""
+"""Vectors: fast unit vectors of large pictures, plane by plane."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""Bodies: what comes with a request, read no further than it may be long."""
+"""Bodies: read request bodies within a size limit."""
 
 import asyncio
 

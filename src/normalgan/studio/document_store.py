@@ -1,4 +1,4 @@
-"""DocumentStore: documents in a folder, each old or new but never half; nobody overwrites unseen work."""
+"""DocumentStore: documents in a folder, written atomically, never over unseen changes."""
 
 import hashlib
 import os
@@ -27,7 +27,7 @@ SUFFIX = ".normalgan"
 
 
 class Anything:
-    """What is expected of a document that may be overwritten, whatever it holds."""
+    """The tag for overwriting a document, whatever it holds."""
 
 
 ANYTHING: Final = Anything()
@@ -66,7 +66,7 @@ class DocumentStore:
     def entries(self) -> list[dict[str, Any]]:
         """Return the name, the time of the last change (ISO, UTC) and the size of each, newest first.
 
-        Files alone count: no pipe, no folder, and nothing that cannot be looked at.
+        Only regular files that can be read count.
         """
         found = []
         for path in self.folder.glob(f"*{SUFFIX}"):

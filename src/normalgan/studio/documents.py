@@ -1,4 +1,4 @@
-"""Documents: whether what is to be kept is a project of the studio."""
+"""Documents: check that a document is a project of the studio."""
 
 from normalgan.errors import InputError
 from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE

@@ -1,4 +1,4 @@
-"""Drawing: what a request asks to be painted: a picture, hints, and where the object is."""
+"""Drawing: the content of a request: a picture, hints, and the object's mask."""
 
 import hashlib
 import json

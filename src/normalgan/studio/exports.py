@@ -1,4 +1,4 @@
-"""Exports: files of a painted drawing, the very ones that `normalgan generate` writes, one or all at once."""
+"""Exports: the files of a drawing, equal to those of `normalgan generate`, one or all at once."""
 
 import io
 import zipfile

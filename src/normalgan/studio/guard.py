@@ -1,4 +1,4 @@
-"""Guard: lets in only what comes from the studio's own page on this machine."""
+"""Guard: accepts only requests from the studio's own page on this machine."""
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -12,8 +12,7 @@ __all__ = ["Guard"]
 class Guard:
     """Refuses requests by another name of this machine and requests of other pages.
 
-    A name that is not ours may be one that another site lets lead to this machine (DNS rebinding), which
-    would make that site's page one of ours for the browser.
+    A foreign host name may resolve to this machine (DNS rebinding), and its page would then have our origin.
 
     Args:
         app: what is guarded.

@@ -1,4 +1,4 @@
-"""Names: what a project may be called, so that it is a file's name everywhere and never a path."""
+"""Names: valid project names, which are file names on every system and never paths."""
 
 import unicodedata
 

@@ -1,4 +1,4 @@
-"""Opening: what the page shows first, if the command line names a project or a drawing."""
+"""Opening: the project or drawing that the command line names, for the page."""
 
 from pathlib import Path
 from typing import Any

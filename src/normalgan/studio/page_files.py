@@ -1,4 +1,4 @@
-"""Page files: what makes the page load fast: its modules named ahead, and addresses that tell its version."""
+"""Page files: preloaded modules and versioned addresses, so that the page loads fast."""
 
 import hashlib
 import re

@@ -1,4 +1,4 @@
-"""Pictures: an image of any kind, or the layers of a file, made PNGs that the page can show and send back."""
+"""Pictures: convert an image or the layers of a file to PNGs for the page."""
 
 import base64
 import io

@@ -1,4 +1,4 @@
-"""Painting routes: a drawing comes, in layers, and its map, its heights, its file or points for hints go."""
+"""Prediction routes: take a drawing in layers; return its map, heights, files or suggested hints."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -134,7 +134,7 @@ class PredictionRoutes:
         apart: str = "",
         stop: Stop | None = None,
     ) -> T | None:
-        """Return what the work gives, in its turn; None if it is not wanted any more."""
+        """Return the result of the work in its turn; None if it is no longer wanted."""
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
         number = take_integer(fields, "number", 0, _LARGEST)
         return await queue.do(tab, number, work, partial(wait_disconnect, request), stop)

@@ -1,4 +1,4 @@
-"""Predictor: the model at work for the studio; what was predicted last is remembered."""
+"""Predictor: the studio's model, with a cache of the last predictions."""
 
 from collections import OrderedDict
 from collections.abc import Callable

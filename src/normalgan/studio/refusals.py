@@ -1,4 +1,4 @@
-"""Refusals: what the studio's server answers when it does not do what it was asked, each with its status."""
+"""Refusals: the errors of the studio's server, each with its HTTP status."""
 
 from normalgan.errors import InputError
 
@@ -22,13 +22,13 @@ class RefusedError(InputError):
 
 
 class ForeignError(RefusedError):
-    """It comes from another page, or by another name of this machine."""
+    """The request comes from another page or names another host."""
 
     status = 403
 
 
 class MissingError(RefusedError):
-    """There is nothing of that name."""
+    """Nothing has that name."""
 
     status = 404
 
@@ -40,25 +40,25 @@ class TooSlowError(RefusedError):
 
 
 class BehindError(RefusedError):
-    """It changes what the server does not have."""
+    """The request changes pixels that the server does not have."""
 
     status = 409
 
 
 class ChangedError(RefusedError):
-    """Somebody else has saved in between."""
+    """Somebody else has saved in the meantime."""
 
     status = 412
 
 
 class TooLargeError(RefusedError):
-    """The body is larger than is read."""
+    """The body exceeds the size limit."""
 
     status = 413
 
 
 class WrongTypeError(RefusedError):
-    """The body is not of the kind that is taken."""
+    """The body has a type that is not accepted."""
 
     status = 415
 

@@ -1,4 +1,4 @@
-"""RequestQueue: a thread that works through requests; of each tab only the newest one waits."""
+"""RequestQueue: a thread that serves requests; only the newest of each tab waits."""
 
 import asyncio
 from collections import OrderedDict
@@ -18,7 +18,7 @@ _TABS = 256
 
 
 class GivenUpError(Exception):
-    """Ends work that nobody wants any more; nobody is told of it."""
+    """Ends work that is no longer wanted, silently."""
 
 
 class Stop:
@@ -46,11 +46,11 @@ class _Entry(Generic[T]):
 
 
 class RequestQueue:
-    """Does one thing at a time, in the order in which tabs have come.
+    """Does one task at a time, in the order of the tabs.
 
-    A tab that asks again before its turn keeps its place, and what it asked for before is never begun. What
-    has been begun is finished, or a tab that asks all the time would never get anything; but a draft is
-    given up for what is none.
+    A tab that asks again before its turn keeps its place, and its older request is dropped. A started task is
+    finished, because a tab that asks all the time would never get a result; only drafts are abandoned for
+    final requests.
 
     Args:
         most: tabs that may wait.
@@ -71,7 +71,7 @@ class RequestQueue:
         gone: Callable[[], Awaitable[None]],
         stop: Stop | None = None,
     ) -> T | None:
-        """Return what the work gives, or None if the tab has asked for something newer or has gone.
+        """Return the result, or None if the tab has asked for something newer or has gone.
 
         Args:
             tab: who asks.
@@ -147,7 +147,7 @@ class RequestQueue:
 
 
 def _settle(entry: _Entry[object], ended: "asyncio.Future[object] | None") -> None:
-    """Give the one who waits, if there still is one, what came of it."""
+    """Pass the result to the waiting request, if it still waits."""
     failure = None if ended is None else ended.exception()
     if entry.done.done():
         return

@@ -1,7 +1,7 @@
-"""For authors of plug-ins: checks that tell in a sentence what a class does otherwise than its kind must.
+"""Conformance checks for authors of plug-ins; each failure is one sentence.
 
-``check_hint_sampler(sampler)`` asks everything of it; ``hint_sampler_checks()`` are the same as a list of
-named checks for ``pytest.mark.parametrize``. So for each kind.
+``check_hint_sampler(sampler)`` runs all checks; ``hint_sampler_checks()`` returns them as a list for
+``pytest.mark.parametrize``. Each kind has such a pair.
 """
 
 from normalgan.testing.augmentations import augmentation_checks, check_augmentation

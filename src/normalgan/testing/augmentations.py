@@ -1,4 +1,4 @@
-"""What is asked of an augmentation."""
+"""Checks of an augmentation."""
 
 import json
 from typing import Any
@@ -18,7 +18,7 @@ _SIZE = 64
 
 
 def check_augmentation(augmentation: BatchAugmentation) -> None:
-    """Ask an augmentation everything that its kind must do.
+    """Run all checks on an augmentation.
 
     Args:
         augmentation: with the settings it is to be checked with.

@@ -1,4 +1,4 @@
-"""Checks as objects: each has a name and says in one sentence what a class did and what was asked of it."""
+"""Checks as objects: each has a name, and its failure is one sentence."""
 
 import pickle
 import random
@@ -26,12 +26,12 @@ T = TypeVar("T")
 
 
 class ConformanceError(AssertionError):
-    """A plug-in does not do what its kind is asked to do; the message is one sentence."""
+    """A plug-in breaks the contract of its kind; the message is one sentence."""
 
 
 @dataclass(frozen=True)
 class Check(Generic[T]):
-    """One thing that is asked of a plug-in; call it with the plug-in.
+    """One check of a plug-in; call it with the plug-in.
 
     Args:
         name: what is asked, in a few words; the id of the test in pytest.
@@ -47,7 +47,7 @@ class Check(Generic[T]):
         return self.name
 
     def __call__(self, plugin: T) -> None:
-        """Ask it of a plug-in.
+        """Run the check on a plug-in.
 
         Raises:
             ConformanceError: if the plug-in does something else, or raises anything.
@@ -68,7 +68,7 @@ class Check(Generic[T]):
 
 
 def hold(plugin: T, checks: Iterable[Check[T]]) -> None:
-    """Ask everything of a plug-in.
+    """Run all checks on a plug-in.
 
     Raises:
         ConformanceError: at the first thing that it does otherwise.
@@ -78,7 +78,7 @@ def hold(plugin: T, checks: Iterable[Check[T]]) -> None:
 
 
 def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
-    """Go on only if something is fulfilled.
+    """Raise `ConformanceError` unless a condition holds.
 
     Raises:
         ConformanceError: ``<Class> <did>; <asked>.`` if not.

@@ -1,4 +1,4 @@
-"""What is asked of a data source."""
+"""Checks of a data source."""
 
 import pickle
 from collections import Counter
@@ -15,7 +15,7 @@ __all__ = ["check_data_source", "data_source_checks"]
 
 
 def check_data_source(source: DataSource) -> None:
-    """Ask a data source everything that its kind must do; of each split the first thing is loaded.
+    """Run all checks on a data source; of each split the first thing is loaded.
 
     Args:
         source: with the settings it is to be checked with, and enough to fill three splits.

@@ -1,4 +1,4 @@
-"""What is asked of a discriminator."""
+"""Checks of a discriminator."""
 
 from typing import cast
 
@@ -16,7 +16,7 @@ _SCORES = "forward must take the condition and the normals and return a tuple of
 
 
 def check_discriminator(discriminator: Discriminator, size: int = 64) -> None:
-    """Ask a discriminator everything that its kind must do. Its mode and torch's random state may change.
+    """Run all checks on a discriminator. Its mode and torch's random state may change.
 
     Args:
         discriminator: with the settings it is to be checked with; small ones save time.

@@ -1,4 +1,4 @@
-"""What is asked of a generator."""
+"""Checks of a generator."""
 
 from typing import cast
 
@@ -18,7 +18,7 @@ _PREDICTED = "predict must return Predictions whose channels() are what forward 
 
 
 def check_generator(generator: Generator, size: int = 64) -> None:
-    """Ask a generator everything that its kind must do. Its mode and the random state of torch may change.
+    """Run all checks on a generator. Its mode and the random state of torch may change.
 
     Args:
         generator: with the settings it is to be checked with; small ones save time.

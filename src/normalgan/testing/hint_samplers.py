@@ -1,4 +1,4 @@
-"""What is asked of a hint sampler."""
+"""Checks of a hint sampler."""
 
 import torch
 from torch import Tensor
@@ -21,7 +21,7 @@ _WHERE = "sample must return (N, 1, H, W), 1 at a hinted pixel and 0 elsewhere"
 
 
 def check_hint_sampler(sampler: HintSampler) -> None:
-    """Ask a hint sampler everything that its kind must do.
+    """Run all checks on a hint sampler.
 
     Args:
         sampler: with the settings it is to be checked with.

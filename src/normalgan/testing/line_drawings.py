@@ -1,4 +1,4 @@
-"""What is asked of a line style."""
+"""Checks of a line style."""
 
 import copy
 from functools import cache
@@ -23,7 +23,7 @@ _SLACK = 2.0  # pixels that a line may go beyond the frame: what lies outside is
 
 
 def check_line_drawing(style: LineDrawing) -> None:
-    """Ask a line style everything that its kind must do.
+    """Run all checks on a line style.
 
     Args:
         style: with the settings it is to be checked with.

@@ -1,4 +1,4 @@
-"""What is asked of a metric."""
+"""Checks of a metric."""
 
 import torch
 from torch import Tensor
@@ -11,7 +11,7 @@ __all__ = ["check_metric", "metric_checks"]
 
 
 def check_metric(metric: MapMetric) -> None:
-    """Ask a metric everything that its kind must do.
+    """Run all checks on a metric.
 
     Args:
         metric: with the settings it is to be checked with; copies of it are used.

@@ -1,4 +1,4 @@
-"""What is asked of generators and discriminators alike: both are modules that learn from pictures."""
+"""Checks of all networks, generators and discriminators."""
 
 import copy
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What is asked of an adversarial objective."""
+"""Checks of an adversarial objective."""
 
 import copy
 
@@ -17,7 +17,7 @@ _LOSSES = "both losses must be scalars made of scores, a tensor a head"
 
 
 def check_objective(objective: AdversarialObjective) -> None:
-    """Ask an adversarial objective everything that its kind must do. The random state of torch may change.
+    """Run all checks on an adversarial objective. The random state of torch may change.
 
     Args:
         objective: with the settings it is to be checked with.

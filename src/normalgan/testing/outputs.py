@@ -1,4 +1,4 @@
-"""What is asked of an output."""
+"""Checks of an output."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ _SIZE = 48
 
 
 def check_output(output: Output) -> None:
-    """Ask an output everything that its kind must do.
+    """Run all checks on an output.
 
     Args:
         output: with the settings it is to be checked with.

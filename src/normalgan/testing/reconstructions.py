@@ -1,4 +1,4 @@
-"""What is asked of a reconstruction loss."""
+"""Checks of a reconstruction loss."""
 
 import torch
 from torch import Tensor
@@ -18,7 +18,7 @@ _TAKEN = {"adversarial", "discriminator"}
 
 
 def check_reconstruction(reconstruction: Reconstruction) -> None:
-    """Ask a reconstruction loss everything that its kind must do.
+    """Run all checks on a reconstruction loss.
 
     Args:
         reconstruction: with the settings it is to be checked with.

@@ -1,4 +1,4 @@
-"""What is asked of a renderer."""
+"""Checks of a renderer."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ _VIEWS = (None, 40.0)
 
 
 def check_renderer(renderer: Renderer) -> None:
-    """Ask a renderer everything that its kind must do.
+    """Run all checks on a renderer.
 
     Args:
         renderer: with the settings it is to be checked with, on a machine that has what it needs.

@@ -1,4 +1,4 @@
-"""Atlas: where the sprites of a sheet lie, as another program's file says."""
+"""Atlas: the places of a sheet's sprites, from another program's file."""
 
 from dataclasses import dataclass
 from pathlib import Path

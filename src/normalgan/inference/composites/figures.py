@@ -1,4 +1,4 @@
-"""Figures: the separate objects of a page, told apart before any gap in them is closed."""
+"""Figures: separate the objects of a page before any gap in them is closed."""
 
 import cv2
 import numpy as np

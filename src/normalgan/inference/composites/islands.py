@@ -1,4 +1,4 @@
-"""Islands: the drawings of a sheet that nobody says the places of: what hangs together is one."""
+"""Islands: find the drawings of a sheet without an atlas; connected parts are one drawing."""
 
 import cv2
 import numpy as np

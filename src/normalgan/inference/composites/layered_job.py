@@ -87,7 +87,7 @@ class LayeredJob:
     def _predict(
         self, job: Job, found: DecodedLayers, number: int
     ) -> tuple[list[DecodedLayer], str, list[Held]]:
-        """Return what a layer is predicted as, frame by frame, what is to be said of it, and what waits."""
+        """Return a layer's predictions frame by frame, the warning, and what waits for other drawings."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
         where = job.files.mask if isinstance(job.files.mask, str) else None

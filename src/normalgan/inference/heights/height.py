@@ -1,4 +1,4 @@
-"""Height: the surface that a normal map belongs to, with its jumps where one part hides another."""
+"""Height: integrate a normal map to a surface, with jumps at occluding contours."""
 
 import numpy as np
 from numpy.typing import NDArray

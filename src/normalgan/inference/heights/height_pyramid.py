@@ -39,8 +39,8 @@ def halve(normals: Vectors, mask: BoolMask, tile: Tile | None = None) -> tuple[V
 def double(height: Vectors, normals: Vectors) -> Vectors:
     """Return heights (H, W) of a map (H, W, 3) from those (h, w) at half its size.
 
-    Each pixel of half the size becomes four that lie on the planes of their own normals through its middle,
-    so that a jump between two of them stays one.
+    Each pixel becomes four, on the planes of their own normals through its centre, so that a jump between
+    pixels stays a jump.
     """
     rows, columns = normals.shape[:2]
     coarse = 2 * np.repeat(np.repeat(height, 2, 0)[:rows], 2, 1)[:, :columns]

@@ -1,4 +1,4 @@
-"""Multigrid: sparse symmetric equations that change little from one time to the next, solved fast."""
+"""Multigrid: solve similar sparse symmetric systems one after the other."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,9 +55,10 @@ class Solver:
 
 
 class Relaxation:
-    """Some steps of conjugate gradients, preconditioned by the diagonal: what is fine settles, no more.
+    """A few steps of conjugate gradients, preconditioned by the diagonal.
 
-    That is enough where a guess has settled what reaches far, and takes a part of the time and the memory.
+    They smooth fine errors only. After a guess that is right at large scales this is enough, and takes less
+    time and memory.
 
     Args:
         steps: of each solution.

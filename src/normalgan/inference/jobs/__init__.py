@@ -1,3 +1,3 @@
-"""Jobs: which files are predicted, and where their maps go."""
+"""Jobs: which drawings to predict, and where their maps go."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Clashes: drawings of one name in one folder, whose maps would be one file."""
+"""Clashes: drawings whose maps would be one file."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -14,7 +14,7 @@ __all__ = ["without_clashes", "without_twins"]
 def without_twins(
     files: Sequence[DrawingFiles], layers: bool = False
 ) -> tuple[list[DrawingFiles], list[str]]:
-    """Return drawings without the other half of each pair of a layered file and its export, and what to say.
+    """Drop one of each pair of a layered file and its export; return the rest, and the messages about it.
 
     A paint program keeps ``fox.kra`` and exports ``fox.png`` beside it. The picture is what an engine shows,
     at its size, so that the map is made of it; ``layers`` are in the layered file alone.
@@ -43,9 +43,10 @@ def without_twins(
 def without_clashes(
     jobs: Sequence[Job], written: Callable[[Job], Iterable[Path]]
 ) -> tuple[list[Job], list[InputError]]:
-    """Return the jobs that write files of their own, and what is wrong with each of the others.
+    """Return the jobs with unique files, and the reason why each of the others is refused.
 
-    Of two drawings that would be written to one file neither is predicted: which was meant nobody can tell.
+    If two drawings would be written to one file, neither is predicted, because nobody can tell which was
+    meant.
 
     Args:
         jobs: the drawings.

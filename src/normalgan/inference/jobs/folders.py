@@ -1,4 +1,4 @@
-"""Folders: the drawings that a user's words name, in folders and below them, and where their maps go."""
+"""Folders: find the named drawings, also in subfolders, and decide where their maps go."""
 
 import os
 from collections import defaultdict
@@ -19,7 +19,7 @@ def search(
     leave_out: Path | None = None,
     may_be_empty: bool = False,
 ) -> tuple[dict[Path, Path], list[InputError]]:
-    """Return the drawings that are named, in order, and what is wrong with the words that name none.
+    """Return the named drawings in order, and the reasons why some names find none.
 
     Each comes with the folder below the output that its map goes to: with ``recursive`` that which it lies in
     below the folder that was named, else none. Drawings of one name in different folders get folders that

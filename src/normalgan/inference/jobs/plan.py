@@ -104,7 +104,7 @@ def find_files(
     mask: str | None = None,
     content: bytes | None = None,
 ) -> list[DrawingFiles]:
-    """Return the drawings that are named, each with its hints and its mask.
+    """Return the named drawings, each with its hints and its mask.
 
     Args:
         sketches: files, folders and globs; ``-`` is ``content``.
@@ -135,7 +135,7 @@ def find_many(
     folder: Path,
     may_be_empty: bool = False,
 ) -> tuple[list[DrawingFiles], list[InputError]]:
-    """Return the drawings that are named, and what is wrong with the words that name none.
+    """Return the named drawings, and the reasons why some names find none.
 
     Args:
         sketches: files, folders and globs; ``-`` is ``content``.
@@ -159,7 +159,7 @@ def find_many(
 
 
 def companions_of(ending: str) -> tuple[str, ...]:
-    """Return what is named so after a drawing lies beside it and is none.
+    """Return the files beside a drawing that are named after it and are not drawings.
 
     Args:
         ending: of a normal map's name, such as ``_normal.png``.

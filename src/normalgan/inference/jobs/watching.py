@@ -1,4 +1,4 @@
-"""Watching: which of some files were saved since they were last looked at, and are whole by now."""
+"""Watching: find files that were saved since the last look and are complete."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -10,7 +10,7 @@ Stamp = tuple[tuple[Path, int, int] | None, ...]
 
 
 class Watcher:
-    """Tells which drawings are new or were saved again, or something that is read for them was.
+    """Finds drawings that are new or were saved again, or whose hints or masks were.
 
     A program takes a while to save: a file counts once it has been the same at two looks. Files are looked at
     again and again, as the system's own messages do not come from network folders.

@@ -1,4 +1,4 @@
-"""Writing: what came of a job goes into files, or wherever else its sink leads."""
+"""Writing: the outputs of a job go to its sink, which is files by default."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

@@ -1,3 +1,3 @@
-"""The network's side: who runs it, what of a drawing it is shown, and its map at the drawing's size."""
+"""Network: its backends, its input, and its map at the drawing's size."""
 
 __all__ = []

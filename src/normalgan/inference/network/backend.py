@@ -1,4 +1,4 @@
-"""Backend: what predicts the coarse map of a prepared drawing: a network, by ONNX Runtime or torch."""
+"""Backend: a network that predicts the coarse map of a prepared drawing, by ONNX Runtime or torch."""
 
 from typing import Protocol
 
@@ -10,7 +10,7 @@ __all__ = ["Backend"]
 
 
 class Backend(Protocol):
-    """A network that is shown one sketch at a time; safe to be called by several threads."""
+    """A network that predicts one sketch at a time; several threads may call it."""
 
     @property
     def size(self) -> int:
@@ -28,7 +28,7 @@ class Backend(Protocol):
         ...
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
-        """Return what is predicted for one sketch, and how sure the network is of it.
+        """Return the prediction for one sketch, and its confidence.
 
         Args:
             sketch: (S, S) ink in [0, 1].

@@ -1,4 +1,4 @@
-"""Extension: normals where the model predicted none, from those around, as smoothly as can be."""
+"""Extension: fill normals where the model predicted none, smoothly from those around."""
 
 import cv2
 import numpy as np
@@ -16,10 +16,9 @@ _MEAN = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32) / 4
 def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_]) -> Floats:
     """Return unit normals everywhere, (H, W, 3): those known, and a near harmonic extension of them.
 
-    Averages of what is known, at coarser and coarser scales, fill what is not (the push and pull of Gortler
-    et al. 1996, "The Lumigraph", 3.3). At each scale, sweeps that make a pixel the mean of its neighbours,
-    the discrete Laplace equation with what is known as boundary values, take the steps of the coarser one
-    out: what is smooth over long ways was settled there, so that a few sweeps are enough.
+    Unknown pixels are filled with averages of known ones at coarser and coarser scales (push and pull;
+    Gortler et al. 1996, "The Lumigraph", 3.3). At each scale, a few sweeps of the discrete Laplace equation,
+    with the known normals as boundary values, smooth the steps of the coarser scale.
 
     Args:
         normals: (H, W, 3), unit where known.

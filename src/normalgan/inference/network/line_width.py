@@ -1,4 +1,4 @@
-"""Line width: a drawing's lines as wide as those that the model was trained on."""
+"""Line width: redraw lines at a width that the model was trained on."""
 
 import cv2
 import numpy as np
@@ -19,10 +19,10 @@ _THIN = 0.02
 
 
 def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
-    """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1].
+    """Return the model's input for a drawing (H, W): (size, size) ink in [0, 1].
 
-    Lines narrower than the model knows are made thicker, wider ones are drawn anew along their middle: anew
-    they lose some of their hand. Areas, whose width is no line's, are drawn as their outline.
+    Narrow lines are made thicker. Wide ones are redrawn along their middle, which loses some of their
+    character. Filled areas are drawn as their outline.
 
     Args:
         ink: (H, W).
@@ -57,10 +57,10 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
 
 
 def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
-    """Return whether lines are surely as wide as the model knows, and none of them is an area.
+    """Return whether all lines surely have a known width, and none is a filled area.
 
-    It is told by a quarter of the pixels that they are thinned with. On these, a line is found to be half as
-    wide and deep, to a pixel: where that might make a difference the answer is no.
+    The test uses half the resolution, where a width is exact to one pixel. If that could matter, it returns
+    False.
     """
     marked = _finer(frame, _ROUGH).marked(ink)
     inked = marked[around(marked, 1)]

@@ -1,7 +1,7 @@
-"""What an ONNX file may hold: looked through as bytes, before ONNX Runtime makes anything of it.
+"""Check the bytes of an ONNX file before ONNX Runtime loads it.
 
-A generator is one graph without branches. Operators that run other graphs can run them for ever; functions in
-functions stand for any number of nodes; weights that lie elsewhere are files of somebody else's.
+A generator is one graph without branches. Operators that run other graphs could run for ever, nested
+functions could stand for any number of nodes, and external weights could be anyone's files.
 """
 
 import math
@@ -56,7 +56,7 @@ class _RefusedError(Exception):
 
 
 def _check_nodes(graph: memoryview) -> bool:
-    """Return whether all that its weights alone decide is no larger than they are."""
+    """Return whether no constant computed from the weights is larger than they are."""
     count, given = 0, {_field(value, 1) for number, value in _fields(graph) if number == 11}
     given -= {_field(value, 8) for number, value in _fields(graph) if number == 5}  # a weight may be one too
     folds = True

@@ -1,4 +1,4 @@
-"""Tile: a picture that goes on past its edges with what lies at the opposite ones."""
+"""Tile: a picture that repeats across its edges."""
 
 from typing import Any, Literal, get_args
 
@@ -46,7 +46,7 @@ def wrapped(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -
 
 
 def middle(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -> NDArray[Any]:
-    """Return what `wrapped` has put so many rows and columns about.
+    """Return the middle of a picture that `wrapped` has extended; its inverse.
 
     >>> middle(np.array([[3, 1, 2, 3, 1]]), "x", (1, 1)).tolist()
     [[1, 2, 3]]

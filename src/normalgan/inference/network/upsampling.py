@@ -1,4 +1,4 @@
-"""Upsampling: a map of the model's size at the drawing's, refined by the drawing's own lines and rim."""
+"""Upsampling: bring a map to the drawing's size, refined by the drawing's lines and rim."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -56,7 +56,7 @@ class Coarse:
 
 
 class Upsampler(Protocol):
-    """The step from the network's size to the drawing's. Another one is handed to `pipeline.predict`."""
+    """The step from the network's size to the drawing's; `pipeline.predict` accepts another one."""
 
     def __call__(self, coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
         """Return normals (h, w, 3) at the size and place of ``prepared.ink``, of any length.
@@ -70,16 +70,16 @@ class Upsampler(Protocol):
 
 
 def enlarge(coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
-    """Fill what was not painted, and enlarge by interpolation, no more; an `Upsampler`."""
+    """Fill missing normals and enlarge by interpolation only; an `Upsampler`."""
     return prepared.frame.restore(extend(coarse.normals, coarse.known, coarse.needed))
 
 
 class Refiner:
-    """Fills what was not painted, enlarges it, and mends it by the drawing at its own size; an `Upsampler`.
+    """Fills missing normals, enlarges them, and refines them at the drawing's size; an `Upsampler`.
 
-    Enlarging blends both sides of a line over some pixels of the model, and knows nothing of the rim, where a
-    surface turns from the viewer within one of them. A small network sees the enlarged normals, the lines,
-    the mask and the distance from the silhouette, all at the drawing's own size, and adds what is missing.
+    Enlarging blends the two sides of a line and misses the rim, where a surface turns away within one pixel
+    of the model. A small network sees the enlarged normals, the lines, the mask and the distance from the
+    silhouette at the drawing's size, and adds the difference.
     It is read when it is first called.
 
     Args:

@@ -1,4 +1,4 @@
-"""Windows: a drawing that goes on past its edges, shown to the network in parts that overlap."""
+"""Windows: show a repeated drawing to the network in overlapping parts."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -51,8 +51,8 @@ class Window:
 def windows(ink: Floats, tile: Tile, size: int) -> list[Window]:
     """Return the parts of a repeated drawing (H, W) that a network of a size is shown.
 
-    They overlap, so that what the network predicts depends little on where an edge of the drawing is. Half as
-    many are too few for that.
+    They overlap, so that the prediction hardly depends on where an edge of the drawing is. Half as many are
+    too few.
     """
     top, bottom, left, right = bounds_of(ink)
     down, across = repeats(tile)

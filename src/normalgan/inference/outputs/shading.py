@@ -165,7 +165,7 @@ def curvature(normals: Floats, mask: BoolMask, longest: int | None = None) -> Fl
 
 
 def gloss(open_to_light: Floats, bends: Floats, mask: BoolMask) -> Floats:
-    """Return how much each place reflects, (H, W) in [0, 1]: ridges are polished, hollows dull, off it is 0.
+    """Return the specular map (H, W) in [0, 1]: ridges polished, hollows dull, 0 off the object.
 
     Args:
         open_to_light: (H, W), of `occlusion.occlusion`.
