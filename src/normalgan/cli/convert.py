@@ -3,15 +3,14 @@
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from jsonargparse import Namespace
 
 from normalgan.cli.light_parser import LightParser
 from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail
-from normalgan.inference.normal_map import NormalMap
-from normalgan.normals import Bits, Green, encode_grey
+from normalgan.inference.outputs.height import Height
+from normalgan.normals import Bits, Green
 
 __all__ = ["build_parser", "convert", "run"]
 
@@ -75,20 +74,11 @@ def convert(settings: Namespace) -> int:
             form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
             if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
                 raise InputError(f"the height map {output} is to end in .png, .tif or .tiff.")
-            write_bytes(output, _encode_heights(found, form, settings.scale))
+            height = Height(form, settings.scale if form == "png" else None)
+            write_bytes(output, height.encode(found)[height.endings[0]])
         else:
             found.save(output, settings.bits, settings.y, alpha=bool((found.alpha < 1).any()))
     except OSError as error:
         raise unwritable(f"the map cannot be written to {output}: {error.strerror}.", error) from None
     print(output)
     return 0
-
-
-def _encode_heights(preds: NormalMap, form: Literal["png", "tiff"], scale: float | None) -> bytes:
-    """Return the heights of a map: floats in pixels as TIFF, 16 bits from the lowest up as PNG."""
-    heights = preds.height()
-    inside = heights[preds.mask] if preds.mask.any() else np.zeros(1, np.float32)
-    if form == "tiff":
-        return encode_grey(np.where(preds.mask, heights, inside.min()), ".tiff")
-    spread = max(float(np.ptp(inside)), 1e-6) if scale is None else scale
-    return encode_grey(np.where(preds.mask, (heights - inside.min()) / spread, 0), ".png", 16)
