@@ -1,15 +1,19 @@
 import dataclasses
+import importlib
 import json
 import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from normalgan.errors import InputError
+from normalgan.registry import source_hash
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.lines.occluding import OccludingContours
+from normalgan.rendering.lines.silhouette import Silhouette
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
@@ -164,6 +168,29 @@ def test_description_is_json_and_tells_every_setting_apart() -> None:
         dataclasses.replace(base, views=Views(roll=(0.0, 0.0))),
     ]
     assert len({json.dumps(r.describe()) for r in [base, *others]}) == 6
+
+
+def test_samples_of_an_edited_plug_in_are_other_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = """
+from dataclasses import dataclass
+from normalgan.rendering.lines.silhouette import Silhouette
+
+@dataclass(frozen=True)
+class Thick(Silhouette):
+    factor = 1
+"""
+    file = tmp_path / "thick_lines.py"
+    monkeypatch.syspath_prepend(tmp_path)
+    found = []
+    for version in (code, code.replace("factor = 1", "factor = 2"), code):
+        file.write_text(version)
+        sys.modules.pop("thick_lines", None)
+        source_hash.cache_clear()
+        importlib.invalidate_caches()
+        style = importlib.import_module("thick_lines").Thick()
+        found.append(Recipe(Views(), EmbreeRenderer(), style, 64).describe())
+    assert found[0] == found[2] != found[1]
+    assert "code" not in Recipe(Views(), EmbreeRenderer(), Silhouette(), 64).describe()["lines"]
 
 
 def test_a_plug_in_that_cannot_be_described_is_refused() -> None:

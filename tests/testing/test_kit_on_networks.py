@@ -121,6 +121,19 @@ class Forgets(Predictor):
         return torch.tanh(self.conv(condition) * self.gain)
 
 
+class Counts(Predictor):
+    """Scales by a number of Python that training changes, which no checkpoint holds."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.scale = 1.0
+
+    def forward(self, condition: Tensor) -> Any:
+        if self.training and torch.is_grad_enabled():
+            self.scale *= 0.9
+        return torch.tanh(self.conv(condition) * self.scale)
+
+
 class TrainsAnother(Predictor):
     """Gives the losses something else than it paints."""
 
@@ -167,6 +180,7 @@ GENERATOR_FAULTS = [
     (Mixes, "Mixes answers .* otherwise to a picture in a batch than alone; in evaluation"),
     (Writes, "Writes changed the tensors it was given; they belong to the caller"),
     (Forgets, "Forgets answers otherwise after its state_dict was loaded; keep what it has learnt"),
+    (Counts, "Counts answers otherwise after its state_dict was loaded; keep what it has learnt"),
 ]
 
 

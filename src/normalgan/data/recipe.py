@@ -3,6 +3,7 @@
 from typing import Any, Protocol
 
 from normalgan.errors import InputError
+from normalgan.registry import source_hash
 from normalgan.rendering.samples import Sample
 
 __all__ = ["Loadable", "SampleRecipe", "fingerprint"]
@@ -65,6 +66,7 @@ class SampleRecipe(Protocol):
 def fingerprint(source: Loadable) -> str:
     """Return what a mesh is; one that cannot be read is left for `look_at` to refuse."""
     try:
-        return source.fingerprint()
+        code = source_hash(type(source))
+        return f"{source.fingerprint()} {code}" if code else source.fingerprint()
     except InputError as error:
         return f"none: {error}"

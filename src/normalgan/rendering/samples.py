@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.registry import source_hash
 from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
@@ -191,7 +192,8 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(item) for key, item in value.items()}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         fields = {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-        return {"class": type(value).__name__, **fields}
+        code = source_hash(type(value))  # or an edited plug-in would get the samples of the former one
+        return {"class": type(value).__name__, **({"code": code} if code else {}), **fields}
     raise TypeError(
         f"{type(value).__name__} is not a dataclass of plain values: samples made by it cannot be told apart."
     )

@@ -134,17 +134,21 @@ def _leaving(network: N, size: int, answer: Answer[N]) -> None:
     demand(same, network, "changed the tensors it was given", "they belong to the caller; copy them")
 
 
-@torch.no_grad()
 def _state(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that all that decides the answer is in the state_dict, where a checkpoint keeps it."""
-    network.eval()
-    before = answer(network, *given(1, size))
-    other = copy.deepcopy(network)
-    for tensor in [*other.parameters(), *other.buffers()]:
-        if tensor.is_floating_point():
-            tensor.add_(0.5)
-    other.load_state_dict(network.state_dict())
-    after = answer(other, *given(1, size))
+    """Demand that after training the state_dict, which a checkpoint keeps, decides the answer."""
+    trained, fresh = copy.deepcopy(network).train(), copy.deepcopy(network)
+    optimizer = torch.optim.SGD([p for p in trained.parameters() if p.requires_grad], lr=1e-3)
+    for _ in range(2):
+        optimizer.zero_grad()
+        parts = answer(trained, *given(2, size))
+        torch.stack([part.float().square().mean() for part in parts]).sum().backward()
+        optimizer.step()
+    with torch.no_grad():
+        for tensor in [*fresh.parameters(), *fresh.buffers()]:
+            if tensor.is_floating_point():
+                tensor.add_(0.5)
+        fresh.load_state_dict(trained.state_dict())
+        before, after = (answer(each.eval(), *given(1, size)) for each in (trained, fresh))
     same = all(torch.equal(one, two) for one, two in zip(before, after, strict=True))
     asked = "keep what it has learnt in parameters and persistent buffers"
     demand(same, network, "answers otherwise after its state_dict was loaded", asked)
