@@ -3,7 +3,6 @@
 from typing import Any, Protocol
 
 from normalgan.errors import InputError
-from normalgan.registry import source_hash
 from normalgan.rendering.samples import Sample
 
 __all__ = ["Loadable", "SampleRecipe", "fingerprint"]
@@ -66,7 +65,6 @@ class SampleRecipe(Protocol):
 def fingerprint(source: Loadable) -> str:
     """Return what a mesh is; one that cannot be read is left for `look_at` to refuse."""
     try:
-        code = source_hash(type(source))
-        return f"{source.fingerprint()} {code}" if code else source.fingerprint()
+        return source.fingerprint()
     except InputError as error:
         return f"none: {error}"

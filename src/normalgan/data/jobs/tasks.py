@@ -1,8 +1,10 @@
 """Tasks of worker processes, which load no torch."""
 
 import socket
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
@@ -153,12 +155,27 @@ def check_recipe(recipe: SampleRecipe) -> None:
 
 
 def error_text(error: BaseException) -> str:
-    """Return an error in one sentence, with its kind unless it is meant for the user.
+    """Return an error in one sentence; a bug in a plug-in with its kind and place.
 
     >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
     """
-    return str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
+    if isinstance(error, InputError):
+        return str(error)
+    return f"{type(error).__name__}: {brief(error)}{_place(error)}."
+
+
+def _place(error: BaseException) -> str:
+    """Return the method of a third-party class that raised an error, and the line; empty if none did."""
+    method, file, line = "", "", 0
+    for frame, number in traceback.walk_tb(error.__traceback__):
+        owner = type(frame.f_locals.get("self"))
+        ours = [base.__module__.partition(".")[0] == "normalgan" for base in owner.__mro__]
+        if not ours[0] and any(ours):
+            method, file = f"{owner.__name__}.{frame.f_code.co_name}", frame.f_code.co_filename
+        if method and frame.f_code.co_filename == file:
+            line = number
+    return f", in {method}, {Path(file).name} line {line}" if method else ""
 
 
 class ChangedMeshError(InputError):
