@@ -365,8 +365,6 @@ def _psd_layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes
         return None
     if not effects:  # with effects psd-tools fades the layer, and not its effects
         opacity = opacity * layer.tagged_blocks.get_data(Tag.BLEND_FILL_OPACITY, 255) // 255
-    if not opacity:
-        return None
     masked = any(_has_mask(each) for each in (*chain, layer))
     if not (fills or effects or masked):
         return Layer(name, groups, opacity, layer.left, layer.top, layer.topil().convert("RGBA"))

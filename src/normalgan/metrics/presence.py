@@ -45,8 +45,12 @@ class MaskIoU(_PresenceMetric):
         return "mask_iou"
 
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
-        """Count a batch; where the target is zero there is no object, and ``mask`` is ignored."""
-        predicted, there = presence(preds), presence(target)
+        """Count a batch; where the target is zero there is no object, and ``mask`` is ignored.
+
+        A picture without an object does not count: shares of a data set are padded with such.
+        """
+        there = presence(target)
+        predicted = presence(preds) & there.flatten(1).any(1)[:, None, None, None]
         self.both = self.both + (predicted & there).sum()
         self.total = self.total + (predicted | there).sum()
 
