@@ -82,6 +82,7 @@ def test_every_kind_comes_from_a_package_by_short_name_through_training_and_test
             assert saved[part]["class_path"] == f"foreign_{part}.{name}"
             assert saved[part]["init_args"]["note"] == number
     recipe = json.loads(next((tmp_path / "cache").glob("*/dataset.json")).read_text())["recipe"]
+    assert len(recipe["renderer"].pop("code")) == 16
     assert recipe["renderer"] == {"class": "ForeignEmbreeRenderer", "note": 1}
     assert recipe["lines"]["class"] == "ForeignSilhouette"
     again = bench.run("test", folder, "--config", config, "--ckpt_path", last)
