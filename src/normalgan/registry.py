@@ -252,7 +252,7 @@ def source_hash(kind: type) -> str:
     """Return a hash of the code of a third-party class and its bases; empty for a class of this package.
 
     It covers the files of the modules that define them, or the class alone if that is in the script that
-    runs or in no file. What these modules import is not covered.
+    runs or in no file. Modules that these import are not covered.
     """
     code = []
     for base in kind.__mro__:

@@ -44,7 +44,7 @@ from normalgan.weights.checkpoint import read_checkpoint
 __all__ = ["Evaluation", "maps_of", "read_curve"]
 
 _BATCH = 16  # of all methods alike: noise that is kept at test depends on it
-_VERSION = 3  # raise it when a result holds more, or other figures: models are measured anew then
+_VERSION = 3  # raise it when results hold other figures; models are then measured again
 
 
 @dataclass(frozen=True)

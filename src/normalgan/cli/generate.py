@@ -87,7 +87,7 @@ def generate(settings: Namespace) -> int:
         check_writable(jobs)
     writer = Writer(outputs) if piped is None else Writer(outputs, piped)
     batch = _Batch(settings, writer, packing, wrong, found.left_out)
-    # Before anything is predicted: what is saved meanwhile is predicted anew.
+    # Before the first prediction, so that drawings saved meanwhile are predicted again.
     watcher = Watcher(batch.read(jobs) if settings.watch else {})
     if settings.skip_existing and piped is None:
         jobs = batch.without_existing(jobs)

@@ -52,7 +52,7 @@ def predict_tile(
     """Predict the normal map of a drawing that repeats; the map repeats in the same directions.
 
     The network takes its input for one object that is round as a whole. So it sees the repeated drawing in
-    overlapping windows, weighted towards their centres. What lies at an edge of one window is in the centre
+    overlapping windows, weighted towards their centres. An edge of one window is in the centre
     of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing that
     an edge is like any other place.
 

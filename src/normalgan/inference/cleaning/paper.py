@@ -31,7 +31,7 @@ def ink_on_paper(colour: Floats) -> Floats:
 
     The lightest colour within a window of each pixel is its paper; the pixel is divided by it, channel by
     channel, and the darkest channel counts, so that a yellow pen draws too. Around areas that are painted
-    in one colour a line is drawn where they have none. What is no more than the paper's grain is left out.
+    in one colour a line is drawn where they have none. Marks no stronger than the paper's grain are left out.
 
     Args:
         colour: (H, W, 3) in [0, 1].

@@ -54,7 +54,7 @@ def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[st
         separated[i] = replace(cells[i], own=~other)
         shown = other & (_share(labels[box], sizes) >= _HALF)
         if not ((labels[box] > 0) & ~other).any():
-            shown = other  # it shows a detail of another, and nothing else
+            shown = other  # it shows only a detail of another sprite
         if shown.any():
             first = cells[int(owner[box][shown][0])]
             warnings.append(

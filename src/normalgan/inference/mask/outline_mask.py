@@ -41,10 +41,9 @@ class Outline:
 def fill_outline(ink: Floats) -> Outline:
     """Return what the lines of a drawing (H, W) enclose.
 
-    Gaps of more and more width are closed until nearly all lines enclose something: small ones by making all
-    lines thicker, wider ones by straight bridges from the ends of lines, which leave the rest as it is. What
-    cannot be reached from outside then is inside, and is given back what thick lines took from it. So a
-    narrow opening between two legs, which has no room behind it, is not filled.
+    Lines are made thicker in steps, which closes wider and wider gaps, until nearly all of them enclose
+    something. Wide gaps are closed only if most of the outline is open. Areas that cannot be reached from
+    outside are then inside, and get back the pixels that thick lines took from them.
     """
     shape = (ink.shape[0], ink.shape[1])
     # A small drawing's lines hang together only between its pixels.

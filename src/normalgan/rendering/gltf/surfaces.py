@@ -21,7 +21,7 @@ MODES = (4, 5, 6)
 def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
     """Return the vertices (V, 3), in the world's axes, and faces (F, 3) of each surface that a file shows.
 
-    What is bound to a skeleton lies at rest, as its node puts it. Morph targets are left at 0.
+    Skinned surfaces are at rest, placed by their node. Morph targets are left at 0.
 
     Raises:
         InputError: if the file cannot be read, or does not hold together.
