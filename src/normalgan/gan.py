@@ -86,11 +86,11 @@ class NormalGAN(LightningModule):
         reconstruction: the per-pixel loss.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
-        hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
+        hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
         distractor_consistency: weight of the mean angle in radians between the normals with and without
             strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
-        share_every: log how long the adversarial gradient is beside that of the reconstruction at every so
-            many steps of the generator, as ``train/adversarial_share`` (at its weights) and
+        share_every: every so many generator steps, log the ratio of the adversarial to the reconstruction
+            gradient norm, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two passes
             backward more.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
@@ -98,7 +98,8 @@ class NormalGAN(LightningModule):
         refined: whether its maps, enlarged to a drawing's size, are mended by the refiner of the package,
             which was trained for the weights that come with it.
         line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
-            as drawn when it predicts; others are drawn anew, 1.25 wide. About those of its training.
+            as drawn when it predicts; lines of other widths are redrawn 1.25 pixels wide. About those of its
+            training.
         compile: whether ``torch.compile`` compiles the generator's pass in training; a name selects another
             backend of torch than its default, which needs a C++ compiler. Checkpoints do not hold it.
 
@@ -189,7 +190,7 @@ class NormalGAN(LightningModule):
 
     @property
     def hparams_initial(self) -> AttributeDict:
-        """What loggers write down: classes and settings, in values that any reader of YAML knows.
+        """The hyperparameters that loggers write: classes and settings, in values that any YAML reader knows.
 
         Of the objects that Python hands in they would write every weight as text: 8 MB for a million.
         """
@@ -213,7 +214,7 @@ class NormalGAN(LightningModule):
             self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"), with_presence=True)
 
     def teardown(self, stage: str) -> None:
-        """Let go of what was compiled, which cannot be copied or pickled."""
+        """Drop the compiled function, which cannot be copied or pickled."""
         self._generate = None
 
     # --- prediction -----------------------------------------------------------------------------------
@@ -365,7 +366,7 @@ class NormalGAN(LightningModule):
         checkpoint["state_dict"] = {own.get(uncompiled(k), k): v for k, v in weights.items()}
 
     def _given(self) -> dict[str, Any]:
-        """Return all arguments of the model; Lightning drops from ``hparams`` what cannot be pickled.
+        """Return all arguments of the model; Lightning drops values from ``hparams`` that cannot be pickled.
 
         Without an optimiser made by a lambda, say, a checkpoint would go on with the default one.
         """
