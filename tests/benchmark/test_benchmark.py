@@ -223,8 +223,7 @@ def test_a_benchmark_that_is_killed_leaves_no_process_and_can_be_repeated(tmp_pa
         str(overlay),
     ]
     command += ["-o", str(out), "--set", f"data.cache={tmp_path / 'cache'}"]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    process = subprocess.Popen(command, **quiet)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while not (out / "pix2pix" / "seed0" / ".running").is_file():
         assert process.poll() is None
         time.sleep(0.01)
