@@ -38,7 +38,6 @@ __all__ = [
     "read_png",
     "strips",
     "vectors",
-    "write_bytes",  # in normalgan.files.writing; here for one release
     "write_png",
 ]
 
