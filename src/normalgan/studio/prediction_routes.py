@@ -64,7 +64,7 @@ class PredictionRoutes:
         self._slow.close()
 
     async def predict(self, request: Request) -> Response:
-        """Answer with the colours of the normals, and the object with its soft edge as alpha, W × H × 4 bytes."""
+        """Answer with the colours of the normals, and the object's soft edge as alpha, W × H × 4 bytes."""
         start = time.perf_counter()
         fields, layers = await self._asked(request)
         longest = None
