@@ -23,11 +23,11 @@ os.environ.update(ONE_THREAD)  # before numpy and its friends are imported, here
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from lightning.pytorch import Callback, Trainer
-from pairs_on_disk import write_pair
-from small import gan
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.sources import Pairs
+from pairs_on_disk import write_pair
+from small import gan
 
 DIFFERENT = 50
 
@@ -36,6 +36,7 @@ class FirstStep(Callback):
     """Notes when the first training step has ended."""
 
     def on_train_batch_end(self, *_: Any) -> None:
+        """Note the time."""
         self.wall, self.cpu = time.perf_counter(), processor_time()
 
 

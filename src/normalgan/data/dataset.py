@@ -19,8 +19,8 @@ __all__ = ["SampleDataset", "bytes_per_sample"]
 class SampleDataset(Dataset[Item]):
     """Samples of one split, from memory if they fit, otherwise from the store one by one.
 
-    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself. Of a split
-    that is not finished, which its store makes as it is read, each process keeps what it has read.
+    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself. Where the
+    store makes samples as they are read, each process keeps what it has read of an unfinished split.
 
     Args:
         store: where they lie.

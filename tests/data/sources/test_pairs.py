@@ -452,16 +452,13 @@ def test_all_that_headers_and_names_tell_is_in_one_list_and_moves_no_other_pair(
     rows = [f"a{i}.png,a{i}_normal.png" for i in range(8)]
     (tmp_path / "pairs.csv").write_text("\n".join(["sketch,normal", *rows]))
     whole = names(data(tmp_path / "pairs.csv", tmp_path / "cache"))
-    spoilt = [name for name in whole["train"] if name != "a0"][0]
+    spoilt = next(name for name in whole["train"] if name != "a0")
     break_file_of(tmp_path, spoilt)
     rows.append("gone.png,a0_normal.png")
     (tmp_path / "pairs.csv").write_text("\n".join(["sketch,normal", *rows]))
-    fractions = data(tmp_path / "pairs.csv", tmp_path / "cache")
-    with pytest.warns(
-        UserWarning,
-        match=rf"2 files are left out: line 10 of .*names gone\.png as sketch.*; .*{spoilt}_normal\.png cannot",
-    ):
-        found = names(fractions)
+    listed = rf"2 files are left out: line 10 of .*names gone\.png as sketch.*; .*{spoilt}_normal\.png cannot"
+    with pytest.warns(UserWarning, match=listed):
+        found = names(data(tmp_path / "pairs.csv", tmp_path / "cache"))
     assert found == {split: [name for name in part if name != spoilt] for split, part in whole.items()}
 
 

@@ -46,7 +46,7 @@ _ZERO = 0.05
 _SHOWN = 20
 """As many of what was left out are listed in a warning."""
 _HEADERS = ("PNG", "JPEG", "BMP", "TIFF", "GIF")
-"""Formats whose headers Pillow reads in Python alone; others are opened only where all pictures are decoded."""
+"""Formats whose headers Pillow reads in Python alone; others are opened by the decoding process alone."""
 _WITH_HEADER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif"}
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
 _RIGHT = (
