@@ -55,7 +55,7 @@ def render_samples(
     Raises:
         InputError: if the request makes no sense, a split has no mesh that can be used, the renderer does
             not run here, the folder cannot be written to, the cluster cannot be reached or is of another
-            version, or a worker of this machine is killed. Finished shards are kept.
+            version, or workers die whatever they render. Finished shards are kept.
     """
     if per_shard < 1:
         raise InputError(f"a shard has 1 sample or more, not {per_shard}.")
