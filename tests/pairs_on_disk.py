@@ -6,7 +6,8 @@ import numpy as np
 from PIL import Image
 
 from normalgan.arrays import Floats
-from normalgan.normals import Bits, Green, encode_exr, encode_png, flip_green, paint_flat, write_bytes
+from normalgan.files.writing import write_bytes
+from normalgan.normals import Bits, Green, encode_exr, encode_png, flip_green, paint_flat
 
 SIZE = 64
 

@@ -20,6 +20,7 @@ RINGS = {
         {"metrics", "models", "rendering"},
         {"hints", "losses", "animals"},
         {"weights", "optimizers", "schedules"},
+        {"evaluation", "saved_settings"},
         {"gan"},
     ),
     "using a model": ({"inference"},),

@@ -37,7 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code.
 
     Args:
-        arguments: what follows the program's name; None takes them from the command line.
+        arguments: the arguments after the program's name; None takes them from the command line.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     if not arguments or arguments[0] in {"-h", "--help"}:
@@ -97,7 +97,7 @@ def _culprit(error: Exception) -> str:
 
 
 def _known(error: Exception, command: str) -> tuple[str, int] | None:
-    """Return what is to be said of an error that users can do something about, and its exit code."""
+    """Return the message and exit code of an error that the user can fix."""
     if isinstance(error, ModuleNotFoundError) and str(error.name).partition(".")[0] in TRAINING_LIBRARIES:
         left_out = f"{command} needs {error.name}, which a plain installation leaves out"
         return f"{left_out}; install it with pip install 'normalgan[train]'.", 2

@@ -43,7 +43,7 @@ def refused(plugin: object, gave: object, asked: str) -> InputError:
     Args:
         plugin: the plug-in.
         gave: its output.
-        asked: what would be right, a sentence without its full stop.
+        asked: the accepted values, a sentence without its full stop.
     """
     return InputError(f"{class_name(plugin)} gave {describe(gave)}; {asked}.")
 

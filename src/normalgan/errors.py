@@ -19,7 +19,7 @@ __all__ = [
 class InputError(ValueError):
     """Bad input from outside: a file, a folder, a setting.
 
-    The message is one sentence that says what was given and what would be right; the command line
+    The message is one sentence that says what was given and what is accepted; the command line
     prints it without a traceback and exits with code 2.
     """
 

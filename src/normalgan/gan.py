@@ -2,24 +2,22 @@
 
 import warnings
 from collections.abc import Callable, Iterable
-from inspect import signature
-from typing import Any, cast
+from typing import cast
 
 import torch
-from lightning.pytorch import LightningModule
 from lightning.pytorch.callbacks import LearningRateFinder
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
-from lightning.pytorch.utilities.parsing import AttributeDict
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
 from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler
 
-from normalgan.batch import Batch, Sketches
+from normalgan.batch import Batch
 from normalgan.contracts import check_kinds, describe
 from normalgan.errors import InputError
-from normalgan.hints import ErrorHintSampler, HintSampler
-from normalgan.hints.draw import draw_hints, draw_hints_by_name
+from normalgan.evaluation import Evaluation
+from normalgan.hints import HintSampler
+from normalgan.hints.draw import draw_hints
 from normalgan.hints.noise import turn_hints
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
@@ -27,16 +25,15 @@ from normalgan.losses.checks import check_losses, check_terms
 from normalgan.losses.distractor_consistency import distractor_inconsistency, mark_some
 from normalgan.losses.finite import watch
 from normalgan.losses.gradient_share import gradient_share
-from normalgan.metrics import StageMetrics, angular_error, without_hints
 from normalgan.models import Discriminator, Generator
-from normalgan.models.base import check_generated, check_predictions, check_scores
+from normalgan.models.base import check_predictions, check_scores
 from normalgan.models.compilation import check_compile, compiled_predict
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
+from normalgan.saved_settings import SavedSettings
 from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
-from normalgan.weights.checkpoint import PICTURE_SIZE, settings_to_save, uncompiled
 
 __all__ = ["SHARE", "NormalGAN"]
 
@@ -66,7 +63,7 @@ def _check_callbacks(callbacks: Iterable[object]) -> None:
             )
 
 
-class NormalGAN(LightningModule):
+class NormalGAN(SavedSettings, Evaluation):
     """Predicts a normal map from a sketch and hints, and trains against a discriminator.
 
     All randomness of a training step (dropout, hints, gradient penalty) is seeded by the step's number, so
@@ -86,11 +83,11 @@ class NormalGAN(LightningModule):
         reconstruction: the per-pixel loss.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
-        hint_noise: mean angle in degrees by which the hints of a sample are turned in training at worst.
+        hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
         distractor_consistency: weight of the mean angle in radians between the normals with and without
             strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
-        share_every: log how long the adversarial gradient is beside that of the reconstruction at every so
-            many steps of the generator, as ``train/adversarial_share`` (at its weights) and
+        share_every: every so many generator steps, log the ratio of the adversarial to the reconstruction
+            gradient norm, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two passes
             backward more.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
@@ -98,7 +95,8 @@ class NormalGAN(LightningModule):
         refined: whether its maps, enlarged to a drawing's size, are mended by the refiner of the package,
             which was trained for the weights that come with it.
         line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
-            as drawn when it predicts; others are drawn anew, 1.25 wide. About those of its training.
+            as drawn when it predicts; lines of other widths are redrawn 1.25 pixels wide. About those of its
+            training.
         compile: whether ``torch.compile`` compiles the generator's pass in training; a name selects another
             backend of torch than its default, which needs a C++ compiler. Checkpoints do not hold it.
 
@@ -185,19 +183,9 @@ class NormalGAN(LightningModule):
         self.line_widths = check_line_widths(line_widths)
         self.compile_generator = check_compile(compile)
         self._generate: Callable[[Tensor], Predictions] | None = None  # of the run that is under way
-        self._picture_size: int | None = None
-
-    @property
-    def hparams_initial(self) -> AttributeDict:
-        """What loggers write down: classes and settings, in values that any reader of YAML knows.
-
-        Of the objects that Python hands in they would write every weight as text: 8 MB for a million.
-        """
-        settings = settings_to_save(self._given())
-        return AttributeDict({k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()})
 
     def setup(self, stage: str) -> None:
-        """Make the metrics of a stage: together they take longer than all the networks."""
+        """Make the metrics of a stage, and compile the generator if asked."""
         self._generate = None
         if stage == "fit":
             _check_callbacks(getattr(self.trainer, "callbacks", []))
@@ -207,37 +195,11 @@ class NormalGAN(LightningModule):
             # https://github.com/Lightning-AI/pytorch-lightning/blob/2.6.0/src/lightning/pytorch/loops/fit_loop.py
             loop = self.trainer.fit_loop.epoch_loop
             self._max_steps, loop.max_steps = loop.max_steps, -1
-        if stage in {"fit", "validate"}:
-            self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
-        elif stage == "test":
-            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"), with_presence=True)
+        self.make_metrics(stage)
 
     def teardown(self, stage: str) -> None:
-        """Let go of what was compiled, which cannot be copied or pickled."""
+        """Drop the compiled function, which cannot be copied or pickled."""
         self._generate = None
-
-    # --- prediction -----------------------------------------------------------------------------------
-
-    def forward(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
-        """Predict normal maps.
-
-        Args:
-            sketch: (N, 1, H, W) in [0, 1], ink 1.
-            hints: (N, 4, H, W) normals at the hints and where they are; None for none.
-
-        Returns:
-            (N, 3, H, W) in [-1, 1], of about unit length on the object and of none off it.
-        """
-        return self.predict_with_confidence(sketch, hints)[:, :3]
-
-    def predict_with_confidence(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
-        """Return `forward`'s output, (N, 3, H, W), or (N, 4, H, W) if the generator predicts confidence."""
-        if hints is None:
-            hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
-        condition = make_condition(sketch, hints)
-        predicted: Tensor = self.generator(condition)
-        check_generated(self.generator, predicted, condition)
-        return predicted
 
     # --- training -------------------------------------------------------------------------------------
 
@@ -351,27 +313,6 @@ class NormalGAN(LightningModule):
         if self.gradient_clip is not None and optimizer is self.trainer.optimizers[0]:
             nn.utils.clip_grad_norm_(self.generator.parameters(), self.gradient_clip)
 
-    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Store classes and settings as text, so that reading a checkpoint runs no code from it."""
-        checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self._given())
-        checkpoint["state_dict"] = {uncompiled(k): v for k, v in checkpoint["state_dict"].items()}
-        if self._picture_size is not None:
-            checkpoint[PICTURE_SIZE] = self._picture_size
-
-    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Name weights as this model does, whose networks may be wrapped by ``torch.compile``."""
-        own = {uncompiled(name): name for name in self.state_dict()}
-        weights = checkpoint["state_dict"]
-        checkpoint["state_dict"] = {own.get(uncompiled(k), k): v for k, v in weights.items()}
-
-    def _given(self) -> dict[str, Any]:
-        """Return all arguments of the model; Lightning drops from ``hparams`` what cannot be pickled.
-
-        Without an optimiser made by a lambda, say, a checkpoint would go on with the default one.
-        """
-        dropped = signature(NormalGAN).parameters.keys() - self.hparams.keys()
-        return {**{name: getattr(self, name) for name in dropped}, **self.hparams}
-
     def on_validation_start(self) -> None:
         """Average the statistics of batch norm over the processes, so that all measure the same network."""
         self._average_statistics()
@@ -408,111 +349,3 @@ class NormalGAN(LightningModule):
     def _optimizers(self) -> list[LightningOptimizer]:
         optimizers = self.optimizers()
         return cast(list[LightningOptimizer], optimizers if isinstance(optimizers, list) else [optimizers])
-
-    # --- validating, testing, predicting --------------------------------------------------------------
-
-    def measured_hints(self, batch: Batch) -> Tensor:
-        """Return a batch's hints (N, 4, H, W) for validation and testing.
-
-        They depend on the sample alone, not on epoch, batch size or number of processes.
-        """
-        if "hints" in batch:
-            return batch["hints"]
-        names = batch.get("name") or [str(i) for i in range(len(batch["normal"]))]
-        given = batch["normal"], batch["mask"], names, self.seed, self._error(batch)
-        return draw_hints_by_name(self.hint_sampler, *given)
-
-    @torch.no_grad()
-    def _error(self, batch: Batch) -> Tensor | None:
-        """Return the error without hints (N, 1, H, W), for a sampler that needs it.
-
-        The network is in evaluation mode, so that norms keep their statistics and no noise is drawn.
-        """
-        if not isinstance(self.hint_sampler, ErrorHintSampler):
-            return None
-        modes = {module: module.training for module in self.generator.modules()}
-        self.generator.eval()
-        predicted = self._predict(batch, None)
-        for module, training in modes.items():
-            module.training = training
-        return angular_error(predicted, batch["normal"])
-
-    @torch.compiler.disable  # type: ignore[untyped-decorator]
-    def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:
-        """Measure without hints and with the sampler's, which are the same in every epoch.
-
-        Several loaders count as one set.
-        """
-        target, mask = batch["normal"], batch["mask"]
-        hints = self.measured_hints(batch)
-        self.val_metrics.update("hints", self._predict(batch, hints), target, mask)
-        self.val_metrics.update("no_hints", self._predict(batch, None), target, mask)
-
-    def on_validation_epoch_end(self) -> None:
-        """Log the metrics of the validation split."""
-        self._log_figures(self.val_metrics.pop())
-
-    @torch.compiler.disable  # type: ignore[untyped-decorator]
-    def test_step(
-        self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
-    ) -> dict[str, tuple[Tensor, Tensor]]:
-        """Measure without hints, with the sampler's, and with these but outside the hinted pixels.
-
-        Several loaders count as one set.
-
-        Returns:
-            For callbacks: the maps (N, 3, H, W) and the pixels (N, 1, H, W) of each row.
-        """
-        mask = batch["mask"]
-        hints = self.measured_hints(batch)
-        preds = self._predict(batch, hints)
-        measured = {
-            "hints": (preds, mask),
-            "unhinted": (preds, without_hints(mask, hints[:, 3:])),
-            "no_hints": (self._predict(batch, None), mask),
-        }
-        for row, (predicted, where) in measured.items():
-            self.test_metrics.update(row, predicted, batch["normal"], where)
-        return measured
-
-    def on_test_epoch_end(self) -> None:
-        """Log the metrics of the test split."""
-        self._log_figures(self.test_metrics.pop())
-
-    def _log_figures(self, figures: dict[str, Tensor]) -> None:
-        # They are reduced already; sync_dist averages equal numbers, which avoids a warning from Lightning.
-        self.log_dict(figures, sync_dist=True)
-
-    @torch.compiler.disable  # type: ignore[untyped-decorator]
-    def predict_step(self, batch: Sketches, batch_idx: int, dataloader_idx: int = 0) -> Tensor:
-        """Return predicted normals (N, 3, H, W), with the user's hints if there are any.
-
-        Drawings are predicted one at a time, because in a batch the last bits depend on the neighbours.
-        """
-        hints = batch.get("hints")
-        return torch.cat(
-            [
-                self._predict({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
-                for i, sketch in enumerate(batch["sketch"])
-            ]
-        )
-
-    def _predict(self, batch: Sketches, hints: Tensor | None) -> Tensor:
-        predicted: Tensor = self(batch["sketch"], hints)
-        return predicted.float()  # under bf16, figures and files are still made of full precision
-
-    def on_test_model_eval(self) -> None:
-        """Switch to evaluation, but keep the noise on if asked."""
-        super().on_test_model_eval()
-        self._keep_noise()
-
-    def on_predict_model_eval(self) -> None:
-        """Switch to evaluation, but keep the noise on if asked."""
-        super().on_predict_model_eval()
-        self._keep_noise()
-
-    def _keep_noise(self) -> None:
-        if self.noise_at_test:
-            for module in self.generator.modules():
-                if isinstance(module, nn.Dropout):
-                    module.train()

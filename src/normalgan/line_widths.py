@@ -33,7 +33,7 @@ def check_line_widths(widths: object) -> LineWidths:
 
 
 def line_widths_of(metadata: Mapping[str, str]) -> LineWidths:
-    """Return what the texts in a file of a model say; files of older versions do not say.
+    """Return the line widths that a model file's metadata gives; files of older versions do not say.
 
     Raises:
         InputError: if they cannot be used.

@@ -38,7 +38,6 @@ __all__ = [
     "read_png",
     "strips",
     "vectors",
-    "write_bytes",  # in normalgan.files.writing; here for one release
     "write_png",
 ]
 
@@ -93,7 +92,7 @@ def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] |
 
 
 def strips(shape: tuple[int, ...]) -> Iterator[slice]:
-    """Yield the rows of an array in parts, for what is computed value by value in several steps.
+    """Yield slices of rows, so that elementwise computations use the cache.
 
     Of a large picture each step would go through the whole memory, and would need as much of it again.
 
@@ -115,7 +114,7 @@ def decode(colours: NDArray[np.uint8] | NDArray[np.uint16]) -> Floats:
 
 
 def vectors(levels: NDArray[Any]) -> Floats:
-    """Return what the levels of a normal map, (..., 3), stand for, as long as they are.
+    """Decode the levels of a normal map, (..., 3), to vectors; their length is kept.
 
     Floats below 0 are the vectors themselves, as in the normal pass of a renderer; others are colours.
 
@@ -137,7 +136,7 @@ def flip_green(normals: Floats) -> Floats:
 
 
 def paint_flat(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
-    """Return the map (H, W, 3) with (0, 0, 1), what engines take as no relief, off the object."""
+    """Return the map (H, W, 3) with (0, 0, 1), flat for engines, off the object."""
     import cv2  # as below
 
     flat = np.zeros(normals.shape, np.float32)

@@ -101,7 +101,7 @@ class MuonRAdam(RAdam):
 
     @torch.no_grad()
     def step(self, closure: Callable[[], float] | None = None) -> float | None:
-        """Take a step; return what the closure gives."""
+        """Take a step; return the closure's loss."""
         loss = None
         if closure is not None:
             with torch.enable_grad():

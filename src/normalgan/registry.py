@@ -1,7 +1,7 @@
 """Plug-ins by class name: a decorator, entry points, and suggestions for typos.
 
 jsonargparse already finds every imported subclass of an annotated base by its short name, lists the
-choices in ``--help`` and checks ``init_args``. A registry adds what it does not do.
+choices in ``--help`` and checks ``init_args``. A registry adds the rest.
 """
 
 import hashlib

@@ -40,7 +40,7 @@ INFO_NOT_SAID = re.compile(
 
 
 class _InfoHandler(logging.Handler):
-    """Prints what Lightning logs on the error stream of the moment, a sentence as one of ours."""
+    """Prints Lightning's log messages to the current stderr as our own sentences."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print a message, if somebody may want it."""

@@ -3,9 +3,13 @@
 import json
 import re
 import shutil
+import subprocess
+import sys
+import time
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 import yaml
 
@@ -199,3 +203,36 @@ def test_every_row_of_our_plan_can_be_put_together(
         )
         assert seen == pytest.approx(plan.images, rel=0.03)
         assert data["size"] == {"cpu": 128, "gpu": 256}[overlay]
+
+
+@pytest.mark.slow  # trains twice in other processes, which import lightning
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
+def test_a_benchmark_that_is_killed_leaves_no_process_and_can_be_repeated(tmp_path: Path) -> None:
+    plan, overlay, out = tmp_path / "plan.yaml", tmp_path / "tiny.yaml", tmp_path / "out"
+    rows = [row for row in PLAN["rows"] if row["name"] in {"inflation", "pix2pix"}]
+    plan.write_text(yaml.safe_dump({**PLAN, "rows": rows}), encoding="utf-8")
+    overlay.write_text(yaml.safe_dump(OVERLAY), encoding="utf-8")
+    command = [
+        sys.executable,
+        "-m",
+        "normalgan",
+        "benchmark",
+        "--config",
+        str(plan),
+        "--config",
+        str(overlay),
+    ]
+    command += ["-o", str(out), "--set", f"data.cache={tmp_path / 'cache'}"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not (out / "pix2pix" / "seed0" / ".running").is_file():
+        assert process.poll() is None
+        time.sleep(0.01)
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.kill()
+    process.wait(60)
+    assert psutil.wait_procs(children, 60)[1] == []
+    for path in out.rglob("*.json"):
+        json.loads(path.read_text(encoding="utf-8"))
+    subprocess.run(command, check=True, capture_output=True)
+    results = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    assert {run["row"] for run in results["runs"]} == {"inflation", "pix2pix"}

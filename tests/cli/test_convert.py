@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from normalgan.__main__ import main
+from normalgan.files.writing import write_bytes
 from normalgan.inference.reading.drawings import read_normals
-from normalgan.normals import angles, encode_grey, encode_png, normalize, write_bytes
+from normalgan.normals import angles, encode_grey, encode_png, normalize
 
 ALONG = (np.arange(64, dtype=np.float32) - 31.5) / 32
 X, Y = np.meshgrid(ALONG, -ALONG)

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from normalgan import normals
 from normalgan.files.writing import write_bytes
 
 
@@ -32,7 +31,3 @@ def test_what_cannot_be_written_leaves_the_former_and_is_named(
     assert told.value.filename == str(path)
     assert path.read_bytes() == b"one"
     assert [each.name for each in tmp_path.iterdir()] == ["a.bin"]
-
-
-def test_the_path_of_the_release_before_leads_to_the_same() -> None:
-    assert normals.write_bytes is write_bytes

@@ -74,8 +74,12 @@ class Server:
 
     def kill(self) -> None:
         """End it without a warning."""
-        self._process.send_signal(signal.SIGKILL)
+        self.signal(signal.SIGKILL)
         self.wait()
+
+    def signal(self, number: int) -> None:
+        """Send it a signal."""
+        self._process.send_signal(number)
 
     def begin_anew(self) -> None:
         """Forget all projects and unsaved work; start it, if a test has ended it."""

@@ -2,6 +2,7 @@
 
 import json
 import re
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -174,6 +175,28 @@ def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(server: Serve
         with studio.repainting():
             server.start()
         assert re.match("The studio is back", studio.status())
+
+
+def test_what_is_drawn_while_the_computer_sleeps_is_predicted_and_saved_on_waking(
+    opened: "Browser", server: Server
+) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        before = studio.predicted()
+        server.signal(signal.SIGSTOP)
+        try:
+            studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
+            studio.page.wait_for_function("() => document.getElementById('result').ariaBusy === 'true'")
+            assert studio.predicted() == before
+        finally:
+            server.signal(signal.SIGCONT)
+        studio.page.wait_for_function(
+            "before => Number(document.getElementById('result').dataset.painted) > before", arg=before
+        )
+        studio.save_as("fox")
+        assert studio.inked(MIDDLE, 20)
 
 
 def test_a_focus_ring_is_never_cut_off(opened: "Browser", server: Server) -> None:

@@ -132,6 +132,7 @@ def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", se
         other.size = SIDE, SIDE
         with other.repainting():
             other.page.locator("#restore-yes").click()
+        other.page.locator("#restore").wait_for(state="hidden")  # the board moves up
         assert other.inked(MIDDLE + 80, MIDDLE)
 
 
@@ -298,8 +299,8 @@ def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -
         assert rows.count() == 2
         with studio.repainting():
             rows.nth(1).locator(".project").click()
+        studio.page.locator("#restore").wait_for(state="hidden")  # it is kept; the board moves up
         assert studio.inked(100, 60)  # the oldest
-        studio.page.locator("#restore").wait_for(state="hidden")  # once it is kept as this tab's
 
 
 def test_what_was_restored_is_put_back_for_later_and_comes_again(opened: "Browser", server: Server) -> None:

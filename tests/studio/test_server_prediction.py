@@ -43,10 +43,10 @@ def test_it_paints_what_generate_paints(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path / "p") as client:
         pixels = predicted(client)
     assert pixels.shape == truth.shape == (HEIGHT, WIDTH, 4)
-    # The file's edge is as soft as the drawing's ink; the page needs the object itself.
-    assert np.mean((pixels[..., 3] > 0) != (truth[..., 3] > 127)) < 0.001
+    assert np.array_equal(pixels[..., 3], truth[..., 3])
+    soft = (pixels[..., 3] > 8) & (pixels[..., 3] < 247)
+    assert soft.sum() > 2 * RADIUS  # an edge and no staircase
     inside = pixels[..., 3] == 255
-    assert set(np.unique(pixels[..., 3])) == {0, 255}
     assert abs(int(inside.sum()) - np.pi * RADIUS**2) < 0.1 * np.pi * RADIUS**2
     assert np.array_equal(pixels[inside][:, :3], truth[inside][:, :3])
 
@@ -73,7 +73,8 @@ def test_a_mask_says_where_the_object_is(model: Path, tmp_path: Path) -> None:
     mask = np.zeros((HEIGHT, WIDTH), np.uint8)
     mask[40:80, 50:90] = 255
     with serving(model, tmp_path) as client:
-        assert np.array_equal(predicted(client, mask=b64(png(mask)))[..., 3], mask)
+        found = predicted(client, mask=b64(png(mask)))[..., 3] > 127
+    assert (found != (mask > 127)).sum() <= 4  # its soft edge rounds the corners
 
 
 def test_the_mask_brush_adds_to_the_object_and_cuts_from_it(model: Path, tmp_path: Path) -> None:
@@ -84,8 +85,8 @@ def test_the_mask_brush_adds_to_the_object_and_cuts_from_it(model: Path, tmp_pat
         {"adds": True, "size": 4, "points": [x, y]},  # the last one counts
     ]
     with serving(model, tmp_path) as client:
-        before = predicted(client)[..., 3] > 0
-        after = predicted(client, number=2, mask_strokes=strokes)[..., 3] > 0
+        before = predicted(client)[..., 3] > 127
+        after = predicted(client, number=2, mask_strokes=strokes)[..., 3] > 127
         assert not before[60, 128]
         assert after[60, 128]
         assert not after[60, 66]
@@ -103,7 +104,7 @@ def test_a_dab_of_the_mask_brush_closes_a_gap_in_the_outline(model: Path, tmp_pa
     with serving(model, tmp_path) as client:
         answer = client.post("/api/predict", json=asking(picture=b64(png(arc)), mask_strokes=[dab]))
         assert answer.headers["x-warning"] == ""
-        mask = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 0
+        mask = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
     inside = away() < RADIUS - 2
     assert mask[inside].mean() > 0.99
 
@@ -116,12 +117,12 @@ def test_the_object_stays_as_it_was_while_the_outline_is_open(model: Path, tmp_p
     opened[50:70, 100:] = 255  # the eraser's work, or the begin of an ear
     opened[46:48, 100:140] = 0
     with serving(model, tmp_path) as client:
-        closed = predicted(client)[..., 3] > 0
+        closed = predicted(client)[..., 3] > 127
         answer = client.post("/api/predict", json=asking(2, picture=b64(png(opened))))
-        held = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 0
+        held = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
         assert overlap(held, closed) > 0.97
         other = client.post("/api/predict", json=asking(1, tab="other", picture=b64(png(opened))))
-        alone = np.frombuffer(other.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 0
+        alone = np.frombuffer(other.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
         # Nobody has drawn it closed in this tab: nothing is held there.
         assert not np.array_equal(alone, held) or "stays" not in unquote(other.headers["x-warning"])
         apart = np.full_like(opened, 255)
@@ -177,7 +178,7 @@ def test_heights_belong_to_the_map(model: Path, tmp_path: Path) -> None:
         pixels = predicted(client)
         answer = client.post("/api/height", json=asking())
     heights = np.frombuffer(answer.content, "<f4").reshape(HEIGHT, WIDTH)
-    inside = pixels[..., 3] == 255
+    inside = pixels[..., 3] > 127
     assert np.array_equal(np.isfinite(heights), inside)
     truth = integrate(decode(pixels[..., :3]), inside)
     assert np.abs(heights - truth)[inside].max() < 0.05 * np.ptp(truth)

@@ -1,8 +1,9 @@
-"""Compares masks with and without the reader: IoU where a mask is known, a contact sheet of all, and time.
+"""Measures how well objects are found: mask IoU by the lines alone and with the reader, holes, and time.
 
-measure.py FOLDER… [--sheet OUT.png]
+measure.py [FOLDER…] [--pages VIEWS] [--holes] [--sheet OUT.png]
 
-NAME_mask.png beside NAME.png is the truth; without one a drawing is on the sheet alone.
+A drawing NAME.png of a FOLDER is compared with NAME_mask.png, if that is there. --pages makes pages of meshes
+that the reader was not trained on, eight of each kind. --holes draws eight things with holes through them.
 """
 
 import argparse
@@ -11,88 +12,128 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
+from pages import KINDS, page
+from pierced import drawings
+from shapes import Views
 
 from normalgan.errors import InputError
 from normalgan.inference.jobs.plan import OUTLINE
 from normalgan.inference.preparation import prepare
-from normalgan.inference.reading.picture import read_picture
+from normalgan.inference.reading.picture import Picture, read_picture
 
 SIDE = 190
+SOURCES = {"lines": OUTLINE, "reader": None}
+"""What decides on the object, by the name in the tables."""
+PAGES, PAGE = 8, (400, 400)
 
 
-def mask_of(path: Path, reader: bool) -> tuple[np.ndarray | None, float, str]:
-    """Return the mask of a drawing, the seconds that it took, and what is said of it."""
-    picture = read_picture(path)
-    start = time.perf_counter()
-    try:
-        prepared = prepare(picture, 256, source=None if reader else OUTLINE)
-    except InputError as error:
-        return None, 0.0, str(error)
-    mask = prepared.mask if prepared.mask is not None else np.zeros(prepared.ink.shape, bool)
-    return mask, time.perf_counter() - start, prepared.unsure
+class Measured:
+    """Masks by each source, and how long they took."""
 
+    def __init__(self) -> None:
+        self.seconds: dict[str, list[float]] = {name: [] for name in SOURCES}
 
-def main() -> None:
-    """Measure all folders."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folders", nargs="+", type=Path)
-    parser.add_argument("--sheet", type=Path)
-    given = parser.parse_args()
-    cells, seconds = [], {False: [], True: []}
-    for folder in given.folders:
-        for path in sorted(folder.glob("*.png")):
-            if path.stem.endswith("_mask"):
-                continue
+    def masks(self, picture: Picture) -> dict[str, NDArray[np.bool_] | None]:
+        """Return the mask (H, W) by each source, None where the drawing is refused."""
+        found: dict[str, NDArray[np.bool_] | None] = {}
+        for name, source in SOURCES.items():
+            start = time.perf_counter()
             try:
-                picture = read_picture(path)
-            except InputError as error:
-                print(path.name, error)
+                prepared = prepare(picture, 256, source=source)
+            except InputError:
+                found[name] = None
                 continue
-            masks = {}
-            for reader in (False, True):
-                masks[reader], took, said = mask_of(path, reader)
-                seconds[reader].append(took)
-            truth = path.with_name(f"{path.stem}_mask.png")
-            line = f"{path.stem:36}"
-            for mask in masks.values():
-                if mask is None:
-                    line += f" {'refused':>8}"
-                elif truth.is_file():
-                    true = cv2.resize(cv2.imread(str(truth), 0), mask.shape[::-1]) > 127
-                    line += f" {(true & mask).sum() / (true | mask).sum():8.3f}"
-            if masks[False] is not None and masks[True] is not None:
-                both = (masks[False] & masks[True]).sum() / max((masks[False] | masks[True]).sum(), 1)
-                line += f"  same {both:.3f}"
-            print(line, said)
-            cells.append(
-                _cell(
-                    picture.colour
-                    if picture.alpha is None
-                    else picture.colour * picture.alpha[..., None] + 1 - picture.alpha[..., None],
-                    masks,
-                    path.stem,
-                )
-            )
-    for reader, took in seconds.items():
-        print("with reader:" if reader else "without:", f"{1000 * np.median(took):.0f} ms a drawing")
-    if given.sheet and cells:
-        while len(cells) % 4:
-            cells.append(np.zeros_like(cells[0]))
-        cv2.imwrite(
-            str(given.sheet), np.vstack([np.hstack(cells[k : k + 4]) for k in range(0, len(cells), 4)])
-        )
+            self.seconds[name].append(time.perf_counter() - start)
+            empty = np.zeros(prepared.ink.shape, bool)
+            found[name] = empty if prepared.mask is None else prepared.mask
+        return found
+
+    def say(self) -> None:
+        """Print the time of a drawing."""
+        for name, took in self.seconds.items():
+            if took:
+                print(f"{name}: {1000 * np.median(took):.0f} ms a drawing (median of {len(took)})")
 
 
-def _cell(colour: np.ndarray, masks: dict[bool, np.ndarray | None], name: str) -> np.ndarray:
+def iou(mask: NDArray[np.bool_] | None, truth: NDArray[np.bool_]) -> float:
+    """Return the intersection over union; 0 for a drawing that was refused."""
+    if mask is None:
+        return 0.0
+    return float((mask & truth).sum() / max((mask | truth).sum(), 1))
+
+
+def measure_pages(views: Path, measured: Measured) -> None:
+    """Print the mean IoU on rendered pages by kind."""
+    shapes = Views(views, held_out=True).shapes
+    means = []
+    for kind in KINDS:
+        rng, scores = np.random.default_rng(11), []
+        for _ in range(PAGES):
+            made = page(rng, shapes, PAGE, kind)
+            colour = np.ascontiguousarray(made.picture[..., ::-1]).astype(np.float32) / 255
+            masks = measured.masks(Picture(colour, None))
+            scores.append([iou(mask, made.presence > 0.5) for mask in masks.values()])
+        means.append(np.mean(scores, 0))
+        _say_row(kind, means[-1])
+    _say_row("mean", np.mean(means, 0))
+
+
+def _say_row(kind: str, scores: NDArray[np.float64]) -> None:
+    print(f"{kind:16}", *(f"{name} {score:.3f}" for name, score in zip(SOURCES, scores, strict=True)))
+
+
+def measure_holes(measured: Measured) -> None:
+    """Print which drawings have all their holes, and nothing else as a hole."""
+    right = dict.fromkeys(SOURCES, 0)
+    for name, drawn in drawings().items():
+        colour = np.repeat(drawn.page[..., None], 3, -1)
+        for source, mask in measured.masks(Picture(colour, None)).items():
+            good = mask is not None and not any(mask[y, x] for x, y in drawn.holes)
+            good = good and mask is not None and all(mask[y, x] for x, y in drawn.solid)
+            right[source] += good
+            print(f"{name:16} {source} {'right' if good else 'wrong'}")
+    print("right:", " ".join(f"{name} {count} of {len(drawings())}" for name, count in right.items()))
+
+
+def measure_folder(folder: Path, measured: Measured) -> list[NDArray[np.uint8]]:
+    """Print the IoU of each drawing, and return a cell of each for a contact sheet."""
+    cells = []
+    for path in sorted(folder.glob("*.png")):
+        if path.stem.endswith("_mask"):
+            continue
+        try:
+            picture = read_picture(path)
+        except InputError as error:
+            print(path.name, error)
+            continue
+        masks = measured.masks(picture)
+        truth = path.with_name(f"{path.stem}_mask.png")
+        line = f"{path.stem:36}"
+        for name, mask in masks.items():
+            line += f" {name} " + ("refused" if mask is None else "")
+            if mask is not None and truth.is_file():
+                line += f"{iou(mask, cv2.resize(cv2.imread(str(truth), 0), mask.shape[::-1]) > 127):.3f}"
+        by_lines, by_reader = masks.values()
+        if by_lines is not None and by_reader is not None:
+            line += f"  alike {iou(by_lines, by_reader):.3f}"
+        print(line)
+        cells.append(_cell(picture, masks, path.stem))
+    return cells
+
+
+def _cell(picture: Picture, masks: dict[str, NDArray[np.bool_] | None], name: str) -> NDArray[np.uint8]:
+    alpha = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
+    colour = picture.colour * alpha[..., None] + 1 - alpha[..., None]
     drawn = np.rint(255 * colour[..., ::-1]).astype(np.uint8)
     shown = [drawn]
     for mask in masks.values():
-        tinted = cv2.resize(drawn, mask.shape[::-1]) if mask is not None else drawn
-        if mask is not None:
-            tinted = np.where(mask[..., None], 0.45 * tinted + np.array([40.0, 120, 20]), tinted).astype(
-                np.uint8
-            )
-        shown.append(tinted)
+        if mask is None:
+            shown.append(drawn)
+            continue
+        below = cv2.resize(drawn, mask.shape[::-1])
+        tinted = 0.45 * below + np.array([40.0, 120, 20])
+        shown.append(np.where(mask[..., None], tinted, below).astype(np.uint8))
     cell = np.full((SIDE + 14, 3 * (SIDE + 2), 3), 128, np.uint8)
     for k, each in enumerate(shown):
         share = SIDE / max(each.shape[:2])
@@ -100,6 +141,31 @@ def _cell(colour: np.ndarray, masks: dict[bool, np.ndarray | None], name: str) -
         cell[: small.shape[0], k * (SIDE + 2) : k * (SIDE + 2) + small.shape[1]] = small
     cv2.putText(cell, name[:40], (2, SIDE + 10), 0, 0.33, (255, 255, 255), 1)
     return cell
+
+
+def main() -> None:
+    """Measure what is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("folders", nargs="*", type=Path)
+    parser.add_argument(
+        "--pages", type=Path, metavar="VIEWS", help="where views.py has written views of meshes"
+    )
+    parser.add_argument("--holes", action="store_true")
+    parser.add_argument("--sheet", type=Path)
+    given = parser.parse_args()
+    cv2.setNumThreads(1)
+    measured = Measured()
+    if given.pages:
+        measure_pages(given.pages, measured)
+    if given.holes:
+        measure_holes(measured)
+    cells = [cell for folder in given.folders for cell in measure_folder(folder, measured)]
+    measured.say()
+    if given.sheet and cells:
+        while len(cells) % 4:
+            cells.append(np.zeros_like(cells[0]))
+        rows = [np.hstack(cells[k : k + 4]) for k in range(0, len(cells), 4)]
+        cv2.imwrite(str(given.sheet), np.vstack(rows))
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ class Animal:
     pose: str | None = None
 
     def __post_init__(self) -> None:
-        """Check what the user wrote, at once and not in a worker process."""
+        """Check the settings here, before a worker process uses them."""
         _known("species", self.species, list(SPECIES))
         if self.pose is not None:
             _known(f"pose of {self.species}", self.pose, list(SPECIES[self.species].poses))

@@ -347,7 +347,7 @@ class Biped(PosedPlan):
 
     Args:
         habits: the poses it is seen in; one named twice is drawn twice as often.
-        body: what goes round the bones.
+        body: the flesh around the bones.
         measures: of the average individual.
         spread: how much an individual's measures differ, as a fraction, at most a half.
     """
@@ -359,7 +359,7 @@ class Biped(PosedPlan):
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """Those that all bipeds know."""
+        """Poses that every biped has."""
         return tuple(STANCES)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
@@ -369,7 +369,7 @@ class Biped(PosedPlan):
 
 
 def _each(limbs: Sequence[_Limb], shapes: Callable[[_Limb], list[Shape]]) -> list[Shape]:
-    """Return what goes round the right limb, and the images of what goes round the left."""
+    """Return the flesh of the right limb, and the mirror images of the left one's."""
     sides = zip((True, False), limbs, strict=True)
     return [on_side(shape, right) for right, limb in sides for shape in shapes(limb)]
 
@@ -463,7 +463,7 @@ def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
 
 
 def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
-    """Return what is on the breast: a plate, or knobs."""
+    """Return the parts on the breast: a plate, or knobs."""
     if rng.uniform() < 0.5:
         return [block((depth, -half), [0.014, 0.6 * half, 0.6 * width], 0.01)]
     knobs = both(tube([[x, -0.5 * half, 0.4 * width] for x in (depth - 0.01, depth + 0.014)], 0.02))

@@ -174,7 +174,7 @@ _LEAF = ((-0.42, -0.15), (-0.50, 0.30), (-0.26, 0.72), (0.02, 1.0), (0.26, 0.70)
 
 @dataclass(frozen=True)
 class Armour:
-    """What grows along the line of the back of some dinosaurs.
+    """Spines or plates along the back of some dinosaurs.
 
     Args:
         plates: how many there are, in two rows.

@@ -62,7 +62,7 @@ def roll(degrees: float) -> Doubles:
 
 
 def ray(azimuth: float, elevation: float) -> Doubles:
-    """Return the direction (3,) so many radians to the right of +x and above the level.
+    """Return the direction (3,) that is turned to the right of +x and raised, both in radians.
 
     >>> ray(0.0, np.pi / 2).round(6).tolist()
     [0.0, 1.0, 0.0]

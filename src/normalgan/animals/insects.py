@@ -61,7 +61,7 @@ def legs(
 
     Args:
         rows: pairs from front to back.
-        pose: walk, fly, or whatever else stands.
+        pose: walk, fly, or any other pose.
         rng: for the swing.
         ground: how far below the body's axis the ground is.
         thick: radius of the femur.

@@ -83,7 +83,7 @@ def fill_voids(field: Volume) -> Volume:
 
 
 def drop_crumbs(field: Volume) -> Volume:
-    """Return the field without what is inside but apart from the rest and smaller than `_CRUMB` cells."""
+    """Return the field without separate pieces smaller than `_CRUMB` cells."""
     labels, count = ndimage.label(field < 0)
     if count > 1:
         small = np.bincount(labels.ravel()) < _CRUMB

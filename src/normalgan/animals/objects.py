@@ -41,7 +41,7 @@ def _above(height: float) -> Shape:
 
 
 def _level(height: float) -> Part:
-    """Return what takes away all below a height: a flat foot."""
+    """Return a shape that cuts away everything below a height: a flat foot."""
     return fuse(block((0, height - 1.0), [2.0, 1.0, 2.0], 0.01), carve=True)
 
 

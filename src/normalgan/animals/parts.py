@@ -44,7 +44,7 @@ class Ripple(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Shapes united sharply, which then flow into what was there before.
+    """Shapes united sharply; the union then blends into the parts before it.
 
     Args:
         shapes: that make it up.

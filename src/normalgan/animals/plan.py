@@ -1,4 +1,4 @@
-"""Body plans: what every species can do, whatever its shape: grow from random numbers into parts."""
+"""Body plans: the interface of all species, which grow from random numbers into parts."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence

@@ -34,7 +34,7 @@ def _sewn(
     """Return a toy, a seat or sole at about y = 0 and about 1 high; it hugs and cheers sitting or standing.
 
     Args:
-        features: what the head is made of, in units of half its height.
+        features: the parts of the head, in units of half its height.
         pose: one of `HABITS`.
         rng: draws proportions, the limbs' places, and seams on some.
         belly: radii of the body.

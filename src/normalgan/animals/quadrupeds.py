@@ -167,7 +167,7 @@ def _ears(
 
 @dataclass(frozen=True)
 class Eye:
-    """The right one of a pair of eyes, set on the skull whatever its shape.
+    """The right eye, placed on the surface of the skull.
 
     Args:
         x: along the head.
@@ -277,7 +277,7 @@ class Quadruped:
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """All poses and postures, whatever it is mostly seen in; in armour, only its habits."""
+        """All poses and postures, common and rare; in armour, only its habits."""
         return (*POSES, *POSTURES) if self.armour is None else tuple(dict.fromkeys(self.habits))
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:

@@ -270,7 +270,7 @@ _CORNERS = [(-0.86, 0.16), (-0.62, 0.34), (-0.42, 0.24), (-0.22, 0.36), (-0.01, 
 
 
 def _slab(rim: float, radii: Doubles) -> Sweep:
-    """Return what lies below the rim of the dome, to be taken away."""
+    """Return the space below the rim of the dome, to be cut away."""
     deep = float(radii[1]) + 0.1
     points = [(-0.8, rim - deep - 0.01), (0.8, rim - deep - 0.01)]
     return tube(points, deep, 8.0)

@@ -33,7 +33,7 @@ _BAND = 0.15
 
 
 class Piece(NamedTuple):
-    """What of a shape is sampled at a time.
+    """A part of a shape that is sampled in one box.
 
     Args:
         low: (3,) the lowest corner of a box that holds it.
@@ -210,7 +210,7 @@ def smooth_minimum(a: Volume, b: Volume, width: float) -> Volume:
 
 @dataclass(frozen=True, eq=False)
 class Solid(Shape):
-    """A shape with axes of its own, sampled in one piece.
+    """A shape in its own coordinate frame, sampled in one box.
 
     Args:
         frame: its middle and its own axes.

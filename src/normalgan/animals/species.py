@@ -139,7 +139,7 @@ def _toml(path: Path) -> dict[str, Any]:
 
 
 def _value(given: object, hint: Any, where: str) -> Any:
-    """Return what was given as what the annotation asks for."""
+    """Convert a value to the annotated type."""
     if get_origin(hint) is Annotated:
         base, mark = get_args(hint)
         if isinstance(mark, dict):  # what makes a thing of each kind
@@ -202,14 +202,14 @@ def _tuple(given: object, hints: tuple[Any, ...], where: str) -> tuple[Any, ...]
 
 
 def _of_kind(given: object, kinds: dict[str, Any], where: str) -> Any:
-    """Return what is made by the kind that the table names, or else by the first."""
+    """Build an object of the kind that the table names, or of the first kind."""
     first = next(iter(kinds))
     kind = given.pop("kind", first) if isinstance(given, dict) else first
     return _record(given, kinds[_value(kind, Annotated[str, tuple(kinds)], f"{where}.kind")], where)
 
 
 def _record(given: object, cls: Any, where: str) -> Any:
-    """Return what a class, or a function, makes of a table, or of a shared one by its name."""
+    """Build an object from a table, or from a shared table given by name."""
     if isinstance(given, str):
         shared = _shared().get(cls.__name__, {})
         given = shared[_value(given, Annotated[str, tuple(shared)], where)]

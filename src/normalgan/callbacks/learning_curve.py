@@ -62,7 +62,7 @@ class LearningCurve(Callback):
         return self._seconds + (monotonic() - self._start if self._start is not None else 0.0)
 
     def state_dict(self) -> dict[str, Any]:
-        """Return what the checkpoint keeps."""
+        """Return the state for the checkpoint."""
         return {"images": self.images, "records": self.records, "seconds": self._spent()}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:

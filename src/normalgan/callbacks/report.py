@@ -130,7 +130,7 @@ class TestReport(Callback):
         print(f"Picture: {(folder / 'gallery.png').resolve()}")
 
     def _measured(self, trainer: Trainer, pl_module: LightningModule) -> dict[str, Any]:
-        """Return what the figures are of, as plain values for JSON."""
+        """Return the description of the measured run as plain values for JSON."""
         given = self.checkpoint or trainer.ckpt_path
         path = Path(given) if given is not None and Path(given).is_file() else None
         data = getattr(trainer, "datamodule", None)
@@ -158,7 +158,7 @@ def _folder(root: Path, measured: dict[str, Any]) -> Path:
 
 
 def _json(measured: dict[str, Any], results: dict[str, dict[str, float]]) -> bytes:
-    """Return what was measured and the figures as JSON, which has no nan."""
+    """Return the run's description and the figures as JSON, with null for nan."""
     figures = {
         row: {name: None if isnan(value) else value for name, value in sorted(values.items())}
         for row, values in sorted(results.items())

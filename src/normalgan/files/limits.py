@@ -53,11 +53,11 @@ def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
 
 
 def refuse_pointer(path: Path | str, data: bytes) -> None:
-    """Refuse what Git keeps in place of a large file that was not fetched.
+    """Refuse a Git LFS pointer: a large file that was not fetched.
 
     Args:
-        path: the file, or what to call it.
-        data: what it holds, or how that begins.
+        path: the file, or its name in messages.
+        data: its content, or the beginning of it.
 
     Raises:
         InputError: if it is a pointer of Git LFS.
@@ -111,7 +111,7 @@ def yaml_limit_error(text: str) -> str | None:
 
 
 def load_yaml(text: str) -> Any:
-    """Return what a YAML text says, loaded safely; ask `yaml_limit_error` first.
+    """Return the value of a YAML text, loaded safely; ask `yaml_limit_error` first.
 
     Raises:
         yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, of

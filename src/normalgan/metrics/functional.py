@@ -150,7 +150,7 @@ def _checked(preds: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def _of_unit_size(vectors: Tensor) -> Tensor:
-    """Scale each vector to a largest coordinate of ±1, so that no square of it under- or overflows."""
+    """Scale each vector to a largest coordinate of ±1, so that its square cannot under- or overflow."""
     largest = vectors.abs().amax(1, keepdim=True)
     return vectors / torch.where(largest == 0, 1.0, largest)
 

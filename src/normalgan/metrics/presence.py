@@ -17,7 +17,7 @@ def presence(vectors: Tensor) -> Tensor:
 
 
 class _PresenceMetric(MapMetric):
-    """Base of the two: counts over all pixels of the pictures, whatever mask is given."""
+    """Base of the two: counts over all pixels of the pictures; a mask is ignored."""
 
     is_differentiable = False
 

@@ -20,7 +20,7 @@ class StageMetrics(nn.Module):
 
     Args:
         stage: first part of every figure's name.
-        rows: what is measured; the figures are named ``<stage>/<row>/<figure>``.
+        rows: names of the rows; the figures are named ``<stage>/<row>/<figure>``.
         only: metrics to use in place of ours; None uses ours.
         with_presence: whether mask IoU and coverage are measured too, where ours are used.
 

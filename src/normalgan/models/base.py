@@ -63,7 +63,7 @@ class Generator(Network):
         """
 
     def predict(self, condition: Tensor) -> Predictions:
-        """Return what the losses use in training; by default the output of `forward`, in float32.
+        """Return the predictions for the losses in training; by default the output of `forward`, in float32.
 
         Override it in a generator that predicts presence as a logit, which losses such as
         `AngularLikelihood` need. Its `forward` returns ``self.predict(condition).channels()``.
@@ -118,7 +118,7 @@ def check_generated(generator: nn.Module, predicted: object, condition: Tensor) 
 
 
 def check_predictions(generator: nn.Module, preds: object, condition: Tensor) -> None:
-    """Check that a generator's ``predict`` returned what the losses accept.
+    """Check that the losses accept the output of a generator's ``predict``.
 
     Raises:
         InputError: if it did not, or if the output has no gradient while gradients are enabled.

@@ -72,7 +72,7 @@ class TiledGenerator(Generator):
         """Return normals (N, 3, H, W) in [-1, 1] for a condition (N, 4, H, W).
 
         Raises:
-            InputError: if a side is no multiple of half a window.
+            InputError: if a side is not a multiple of half a window.
         """
         height, width = condition.shape[2:]
         if height % self.step or width % self.step:

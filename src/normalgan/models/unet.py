@@ -141,7 +141,7 @@ class UNet(nn.Module):
         width: channels of the first layer; 64 in the published networks.
         depth: layers of the encoder, and again of the decoder; sides must be multiples of 2 ** depth.
         kernel: side of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
-        norm: what follows the convolutions.
+        norm: the normalisation after each convolution.
         bias: whether layers before a norm have a bias too, as in Sketch2Normal.
         dropout: its probability in the innermost decoder layers, three at most, of the full width.
 

@@ -80,7 +80,7 @@ def _stl(path: Path) -> list[Triangles]:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep what trimesh and the parsers under it warn and log out of the user's sight."""
+    """Silence the warnings and log messages of trimesh and its parsers."""
     loggers = quiet_loggers("trimesh", "charset_normalizer", "chardet")
     with loggers, warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")

@@ -1,4 +1,4 @@
-"""Mesh, the input of the renderers, and MeshSource, what a mesh is loaded from."""
+"""Mesh, the input of the renderers, and MeshSource, which loads one."""
 
 from dataclasses import dataclass
 from typing import Protocol

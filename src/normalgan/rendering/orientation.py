@@ -54,7 +54,7 @@ def checked_rotation(where: str, rows: Any) -> Rotation:
     """Return the rotation nearest to a matrix that is one but for rounding.
 
     Args:
-        where: what the matrix belongs to, for the message.
+        where: name of the mesh or folder, for the message.
         rows: 3 rows of 3 numbers.
 
     Raises:

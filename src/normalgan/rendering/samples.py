@@ -56,7 +56,7 @@ class Recipe:
 
     Args:
         views: where the object is looked at from.
-        renderer: what turns a mesh and a camera into normals.
+        renderer: renders normals from a mesh and a camera.
         lines: the style in which the sketch is drawn.
         size: side of the pictures in pixels.
         seed: another seed gives other views.
@@ -91,8 +91,7 @@ class Recipe:
         """Return view number ``index`` of ``mesh``; it depends on no other view.
 
         Raises:
-            InputError: if it is no mesh, or the style gets no lines from it: a blank sheet is no drawing of
-                anything.
+            InputError: if it is no mesh, or the style gets no lines from it: a blank sketch is refused.
         """
         mesh = check_mesh(mesh)
         view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
@@ -139,7 +138,7 @@ def draw_strokes(
 
 
 def no_lines(lines: LineDrawing, seen: str, size: int) -> InputError:
-    """Return what to raise where a style gets no strokes from a view: a blank sheet is no drawing."""
+    """Return the error for a view in which a style draws no strokes: a blank sheet is no drawing."""
     return InputError(
         f"{type(lines).__name__} gets no lines from {seen}; seen so, it is thinner than a pixel of {size}, "
         "or no line is as long as the style asks for."
@@ -164,7 +163,7 @@ def draw_ink(
 def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generator:
     """Return the source of randomness of one step for one view of one mesh, the same in every process.
 
-    Each step has its own, so that what one draws does not shift what another does.
+    Each step has its own, so that no step shifts the random numbers of another.
 
     Args:
         seed: of the recipe.

@@ -15,7 +15,7 @@ class View:
     Args:
         mesh: the object.
         camera: where it is seen from.
-        renderer: what makes its maps.
+        renderer: renders its maps.
         size: side of the sketch and of the normal map in pixels.
     """
 

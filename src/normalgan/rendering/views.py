@@ -122,7 +122,7 @@ class Views:
     margin: float = 0.06
 
     def __post_init__(self) -> None:
-        """Refuse what no camera can be drawn from."""
+        """Check that cameras can be drawn from the settings."""
         _check_range("azimuth", self.azimuth, -360.0, 360.0)
         _check_range("elevation", self.elevation, -90.0, 90.0)
         _check_range("roll", self.roll, -180.0, 180.0)

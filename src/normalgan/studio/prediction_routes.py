@@ -64,7 +64,7 @@ class PredictionRoutes:
         self._slow.close()
 
     async def predict(self, request: Request) -> Response:
-        """Answer with the colours of the normals and the mask as alpha, W × H × 4 bytes."""
+        """Answer with the colours of the normals, and the object with its soft edge as alpha, W × H × 4 bytes."""
         start = time.perf_counter()
         fields, layers = await self._asked(request)
         longest = None
@@ -149,7 +149,7 @@ class PredictionRoutes:
         self, layers: Sequence[Layer], longest: int | None, stop: Stop | None
     ) -> tuple[bytes, NormalMap]:
         predicted = self._predict(layers, longest, stop)
-        return pixels_of(predicted.extended, alpha=predicted.mask.astype(np.float32)).tobytes(), predicted
+        return pixels_of(predicted.extended, alpha=predicted.alpha).tobytes(), predicted
 
     def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
         predicted = self._predict(layers)

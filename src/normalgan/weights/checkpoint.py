@@ -66,14 +66,14 @@ _PATHS = ("best_model_path", "kth_best_model_path", "last_model_path")
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What `normalgan fit` saved, read without running, importing or building anything.
+    """A checkpoint of `normalgan fit`, read without importing or running its code.
 
     Args:
         path: of the file.
         settings: of the model, as the file has them.
         tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
         callbacks: states of callbacks by their names.
-        progress: how far the run came, and what its optimisers keep; `check_progress` says whether it can be
+        progress: the run's progress and the state of its optimisers; `check_progress` says whether it can be
             resumed.
         size: side in pixels of the pictures that it learned from, if the file says so.
     """
@@ -206,7 +206,7 @@ class Checkpoint:
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """Return what a checkpoint says of its model; whether that can be used is for `Checkpoint` to say.
+    """Return a checkpoint's metadata about its model; whether that can be used is for `Checkpoint` to say.
 
     Raises:
         InputError: if it is missing, damaged or not one of ours.
@@ -253,7 +253,7 @@ def read_model(path: Path, size: int | None = None) -> Weights:
 
 
 def uncompiled(name: str) -> str:
-    """Return the name of a weight without what ``torch.compile`` adds to it.
+    """Return the name of a weight without the prefix of ``torch.compile``.
 
     >>> uncompiled("generator._orig_mod.stem.weight")
     'generator.stem.weight'

@@ -66,7 +66,7 @@ class ClassSpec:
 
     @classmethod
     def of_object(cls, built: object) -> "ClassSpec | None":
-        """Return what an object was built of, None if plain values do not say it."""
+        """Return the arguments that an object was built with, None if they are not plain values."""
         if is_dataclass(built) and not isinstance(built, type):
             settings = {field.name: getattr(built, field.name) for field in fields(built) if field.init}
         elif isinstance(built, Network):
@@ -125,7 +125,7 @@ class ClassSpec:
 
 
 def is_plain(value: Any, largest: int = LARGEST) -> bool:
-    """Return whether a setting can do nothing but be one: a path with dots might import what it names.
+    """Return whether a setting can do nothing but be one: a dotted path might import a module.
 
     >>> is_plain([0.5, "batch", None]), is_plain("os.system"), is_plain({"class_path": "a"}), is_plain(5000)
     (True, False, False, False)
@@ -152,7 +152,7 @@ def _lists(value: Any) -> Any:
 
 
 def _shown(value: Any) -> str:
-    """Return what can be said of a value that may be endless."""
+    """Describe a value briefly; it may be very long."""
     if isinstance(value, int) and abs(value) > 10**1000:
         return "an endless number"
     if isinstance(value, str):

@@ -30,7 +30,7 @@ _SMALL = 64  # tensors of fewer elements weigh nothing, and are kept as they are
 
 @dataclass(frozen=True)
 class Weights:
-    """A generator as tensors by name, and what there is to say about it.
+    """A generator as tensors by name, with its metadata.
 
     Args:
         notes: what it is.
@@ -123,7 +123,7 @@ def read_weights(path: Path) -> Weights:
 
 
 def _split(content: bytes) -> tuple[dict[str, Any], bytes]:
-    """Return the header of a file and what follows it.
+    """Return the header of a file and its payload.
 
     Raises:
         ValueError: if it is longer than any header of ours, or no text.

@@ -44,7 +44,7 @@ class ModelMetadata:
     version: str = __version__
 
     def metadata(self) -> dict[str, str]:
-        """Return the notes as texts by name, which is what files of models can hold."""
+        """Return the notes as texts by name, the form that model files hold."""
         return {
             "normalgan_version": self.version,
             "model": self.generator.name,
@@ -69,7 +69,7 @@ class ModelMetadata:
         return self.hint_sampler.build(HINT_SAMPLERS)
 
     def settings(self, measured: bool = True) -> dict[str, Any]:
-        """Return what of `NormalGAN`'s settings the notes decide on, as a configuration names it.
+        """Return the settings of `NormalGAN` that the notes fix, as a configuration names them.
 
         Args:
             measured: whether the model is measured with the hints of its training; inference needs none.

@@ -55,7 +55,7 @@ def build_generator(part: ClassSpec, tensors: Tensors) -> Generator:
 
 @contextmanager
 def _at_most(parameters: int) -> Iterator[None]:
-    """Refuse to build more parameters than so many."""
+    """Refuse to build a network with too many parameters."""
     seen = 0
 
     def count(module: nn.Module, name: str, parameter: nn.Parameter) -> None:

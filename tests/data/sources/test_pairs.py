@@ -17,9 +17,10 @@ from normalgan.data.sources.pair import PairRecipe
 from normalgan.data.sources.pairs import PairFiles
 from normalgan.data.store.manifest import views_by_split
 from normalgan.errors import InputError
+from normalgan.files.writing import write_bytes
 from normalgan.hints import CurvatureHints
 from normalgan.metrics import angular_error
-from normalgan.normals import Bits, Green, encode_exr, encode_png, paint_flat, write_bytes
+from normalgan.normals import Bits, Green, encode_exr, encode_png, paint_flat
 from pairs_on_disk import SIZE, ellipsoid, hints_picture, write_pair, write_pairs
 
 SPLITS = ("train", "val", "test")

@@ -1,4 +1,4 @@
-"""Nodes of glTF: the tree that places what a scene shows."""
+"""Nodes of glTF: the tree that places the meshes of a scene."""
 
 from dataclasses import dataclass
 

@@ -46,7 +46,7 @@ def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
 
 
 def not_gltf(path: Path) -> InputError:
-    """Return what to raise where a file breaks the rules of glTF in a way that has no sentence of its own."""
+    """Return the error for a file that breaks the glTF rules in a way without a message of its own."""
     return bad_gltf(path, "it is not as glTF 2.0 says")
 
 

@@ -69,7 +69,7 @@ def _one_surface(maps: Maps) -> NDArray[np.bool_]:
 
 
 def _sort_out(maps: Maps, x: Floats, y: Floats, left: Indices, top: Indices) -> tuple[Floats, Floats]:
-    """Return what `_sample` does, where the four pixels around a place are not of one surface."""
+    """Sample like `_sample` at places whose four pixels belong to different surfaces."""
     height, width = maps.mask.shape
     normals, depths = maps.normal.reshape(-1, 3), maps.depth.reshape(-1)
     corners, weights = [], []

@@ -40,14 +40,14 @@ class Hand:
     Args:
         strength: range from which the strength of a drawing is drawn; 0 is the exact drawing, 1 the
             settings below.
-        distortion: how far the drawing as a whole is bent out of shape (standard deviation).
+        distortion: how far the whole drawing is distorted (standard deviation).
         proportion: how wrong the ratio of height to width is, and the shear (standard deviation).
         cuts: how often the pen is lifted on the length of a side, at corners mostly.
         simplification: standard deviation of the rounding off of detail.
         missed: chance that a short stroke is left out; a long one inside seldom, of the outline hardly ever.
         missed_parts: how many parts are not drawn on the length of a side.
         repeats: share of strokes that are drawn over a second time, beside the first.
-        drift: how far a stroke as a whole is off its place (standard deviation).
+        drift: how far a whole stroke is displaced (standard deviation).
         wobble: how far it waves, by the arm (standard deviation).
         tremor: how far it trembles, by the fingers (standard deviation).
         overshoot: mean length by which an end is too long; it happens to one of two.
@@ -82,7 +82,7 @@ class Hand:
     pen: tuple[float, float] = (0.9, 3.0)
 
     def __post_init__(self) -> None:
-        """Refuse what no hand can do."""
+        """Check the ranges of all settings."""
         if len(self.strength) != 2 or not 0 <= self.strength[0] <= self.strength[1] <= 1:
             raise InputError(
                 f"the hand's strength is {self.strength}; it is two numbers, low then high, from 0 to 1."
@@ -104,8 +104,8 @@ class Hand:
         Args:
             strokes: the exact drawing, in pixels of a frame as large as the maps.
             maps: (H, W) of the object; not changed.
-            rng: source of randomness; each effect has a stream of its own, so that a change in one
-                does not shift the others.
+            rng: source of randomness; each effect has its own stream, so that changing one effect leaves
+                the others alone.
         """
         own, bending, *streams = rng.spawn(9)
         strength = own.uniform(*self.strength)

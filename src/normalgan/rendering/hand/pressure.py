@@ -34,8 +34,8 @@ def press(
         strokes: with points ``step`` pixels apart.
         pressure: deviation of the logarithm of the width, along strokes and among them.
         fade: deviation of the logarithm of the darkness where pressure is low; ink is never darker than 1.
-        taper: by what share the width falls to the end at which the pen is lifted.
-        slowness: by what share the line is wider in tight turns, where the hand is slow.
+        taper: share by which the line thins towards the end where the pen is lifted.
+        slowness: share by which the line widens in tight turns, where the hand is slow.
         step: pixels.
         side: of the frame in pixels.
         rng: source of randomness.

@@ -13,7 +13,7 @@ _GRAZING = 0.1  # the least n·v: beyond, foreshortening would know no bounds
 
 
 def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
-    """Return how fast the normal turns per length in the picture, at most, (V,), and along what, (V, 3).
+    """Return the largest turn of the normal per length in the picture, (V,), and its direction, (V, 3).
 
     With a and b the tangents towards and across the eye's direction, a step along a is shortened by n·v in
     the picture and one along b is not. The view-dependent curvature is the largest singular value of the

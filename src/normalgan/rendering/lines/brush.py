@@ -37,7 +37,7 @@ class Brush(LineDrawing):
     2012, equation 7); strokes run along its middle, as wide as it is.
 
     Args:
-        line_width: median width of the strokes in pixels of the sketch, whatever its size.
+        line_width: median width of the strokes in pixels of the sketch, at any sketch size.
         widest: strokes are at most this many times as wide as the median; broad shadows make no blots.
         sigma: standard deviation of the smaller blur, as a fraction of the frame's side.
         sharpening: p, how strongly edges are lifted out of the shading.

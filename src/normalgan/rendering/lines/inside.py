@@ -54,7 +54,7 @@ class Inside:
         Args:
             surface: the mesh.
             view: how it is seen.
-            buffers: of the view; what they do not show is hidden.
+            buffers: of the view; points that they do not show are hidden.
             distance: (H, W) in pixels of the buffers to the nearest contour.
             marks: N places on edges of the mesh.
             strength: (N,) of the line there.

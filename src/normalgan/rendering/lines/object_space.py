@@ -27,11 +27,11 @@ class ObjectSpaceSuggestive(OutlinedDrawing):
 
     They are where the radial curvature, the curvature along the direction of the eye, changes from
     hollow to bulging as one comes nearer (DeCarlo, Finkelstein, Rusinkiewicz, Santella, "Suggestive
-    Contours for Conveying Shape", SIGGRAPH 2003, section 3): lines that follow the mesh at whatever size
-    the sketch is, thinning out where they fade.
+    Contours for Conveying Shape", SIGGRAPH 2003, section 3): lines that follow the mesh at any sketch size
+    and thin out where they fade.
 
     Args:
-        line_width: width of contours in pixels of the sketch, whatever its size.
+        line_width: width of contours in pixels of the sketch, at any sketch size.
         interior_width: width of the strokes inside in pixels of the sketch; 0 draws none.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side.

@@ -23,7 +23,7 @@ class OccludingContours(LineDrawing):
     """Silhouette and occluding contours, and the creases of angular objects if asked for.
 
     Args:
-        line_width: width of a line in pixels of the sketch, whatever its size.
+        line_width: width of a line in pixels of the sketch, at any sketch size.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side; a contour once begun goes on down to a third of it.
         crease: angle in degrees between neighbouring normals from which an edge is drawn; None draws none.

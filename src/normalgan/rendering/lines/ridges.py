@@ -33,7 +33,7 @@ class RidgesAndValleys(OutlinedDrawing):
     2004) were tried and left: they do not know of the viewer, and run in streaks along limbs and tails.
 
     Args:
-        line_width: width of contours in pixels of the sketch, whatever its size.
+        line_width: width of contours in pixels of the sketch, at any sketch size.
         interior_width: width of the ridges and valleys in pixels of the sketch; 0 draws none.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side.

@@ -32,7 +32,7 @@ def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) ->
 
     Args:
         camera: whose frame it is.
-        maps: what is seen in the part, (H, W).
+        maps: the visible surface in that part, (H, W).
         window: rows and columns of the part.
         side: of the whole frame in pixels.
     """

@@ -22,7 +22,7 @@ class Silhouette(LineDrawing):
     """The outline alone: where the object borders on the background, outside and through holes.
 
     Args:
-        line_width: width of the line in pixels of the sketch, whatever its size.
+        line_width: width of the line in pixels of the sketch, at any sketch size.
         shortest: parts of the outline that span less than this fraction of the frame's side are left out.
         resolution: side in pixels of the maps that the outline is found in, rounded up to a multiple of
             the sketch's; it is placed between their pixels.

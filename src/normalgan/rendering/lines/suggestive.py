@@ -31,7 +31,7 @@ class SuggestiveContours(OutlinedDrawing):
     on smoothed normals.
 
     Args:
-        line_width: width of contours in pixels of the sketch, whatever its size.
+        line_width: width of contours in pixels of the sketch, at any sketch size.
         interior_width: width of the strokes inside in pixels of the sketch; 0 draws none.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side.

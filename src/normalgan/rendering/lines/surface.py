@@ -18,7 +18,7 @@ Operator = Any  # a sparse matrix; SciPy's types for it are not generic over wha
 
 @dataclass(frozen=True)
 class Surface:
-    """A triangle mesh, its edges, and linear operators on what is known at its vertices.
+    """A triangle mesh, its edges, and linear operators on values at its vertices.
 
     Args:
         vertices: (V, 3) positions.

@@ -26,7 +26,7 @@ def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Dou
     Args:
         surface: the mesh.
         normals: (V, 3) unit vectors.
-        smoothing: standard deviation of the smoothing of what comes out, in units of the mesh.
+        smoothing: standard deviation of the Gaussian that smooths the curvature, in units of the mesh.
     """
     corners = surface.vertices[surface.faces]
     sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)  # side k is opposite corner k

@@ -13,7 +13,7 @@ __all__ = ["thin", "without_specks"]
 def without_specks(inked: BoolMask, shortest: float) -> BoolMask:
     """Return the inked pixels (H, W) without connected patches that span less than ``shortest`` pixels.
 
-    What a patch spans is the longer side of its bounding box; corners connect.
+    The extent of a patch is the longer side of its bounding box; corners connect.
 
     >>> without_specks(np.array([[1, 1, 1, 0, 1]], bool), 2).astype(int)
     array([[1, 1, 1, 0, 0]])

@@ -28,7 +28,7 @@ class EmbreeRenderer(Renderer):
     """Ray casting by Intel Embree on the CPU: works everywhere, best at small sizes.
 
     Embree (Wald et al., ACM Transactions on Graphics 33(4), 2014) says in float32 which triangle a pixel
-    sees; where on the triangle, and with what normal, is computed here in float64.
+    sees; the point on the triangle and its normal are computed here in float64.
     """
 
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:

@@ -71,7 +71,7 @@ class FloatFramebuffer:
         self._main_fb_dims = (None, None)
 
     def _read_main_framebuffer(self, scene: Any, flags: int) -> NDArray[np.float32]:
-        """Return (H, W, 4): what the shader wrote, row 0 on top."""
+        """Return (H, W, 4): the shader's output, row 0 on top."""
         from OpenGL import GL
 
         width, height = self._main_fb_dims

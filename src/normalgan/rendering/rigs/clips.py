@@ -50,7 +50,7 @@ class ClipMeshes:
 
     @cached_property
     def hull(self) -> Doubles:
-        """(K, 3) vertices of moments all over the clip, as their meshes have them: what a view holds."""
+        """(K, 3) vertices of moments all over the clip, as in their meshes: a view must hold them all."""
         return np.concatenate([self.mesh(moment).vertices for moment in self._moments]).astype(np.float64)
 
     @cached_property

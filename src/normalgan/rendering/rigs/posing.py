@@ -37,11 +37,11 @@ def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doub
 
 
 def turned(world: Doubles, joints: Joints, turns: Doubles) -> Doubles:
-    """Return the places of the nodes with joints turned about themselves, each taking what hangs on it along.
+    """Return the positions of the nodes after turning joints, which carry their children along.
 
     Args:
         world: (N, 4, 4) places of the nodes.
-        joints: which of them turn, and what hangs on what.
+        joints: the joints that turn, and the parent of each node.
         turns: (J, 3) rotation vectors in the joints' own axes, in radians.
     """
     moved = world.copy()

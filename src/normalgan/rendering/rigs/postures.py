@@ -247,7 +247,7 @@ POSTURES: Mapping[str, Mapping[str, Posture]] = {"paws": _PAWS, "hooves": _HOOVE
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Which nodes of a rig are what; all are indices of nodes.
+    """The body parts of a rig's nodes; all are indices of nodes.
 
     Args:
         kind: of body, a key of `POSTURES`.
@@ -307,7 +307,7 @@ _TAIL = tuple(f"Tail{number}" for number in range(1, 10))
 
 
 def find_skeleton(rig: Rig) -> Skeleton | None:
-    """Return which nodes of a rig are what, by their names; None if they are not those of a known skeleton.
+    """Return the body parts of a rig's nodes, found by their names; None if the skeleton is not known.
 
     Known are the quadrupeds and the people of Quaternius, https://quaternius.com.
 
@@ -407,7 +407,7 @@ def in_posture(rig: Rig, skeleton: Skeleton, posture: Posture) -> Doubles:
 
     Args:
         rig: the rig, whose nodes are taken at rest.
-        skeleton: which of its nodes are what.
+        skeleton: the body parts of its nodes.
         posture: of the skeleton's kind, such as `draw_posture` returns.
     """
     if posture.level:

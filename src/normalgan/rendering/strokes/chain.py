@@ -24,7 +24,8 @@ def chain(points: Doubles, links: Indices, reach: float = 6.0, sharpest: float =
     Args:
         points: (N, 2) positions.
         links: (M, 2) pairs of points, none twice.
-        reach: how far from a junction the direction of what meets there is measured, in units of the points.
+        reach: distance from a junction at which the directions of its branches are measured, in units of the
+            points.
         sharpest: angle in degrees by which a path may turn at a junction.
 
     Returns:

@@ -22,8 +22,8 @@ def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
 
     A pixel's coverage is that of an endless bar as wide as the line is there, at the pixel's distance and
     slanted as the line: exact along straight lines. Ends are round. One stroke covers a pixel once, however
-    it winds; two strokes that cross darken each other, as pencil does: ``1 - (1 - a) (1 - b)``. What lies
-    outside the frame is cut off.
+    it winds; two strokes that cross darken each other, as pencil does: ``1 - (1 - a) (1 - b)``. Strokes are
+    clipped to the frame.
 
     >>> line = Stroke.even(np.array([[-5.0, 2.0], [9.0, 2.0]]), width=1.0)
     >>> rasterise([line], 4)[:, 0].round(2).tolist()

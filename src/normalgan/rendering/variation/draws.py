@@ -13,7 +13,7 @@ PARTS, BUMPS = 3, 12
 
 @dataclass(frozen=True)
 class VariationDraws:
-    """What chance has to say about an individual, whatever the strengths.
+    """Unit-scale random draws for one variation, before strengths are applied.
 
     Args:
         scale: (3,) in [-1, 1], as are all but the last three.

@@ -39,7 +39,7 @@ def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
 
 
 def lengthen(points: Doubles, up: int, line: float, growth: float) -> Deformed:
-    """Stretch what lies below a height by ``1 + growth``, up and down only, with a soft beginning.
+    """Stretch the part below a height vertically by ``1 + growth``, with a soft beginning.
 
     Args:
         points: (V, 3).

@@ -23,7 +23,7 @@ MIRROR = np.array([1.0, 1.0, -1.0])
 
 
 class Object:
-    """A surface in the coordinates of its frame, and what the deformations must know of it.
+    """A surface in the coordinates of its frame, with the measures that deformations need.
 
     Args:
         points: (V, 3) vertices; the third coordinate is sideways.
@@ -53,7 +53,7 @@ def steps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Def
     Args:
         thing: the object.
         strength: how much the draws count.
-        draws: what chance has drawn.
+        draws: the random draws.
     """
     odd = strength.asymmetry
     half = float(np.abs(thing.points[:, 0]).max())
@@ -106,7 +106,7 @@ def _sides(centre: Doubles, width: float, odd: float) -> tuple[float, float]:
 
 
 def _mirrored(pulls: Doubles, odd: float) -> Doubles:
-    """Return the pulls of a lattice with so much of what differs between left and right."""
+    """Return the pulls of a lattice with this share of the difference between left and right."""
     image = pulls[:, :, ::-1] * MIRROR
     # Two halves of independent pulls added are less than either by √2.
     return np.asarray(((pulls + image) + odd * (pulls - image)) / np.sqrt(2 * (1 + odd**2)))

@@ -20,7 +20,7 @@ class Variation:
         bend: up to so many degrees between the directions of the two ends, up or down; sideways it is this
             times ``asymmetry``.
         twist: up to so many degrees between the two ends, about the long axis, times ``asymmetry``.
-        limb_length: lengthening or shortening of what lies below the belly: 0.2 is up to a fifth.
+        limb_length: lengthening or shortening of the legs, the part below the belly: 0.2 is up to a fifth.
         limb_thickness: thickening or thinning of limbs, ears and tails: 0.2 is up to a fifth.
         parts: growth or shrinking of three parts anywhere, such as a head or a belly.
         lattice: random pulls at a lattice of 4 × 4 × 4 points about the object, as a share of its size.
@@ -47,7 +47,7 @@ class Variation:
     asymmetry: float = 0.4
 
     def __post_init__(self) -> None:
-        """Refuse what leaves nothing of the shape, or is no number."""
+        """Check that all strengths are finite and leave a shape."""
         for field in fields(self):
             value, most = getattr(self, field.name), MOST.get(field.name, 0.9)
             if not 0 <= value <= most:

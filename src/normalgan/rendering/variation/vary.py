@@ -26,7 +26,7 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
     Args:
         mesh: the mesh; it is returned as it is if there is no strength.
         variation: how far individuals differ.
-        rng: draws the individual; strengths change how much it differs, not in what.
+        rng: draws the individual; strengths change the amount of the difference, not its kind.
     """
     if variation.none():
         return mesh

@@ -107,13 +107,8 @@ void main() {${FLAT_PLACE}
 const shadedFragment = (shading) => `${FLAT_HEAD}
 ${shading}
 void main() {${FLAT_PLACE}
-  float alpha = texel.a;
-  if (length(vec2(way[0].x, way[1].x)) * float(textureSize(map, 0).x) < 0.99) { // enlarged: the mask's staircase would show
-    vec4 around = textureLod(map, at, 1.0);
-    alpha = smoothstep(0.25, 0.75, around.a);
-    if (texel.a < 0.5) texel = around;
-  }
-  if (alpha * texel.a < 0.002) { colour = vec4(0.0); return; }
+  float alpha = texel.a; // as soft as the outline's ink
+  if (alpha < 0.002) { colour = vec4(0.0); return; }
   vec3 n = normalize(texel.rgb / texel.a * 2.0 - 1.0);
   colour = vec4(shaded(n, at) * alpha, alpha);
 }`;

@@ -1,0 +1,166 @@
+"""Evaluation: predicting, validating and testing of a generator that takes a sketch and hints."""
+
+import torch
+from lightning.pytorch import LightningModule
+from torch import Tensor, nn
+
+from normalgan.batch import Batch, Sketches
+from normalgan.hints import ErrorHintSampler, HintSampler
+from normalgan.hints.draw import draw_hints_by_name
+from normalgan.metrics import StageMetrics, angular_error, without_hints
+from normalgan.models import Generator
+from normalgan.models.base import check_generated
+from normalgan.models.condition import make_condition
+
+__all__ = ["Evaluation"]
+
+
+class Evaluation(LightningModule):
+    """Predicts with a generator and measures it; training is left to the class that inherits it.
+
+    Attributes:
+        generator: predicts the map.
+        hint_sampler: stands in for the designer. A batch with its own hints keeps them; prediction uses only
+            those.
+        seed: of the hints.
+        noise_at_test: whether dropout stays on when testing and predicting.
+    """
+
+    generator: Generator
+    hint_sampler: HintSampler
+    seed: int
+    noise_at_test: bool
+
+    def make_metrics(self, stage: str) -> None:
+        """Make the metrics of a stage: together they take longer than all the networks."""
+        if stage in {"fit", "validate"}:
+            self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
+        elif stage == "test":
+            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"), with_presence=True)
+
+    def forward(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
+        """Predict normal maps.
+
+        Args:
+            sketch: (N, 1, H, W) in [0, 1], ink 1.
+            hints: (N, 4, H, W) normals at the hints and where they are; None for none.
+
+        Returns:
+            (N, 3, H, W) in [-1, 1], of about unit length on the object and of none off it.
+        """
+        return self.predict_with_confidence(sketch, hints)[:, :3]
+
+    def predict_with_confidence(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
+        """Return `forward`'s output, (N, 3, H, W), or (N, 4, H, W) if the generator predicts confidence."""
+        if hints is None:
+            hints = sketch.new_zeros(len(sketch), 4, *sketch.shape[2:])
+        condition = make_condition(sketch, hints)
+        predicted: Tensor = self.generator(condition)
+        check_generated(self.generator, predicted, condition)
+        return predicted
+
+    def measured_hints(self, batch: Batch) -> Tensor:
+        """Return a batch's hints (N, 4, H, W) for validation and testing.
+
+        They depend on the sample alone, not on epoch, batch size or number of processes.
+        """
+        if "hints" in batch:
+            return batch["hints"]
+        names = batch.get("name") or [str(i) for i in range(len(batch["normal"]))]
+        given = batch["normal"], batch["mask"], names, self.seed, self._error(batch)
+        return draw_hints_by_name(self.hint_sampler, *given)
+
+    @torch.no_grad()
+    def _error(self, batch: Batch) -> Tensor | None:
+        """Return the error without hints (N, 1, H, W), for a sampler that needs it.
+
+        The network is in evaluation mode, so that norms keep their statistics and no noise is drawn.
+        """
+        if not isinstance(self.hint_sampler, ErrorHintSampler):
+            return None
+        modes = {module: module.training for module in self.generator.modules()}
+        self.generator.eval()
+        predicted = self._predict(batch, None)
+        for module, training in modes.items():
+            module.training = training
+        return angular_error(predicted, batch["normal"])
+
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
+    def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:
+        """Measure without hints and with the sampler's, which are the same in every epoch.
+
+        Several loaders count as one set.
+        """
+        target, mask = batch["normal"], batch["mask"]
+        hints = self.measured_hints(batch)
+        self.val_metrics.update("hints", self._predict(batch, hints), target, mask)
+        self.val_metrics.update("no_hints", self._predict(batch, None), target, mask)
+
+    def on_validation_epoch_end(self) -> None:
+        """Log the metrics of the validation split."""
+        self._log_figures(self.val_metrics.pop())
+
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
+    def test_step(
+        self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
+    ) -> dict[str, tuple[Tensor, Tensor]]:
+        """Measure without hints, with the sampler's, and with these but outside the hinted pixels.
+
+        Several loaders count as one set.
+
+        Returns:
+            For callbacks: the maps (N, 3, H, W) and the pixels (N, 1, H, W) of each row.
+        """
+        mask = batch["mask"]
+        hints = self.measured_hints(batch)
+        preds = self._predict(batch, hints)
+        measured = {
+            "hints": (preds, mask),
+            "unhinted": (preds, without_hints(mask, hints[:, 3:])),
+            "no_hints": (self._predict(batch, None), mask),
+        }
+        for row, (predicted, where) in measured.items():
+            self.test_metrics.update(row, predicted, batch["normal"], where)
+        return measured
+
+    def on_test_epoch_end(self) -> None:
+        """Log the metrics of the test split."""
+        self._log_figures(self.test_metrics.pop())
+
+    def _log_figures(self, figures: dict[str, Tensor]) -> None:
+        # They are reduced already; sync_dist averages equal numbers, which avoids a warning from Lightning.
+        self.log_dict(figures, sync_dist=True)
+
+    @torch.compiler.disable  # type: ignore[untyped-decorator]
+    def predict_step(self, batch: Sketches, batch_idx: int, dataloader_idx: int = 0) -> Tensor:
+        """Return predicted normals (N, 3, H, W), with the user's hints if there are any.
+
+        Drawings are predicted one at a time, because in a batch the last bits depend on the neighbours.
+        """
+        hints = batch.get("hints")
+        return torch.cat(
+            [
+                self._predict({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
+                for i, sketch in enumerate(batch["sketch"])
+            ]
+        )
+
+    def _predict(self, batch: Sketches, hints: Tensor | None) -> Tensor:
+        predicted: Tensor = self(batch["sketch"], hints)
+        return predicted.float()  # under bf16, figures and files are still made of full precision
+
+    def on_test_model_eval(self) -> None:
+        """Switch to evaluation, but keep the noise on if asked."""
+        super().on_test_model_eval()
+        self._keep_noise()
+
+    def on_predict_model_eval(self) -> None:
+        """Switch to evaluation, but keep the noise on if asked."""
+        super().on_predict_model_eval()
+        self._keep_noise()
+
+    def _keep_noise(self) -> None:
+        if self.noise_at_test:
+            for module in self.generator.modules():
+                if isinstance(module, nn.Dropout):
+                    module.train()

@@ -1,0 +1,71 @@
+"""The studio holds to the rules of axe-core (WCAG 2 and best practices), in both themes and at two sizes."""
+
+from typing import TYPE_CHECKING, Literal
+
+import pytest
+from studio_page import Server, Studio, open_studio
+
+from npm_package import read_from_package
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, and a package of npm
+CHECK = """async () => (await axe.run(document, { resultTypes: ["violations"] })).violations
+  .map(({ id, nodes }) => [id, nodes.map((node) => node.target.join(" "))])"""
+
+
+@pytest.fixture(scope="module")
+def axe() -> str:
+    """Return the script of axe-core (MPL 2.0)."""
+    checksum = "FHfa+lmNjQZfJz1q8wKqIDwC6DExcHt/pkjNQb09a3NPjCKg2rhu5qb2S4r76ASyFNNtuFooJpZe37OgudVGtQ=="
+    return read_from_package("axe-core", "4.14.1", checksum, "axe.min.js")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
+def test_axe_finds_nothing(
+    opened: "Browser", server: Server, axe: str, width: int, height: int, theme: Literal["light", "dark"]
+) -> None:
+    server.begin_anew()
+    with open_studio(opened, server.url, width=width, height=height) as studio:
+        page = studio.page
+        page.emulate_media(color_scheme=theme, reduced_motion="reduce")  # no colour on its way to another
+        page.wait_for_function(f"() => document.documentElement.dataset.theme === '{theme}'")
+        page.evaluate(axe)
+
+        def check(shown: str) -> None:
+            assert page.evaluate(CHECK) == [], shown
+
+        check("an empty drawing")
+        _draw(studio)
+        check("a point")
+        page.keyboard.press("m")
+        page.evaluate("document.getElementById('view-lit').click()")
+        page.locator("#lamp-more").click()
+        check("mask tool and lights")
+        page.locator("#layers-toggle").click()
+        check("layers")
+        page.locator("#layers-close").click()
+        page.locator("#paper summary").click()
+        check("paper")
+        page.keyboard.press("Escape")
+        for keys, dialog in (
+            ("Control+e", "export"),
+            ("?", "help"),
+            ("Control+o", "open"),
+            ("Control+s", "save"),
+        ):
+            page.keyboard.press(keys)
+            page.locator(f"#{dialog}-dialog").wait_for()
+            check(dialog)
+            page.keyboard.press("Escape")
+            page.locator(f"#{dialog}-dialog").wait_for(state="hidden")
+
+
+def _draw(studio: Studio) -> None:
+    studio.new()
+    with studio.repainting():
+        studio.circle()
+    with studio.repainting():
+        studio.pin(128, 128)
