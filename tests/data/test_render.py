@@ -15,6 +15,7 @@ import pytest
 from toys import BallRenderer, Counted, Octahedron, assert_same, contents, recipe, surroundings
 
 from normalgan.data.jobs import tasks
+from normalgan.data.jobs.pool import Killed
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.store.layout import Layout
@@ -331,7 +332,9 @@ def test_versions_enter_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_workers_are_other_processes_with_one_thread_and_without_torch() -> None:
     outside = os.environ.get("OMP_NUM_THREADS")
     with Workers(1) as pool:
-        ((_, (threads, torch, pid)),) = pool.run(surroundings, [0])
+        ((_, outcome),) = pool.run(surroundings, [0])
+    assert not isinstance(outcome, Killed)
+    threads, torch, pid = outcome
     assert (threads, torch) == ("1", False)
     assert pid != os.getpid()
     assert os.environ.get("OMP_NUM_THREADS") == outside
