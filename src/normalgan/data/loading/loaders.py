@@ -15,7 +15,7 @@ from normalgan.data.loading.items import Item, collate
 from normalgan.data.loading.shard_order import ShardOrder
 from normalgan.data.loading.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
 
-__all__ = ["DeferredLoader", "EqualShare", "Loaders", "Samples"]
+__all__ = ["AsStored", "DeferredLoader", "EqualShare", "Loaders", "Samples"]
 
 Samples = SampleDataset | StreamDataset
 
