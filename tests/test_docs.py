@@ -64,6 +64,7 @@ def test_python_runs(name: str, tmp_path: Path) -> None:
     run_python(ROOT / "docs" / f"{name}.md", tmp_path)
 
 
+@pytest.mark.slow  # imports all there is, and renders
 def test_example_plugins_pass_their_checks(tmp_path: Path) -> None:
     files = sorted(map(str, (ROOT / "examples" / "plugins").glob("*.py")))
     assert len(files) == 10

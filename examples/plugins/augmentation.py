@@ -6,7 +6,7 @@ import torch
 
 from normalgan.batch import Batch
 from normalgan.data.augmentation import AUGMENTATIONS, BatchAugmentation
-from normalgan.testing import check_augmentation
+from normalgan.testing import check
 
 
 @AUGMENTATIONS.register
@@ -29,4 +29,4 @@ class Grain(BatchAugmentation):
 
 
 if __name__ == "__main__":
-    check_augmentation(Grain())
+    check(Grain())

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.data.sources import DATA_SOURCES, Pair, PairSource, SplitSettings
-from normalgan.testing import check_data_source
+from normalgan.testing import check
 
 
 @dataclass(frozen=True)
@@ -50,4 +50,4 @@ class Discs(PairSource):
 
 if __name__ == "__main__":
     assert len(Discs(10).split(SplitSettings())["test"]) == 2
-    check_data_source(Discs(10))
+    check(Discs(10))

@@ -4,7 +4,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.models import DISCRIMINATORS, INPUT_CHANNELS, Discriminator
-from normalgan.testing import check_discriminator
+from normalgan.testing import check
 
 
 @DISCRIMINATORS.register
@@ -28,4 +28,4 @@ class SmallDiscriminator(Discriminator):
 
 
 if __name__ == "__main__":
-    check_discriminator(SmallDiscriminator(8), size=32)
+    check(SmallDiscriminator(8), size=32)

@@ -4,7 +4,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.models import GENERATORS, INPUT_CHANNELS, Generator
-from normalgan.testing import check_generator
+from normalgan.testing import check
 
 
 @GENERATORS.register
@@ -30,4 +30,4 @@ class PlainGenerator(Generator):
 
 
 if __name__ == "__main__":
-    check_generator(PlainGenerator(8, 1), size=32)
+    check(PlainGenerator(8, 1), size=32)

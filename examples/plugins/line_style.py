@@ -7,7 +7,7 @@ import numpy as np
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.testing import check_line_drawing
+from normalgan.testing import check
 
 
 @LINE_DRAWINGS.register
@@ -33,4 +33,4 @@ class Box(LineDrawing):
 
 
 if __name__ == "__main__":
-    check_line_drawing(Box())
+    check(Box())

@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from normalgan.metrics import METRICS, MapMetric, angular_error
-from normalgan.testing import check_metric
+from normalgan.testing import check
 
 
 @METRICS.register
@@ -28,4 +28,4 @@ class WorstError(MapMetric):
 
 
 if __name__ == "__main__":
-    check_metric(WorstError())
+    check(WorstError())

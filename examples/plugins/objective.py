@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from normalgan.losses import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
-from normalgan.testing import check_objective
+from normalgan.testing import check
 
 
 @ADVERSARIAL_OBJECTIVES.register
@@ -25,4 +25,4 @@ class LeastSquares(AdversarialObjective):
 
 
 if __name__ == "__main__":
-    check_objective(LeastSquares())
+    check(LeastSquares())

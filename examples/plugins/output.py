@@ -8,7 +8,7 @@ import numpy as np
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs import OUTPUTS, Output
 from normalgan.normals import encode_grey
-from normalgan.testing import check_output
+from normalgan.testing import check
 
 
 @OUTPUTS.register
@@ -34,4 +34,4 @@ class Slope(Output):
 
 
 if __name__ == "__main__":
-    check_output(Slope())
+    check(Slope())

@@ -6,7 +6,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.losses import RECONSTRUCTIONS, Predictions, Reconstruction, Term
-from normalgan.testing import check_reconstruction
+from normalgan.testing import check
 
 
 @RECONSTRUCTIONS.register
@@ -35,4 +35,4 @@ class SquaredOnObject(Reconstruction):
 
 
 if __name__ == "__main__":
-    check_reconstruction(SquaredOnObject())
+    check(SquaredOnObject())

@@ -6,7 +6,7 @@ import numpy as np
 
 from normalgan.rendering import RENDERERS, Camera, EmbreeRenderer, Maps, Renderer
 from normalgan.rendering.mesh import Mesh
-from normalgan.testing import check_renderer
+from normalgan.testing import check
 
 
 @RENDERERS.register
@@ -30,4 +30,4 @@ class BumpyRenderer(Renderer):
 
 
 if __name__ == "__main__":
-    check_renderer(BumpyRenderer())
+    check(BumpyRenderer())

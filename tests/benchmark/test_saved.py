@@ -34,12 +34,12 @@ def a_batch(size: int) -> Batch:
 
 
 def figures_of(name: str, size: int) -> dict[str, Figure]:
-    return measure(saved_method(name, size, CPU), [a_batch(size)], HintTests([0, 5, 20]), CPU).figures
+    return measure(saved_method(name, size, CPU), [a_batch(size)], HintTests([0, 20]), CPU).figures
 
 
 def test_the_shipped_files_measure_the_same() -> None:
     by_weights, by_onnx = figures_of("shipped", 256), figures_of(str(SHIPPED.with_suffix(".onnx")), 256)
-    assert by_weights.keys() == by_onnx.keys() == {"0", "5", "20", "own"}
+    assert by_weights.keys() == by_onnx.keys() == {"0", "20", "own"}
     for given, figures in by_weights.items():
         others = dict(by_onnx[given])
         # They are read from bins: what lies at the edge of one may fall into the next.
@@ -62,7 +62,7 @@ def test_noise_sampler_and_weights_come_from_the_file(tmp_path: Path) -> None:
     path = tmp_path / "m.safetensors"
     path.write_bytes(Weights(notes, generator.state_dict()).to_bytes())
     model = NormalGAN(generator, None, sampler, Wasserstein(), noise_at_test=True)
-    wanted = measure(model_method(model), [a_batch(32)], HintTests([0, 5, 20]), CPU).figures
+    wanted = measure(model_method(model), [a_batch(32)], HintTests([0, 20]), CPU).figures
     assert figures_of(str(path), 32) == wanted
     assert wanted["own"]["hints"] == 4
 

@@ -45,8 +45,7 @@ def run(
     return found, seen.steps
 
 
-@pytest.mark.parametrize("stop", [BATCHES, BATCHES + 1, 2 * BATCHES - 1])
-@pytest.mark.parametrize("epochs", [-1, 9])
+@pytest.mark.parametrize(("stop", "epochs"), [(BATCHES, -1), (BATCHES + 1, 9), (2 * BATCHES - 1, -1)])
 def test_a_run_that_max_steps_stops_and_that_goes_on_is_an_unbroken_one(
     meshes: Path, cache: Path, tmp_path: Path, stop: int, epochs: int
 ) -> None:

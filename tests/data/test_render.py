@@ -15,8 +15,10 @@ import pytest
 from toys import BallRenderer, Counted, Octahedron, assert_same, contents, recipe, surroundings
 
 from normalgan.data.jobs import tasks
+from normalgan.data.jobs.pool import Killed
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.render import open_samples, render_samples
+from normalgan.data.store.layout import Layout
 from normalgan.data.store.manifest import dataset_key, fingerprints
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
@@ -245,11 +247,15 @@ def test_a_renderer_that_does_not_run_here_says_so_before_any_work(tmp_path: Pat
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_killed_worker_is_reported_and_finished_shards_are_kept(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"one of the 1 worker processes was killed, .* with fewer workers"):
-        render(tmp_path, workers=1, dies_at="c")
-    (folder,) = tmp_path.iterdir()
-    assert [path.name for path in sorted(folder.glob("done/*/*"))] == ["0.json", "1.json"]
+def test_a_mesh_that_kills_its_worker_is_left_out_and_the_others_are_rendered(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match="^the mesh b is left out: it kills the process that works on it"):
+        folder = render(tmp_path, workers=1, dies_at="b")
+    store = ShardedSamples(str(folder), "train", Layout(("a", "b"), 18, 16))
+    alone = recipe(dies_at="b").render(SOURCES["train"][0].load(), 17)
+    assert_same(store.read(17), alone)
+    assert not store.read(18).mask.any()
+    assert store.failures().keys() == {0, 1}
+    assert store.missing() == []
 
 
 def test_a_full_disk_in_a_worker_is_one_sentence(folder: Path, tmp_path: Path) -> None:
@@ -326,7 +332,9 @@ def test_versions_enter_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_workers_are_other_processes_with_one_thread_and_without_torch() -> None:
     outside = os.environ.get("OMP_NUM_THREADS")
     with Workers(1) as pool:
-        ((_, (threads, torch, pid)),) = pool.run(surroundings, [0])
+        ((_, outcome),) = pool.run(surroundings, [0])
+    assert not isinstance(outcome, Killed)
+    threads, torch, pid = outcome
     assert (threads, torch) == ("1", False)
     assert pid != os.getpid()
     assert os.environ.get("OMP_NUM_THREADS") == outside

@@ -14,12 +14,7 @@ from normalgan.data.augmentation import BatchAugmentation
 from normalgan.data.recipe import Loadable
 from normalgan.data.sources import Animals, DataSource, Pairs, SplitSettings
 from normalgan.metrics import MapMetric, angular_error
-from normalgan.testing import (
-    ConformanceError,
-    check_augmentation,
-    check_data_source,
-    check_metric,
-)
+from normalgan.testing import ConformanceError, check
 from pairs_on_disk import write_pairs
 
 
@@ -128,11 +123,11 @@ class Unseeded(Mirror):
 
 
 def test_what_does_its_part_passes(tmp_path: Path) -> None:
-    check_metric(Worst())
-    check_augmentation(Mirror())
-    check_augmentation(Mirror(always=False))
-    check_data_source(Animals(6))
-    check_data_source(Pairs(str(write_pairs(tmp_path, 6))))
+    check(Worst())
+    check(Mirror())
+    check(Mirror(always=False))
+    check(Animals(6))
+    check(Pairs(str(write_pairs(tmp_path, 6))))
 
 
 @pytest.mark.parametrize(
@@ -145,7 +140,7 @@ def test_what_does_its_part_passes(tmp_path: Path) -> None:
 )
 def test_metrics_that_do_otherwise(metric: MapMetric, sentence: str) -> None:
     with pytest.raises(ConformanceError, match=sentence):
-        check_metric(metric)
+        check(metric)
 
 
 @pytest.mark.parametrize(
@@ -159,7 +154,7 @@ def test_metrics_that_do_otherwise(metric: MapMetric, sentence: str) -> None:
 )
 def test_augmentations_that_do_otherwise(augmentation: BatchAugmentation, sentence: str) -> None:
     with pytest.raises(ConformanceError, match=sentence):
-        check_augmentation(augmentation)
+        check(augmentation)
 
 
 @dataclass(frozen=True)
@@ -198,6 +193,6 @@ class Texts(DataSource):
 
 def test_sources_that_do_otherwise() -> None:
     with pytest.raises(ConformanceError, match="Texts has t0, which loads as str; load must return a Mesh"):
-        check_data_source(Texts())
+        check(Texts())
     with pytest.raises(ConformanceError, match="has two things named t0"):
-        check_data_source(Texts(twice=True))
+        check(Texts(twice=True))

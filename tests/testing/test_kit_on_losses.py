@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.losses import AdversarialObjective, Critic, Predictions, Reconstruction, Scores, Term
-from normalgan.testing import ConformanceError, check_objective, check_reconstruction
+from normalgan.testing import ConformanceError, check
 
 
 class Plain(AdversarialObjective):
@@ -132,7 +132,7 @@ OBJECTIVE_FAULTS = [
 @pytest.mark.parametrize(("cls", "sentence"), OBJECTIVE_FAULTS, ids=[c.__name__ for c, _ in OBJECTIVE_FAULTS])
 def test_a_fault_of_an_objective_is_told(cls: type[AdversarialObjective], sentence: str) -> None:
     with pytest.raises(ConformanceError, match=f"^{sentence}"):
-        check_objective(cls())
+        check(cls())
 
 
 @dataclass(frozen=True)
@@ -227,9 +227,9 @@ RECONSTRUCTION_FAULTS = [
 )
 def test_a_fault_of_a_reconstruction_is_told(cls: type[Reconstruction], sentence: str) -> None:
     with pytest.raises(ConformanceError, match=f"^{sentence}"):
-        check_reconstruction(cls())
+        check(cls())
 
 
 def test_those_without_a_fault_pass() -> None:
-    check_objective(Plain())
-    check_reconstruction(Squares())
+    check(Plain())
+    check(Squares())

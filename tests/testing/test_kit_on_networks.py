@@ -6,7 +6,7 @@ from torch import Tensor, nn
 from torch.nn.utils.parametrizations import spectral_norm
 
 from normalgan.models import Discriminator, Generator, Predictions
-from normalgan.testing import ConformanceError, check_discriminator, check_generator
+from normalgan.testing import ConformanceError, check
 
 torch.set_num_threads(1)
 
@@ -187,7 +187,7 @@ GENERATOR_FAULTS = [
 @pytest.mark.parametrize(("cls", "sentence"), GENERATOR_FAULTS, ids=[c.__name__ for c, _ in GENERATOR_FAULTS])
 def test_a_fault_of_a_generator_is_told(cls: type[Generator], sentence: str) -> None:
     with pytest.raises(ConformanceError, match=f"^{sentence}"):
-        check_generator(cls())
+        check(cls())
 
 
 class Judge(Discriminator):
@@ -250,7 +250,7 @@ DISCRIMINATOR_FAULTS = [
 )
 def test_a_fault_of_a_discriminator_is_told(cls: type[Discriminator], sentence: str) -> None:
     with pytest.raises(ConformanceError, match=f"^{sentence}"):
-        check_discriminator(cls())
+        check(cls())
 
 
 class Spectral(Discriminator):
@@ -265,6 +265,6 @@ class Spectral(Discriminator):
 
 
 def test_those_without_a_fault_pass() -> None:
-    check_discriminator(Spectral())
-    check_generator(Predictor())
-    check_discriminator(Judge())
+    check(Spectral())
+    check(Predictor())
+    check(Judge())

@@ -10,7 +10,7 @@ from normalgan.rendering import Camera, EmbreeRenderer, Maps, Mesh, Renderer
 from normalgan.rendering.lines import LineDrawing, Silhouette
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.testing import ConformanceError, check_line_drawing, check_renderer
+from normalgan.testing import ConformanceError, check
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ RENDERER_FAULTS = [
 @pytest.mark.parametrize(("cls", "sentence"), RENDERER_FAULTS, ids=[c.__name__ for c, _ in RENDERER_FAULTS])
 def test_a_fault_of_a_renderer_is_told(cls: type[Renderer], sentence: str) -> None:
     with pytest.raises(ConformanceError, match=f"^{sentence}"):
-        check_renderer(cls())
+        check(cls())
 
 
 @dataclass(frozen=True)
@@ -291,9 +291,9 @@ LINE_FAULTS = [
 @pytest.mark.parametrize(("cls", "sentence"), LINE_FAULTS, ids=[c.__name__ for c, _ in LINE_FAULTS])
 def test_a_fault_of_a_line_style_is_told(cls: type[LineDrawing], sentence: str) -> None:
     with pytest.raises(ConformanceError, match=f"^{sentence}"):
-        check_line_drawing(cls())
+        check(cls())
 
 
 def test_those_without_a_fault_pass() -> None:
-    check_renderer(Turned())
-    check_line_drawing(Redrawn())
+    check(Turned())
+    check(Redrawn())

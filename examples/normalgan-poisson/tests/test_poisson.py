@@ -7,7 +7,7 @@ from normalgan_poisson.darts import throw_darts
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.testing import check_hint_sampler
+from normalgan.testing import check
 
 
 def sample(sampler: PoissonHints, mask: Tensor, seed: int = 0) -> Tensor:
@@ -95,4 +95,4 @@ def test_a_bad_setting_is_one_sentence(settings: dict[str, float], answer: str) 
 
 
 def test_the_whole_kit_in_one_call() -> None:
-    check_hint_sampler(PoissonHints(6))
+    check(PoissonHints(6))

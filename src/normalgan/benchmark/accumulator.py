@@ -12,7 +12,7 @@ from torchmetrics import MetricCollection
 
 from normalgan.metrics import MapMetric, angular_error, normal_map_metrics, without_hints
 from normalgan.metrics.calibration import Calibration, expected_angle
-from normalgan.metrics.presence import presence
+from normalgan.metrics.presence import Coverage, MaskIoU
 from normalgan.metrics.relief import depth_difference, total_variation
 
 __all__ = ["DEEP", "EDGES", "PICTURE", "RIM", "Accumulator", "Figure", "Sums", "mesh_of"]
@@ -33,12 +33,12 @@ Sums = dict[str, NDArray[np.float64]]
 class Accumulator:
     """Collects predictions batch by batch, and returns the figures.
 
-    Besides those of `normal_map_metrics`: ``nz_bias``, mean n_z predicted - true (above 0 is too flat);
-    ``gradient_ratio``, how much the predicted normals change from pixel to pixel in proportion to the true
-    ones (below 1 is too smooth); ``angular_rim`` and ``angular_deep``, mean errors in the outer 1/170 of the
-    picture along the contour and farther than 10/170 from it; ``nz_bias_rim``; ``mask_iou``, intersection
-    over union of where an object is predicted and where it is; ``calibration_error`` in degrees, if there is
-    a confidence. The rim has at least the outermost pixels, also where they are wider than that.
+    Besides those of `normal_map_metrics`, `MaskIoU` and `Coverage`: ``nz_bias``, mean n_z predicted - true
+    (above 0 is too flat); ``gradient_ratio``, how much the predicted normals change from pixel to pixel in
+    proportion to the true ones (below 1 is too smooth); ``angular_rim`` and ``angular_deep``, mean errors in
+    the outer 1/170 of the picture along the contour and farther than 10/170 from it; ``nz_bias_rim``;
+    ``calibration_error`` in degrees, if there is a confidence. The rim has at least the outermost pixels,
+    also where they are wider than that.
 
     Args:
         device: where maps are compared.
@@ -91,7 +91,7 @@ class Accumulator:
             self._calibration = self._calibration or Calibration()
             self._calibration.update(expected_angle(predicted[:, 3:4]), angle, counted)
         self.names += names
-        for name, sums in _view_sums(preds, target, mask, counted, angle, distance).items():
+        for name, sums in _view_sums(preds, target, counted, angle, distance).items():
             self._sums.setdefault(name, []).append(sums)
 
     def figures(self) -> Figure:
@@ -129,7 +129,7 @@ class Accumulator:
         return None if self._calibration is None else self._calibration.curve()
 
     def _metrics(self) -> MetricCollection:
-        return normal_map_metrics(more=self._more).to(self._device)
+        return normal_map_metrics(own=[MaskIoU(), Coverage()], more=self._more).to(self._device)
 
     def _joined(self) -> Sums:
         return {name: np.concatenate(parts) for name, parts in self._sums.items()}
@@ -145,8 +145,6 @@ class Accumulator:
             "angular_rim": _ratio(total["rim_angle"], total["rim_pixels"]),
             "angular_deep": _ratio(total["deep_angle"], total["deep_pixels"]),
             "gradient_ratio": _ratio(total["variation"], total["true_variation"]),
-            "coverage": _ratio(total["intersection"], total["object"]),
-            "mask_iou": _ratio(total["intersection"], total["union"]),
         }
         known = {name: float(value) for name, value in metrics.compute().items()}
         return {name: _plain(value) for name, value in sorted({**known, **figures}.items())}
@@ -161,29 +159,22 @@ def mesh_of(name: str) -> str:
     return name.rpartition("/")[0] or name
 
 
-def _view_sums(
-    preds: Tensor, target: Tensor, mask: Tensor, counted: Tensor, angle: Tensor, distance: Tensor
-) -> Sums:
+def _view_sums(preds: Tensor, target: Tensor, counted: Tensor, angle: Tensor, distance: Tensor) -> Sums:
     """Return sums over the pixels of each view, (N,), and over those of each bin of distance, (N, bins)."""
     inside, nz = counted > 0.5, depth_difference(preds, target)
-    predicted = presence(preds)
-    there = mask > 0.5
     of_all = {
         "pixels": inside.double(),
         "angle": torch.where(inside, angle, 0.0).double(),
         "nz": torch.where(inside, nz, 0.0).double(),
     }
-    unit = max(mask.shape[2:]) / PICTURE
-    near = distance.to(mask.device)
+    unit = max(preds.shape[2:]) / PICTURE
+    near = distance.to(preds.device)
     parts = {"rim": near <= max(RIM * unit, 0.5), "deep": near > DEEP * unit}
     sums = {name: values.sum((1, 2, 3)) for name, values in of_all.items()}
     for part, chosen in parts.items():
         sums |= {f"{part}_{name}": (values * chosen).sum((1, 2, 3)) for name, values in of_all.items()}
     sums["variation"] = total_variation(preds, counted)
     sums["true_variation"] = total_variation(target, counted)
-    sums["intersection"] = (predicted & there).sum((1, 2, 3))
-    sums["object"] = there.sum((1, 2, 3))
-    sums["union"] = (predicted | there).sum((1, 2, 3))
     plain = {name: values.double().cpu().numpy() for name, values in sums.items()}
     values = {name: summed.cpu().numpy() for name, summed in of_all.items()}
     for name_of_unit, length in (("pixels", 1.0), ("170ths", unit)):

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from lightning.pytorch import LightningDataModule
-from lightning.pytorch.trainer.states import TrainerStatus
+from lightning.pytorch.trainer.states import TrainerFn, TrainerStatus
 from torch import Tensor
 from torch.utils.data import DataLoader
 
@@ -41,6 +41,10 @@ from normalgan.rendering.variation import Variation
 from normalgan.seeds import derive_seed
 
 __all__ = ["MeshDataModule"]
+
+_PER_SHARD = 32
+_PAIRS_PER_SHARD = 8
+"""Whoever asks for a pair waits for its whole shard."""
 
 
 class MeshDataModule(LightningDataModule):
@@ -281,12 +285,25 @@ class MeshDataModule(LightningDataModule):
                 *(self.cache, self.kept, self.views_per_mesh, self.recipe, self.render_workers),
                 cluster=cluster,
                 thorough=thorough,
+                per_shard=_PAIRS_PER_SHARD if self.of_pairs else _PER_SHARD,
+                later=self._later(),
             )
         if self.on_the_fly:
             reasons = find_unusable(self.cache, self.sources["train"], self.render_workers)
             for name, reason in reasons.items():
                 warnings.warn(f"the {self.recipe.noun} {name} is left out: {reason}", stacklevel=2)
             leave_out(self.sources["train"], reasons, "train")
+
+    def _later(self) -> list[str]:
+        """Return the splits whose samples are made when they are first read.
+
+        Those of pairs are, while training, so that it begins at once; what is measured is complete before.
+        """
+        stage = self.trainer.state.fn if self.trainer is not None else None
+        measured = {TrainerFn.FITTING: "", TrainerFn.VALIDATING: "val", TrainerFn.TESTING: "test"}
+        if not self.of_pairs or stage not in measured:
+            return []
+        return [split for split in SPLITS if split != measured[stage]]
 
     def setup(self, stage: str) -> None:
         """Read the drawings, or note what is trained on: splits are opened when first asked for.
@@ -357,8 +374,14 @@ class MeshDataModule(LightningDataModule):
                 f"there is nothing in the split {split}, which is asked for; give it a share in "
                 "data.fractions, or names in data.split_file."
             )
-        stores = open_samples(self.cache, self.kept, self.views_per_mesh, self.recipe, self.nearby)
-        return SampleDataset(stores[split], self.memory)
+        # A training pair that cannot be used keeps its place, whenever that is found: a resumed run, which
+        # knows it from the start, has the same order.
+        later = {*self._later(), *(["train"] if self.of_pairs else [])}
+        stores = open_samples(
+            self.cache, self.kept, self.views_per_mesh, self.recipe, self.nearby, later=later
+        )
+        substitute = self.of_pairs and split == "train"
+        return SampleDataset(stores[split], self.memory, max(self.workers, 1), substitute)
 
     # --- from samples to batches ----------------------------------------------------------------------
 

@@ -19,21 +19,41 @@ __all__ = ["SampleDataset", "bytes_per_sample"]
 class SampleDataset(Dataset[Item]):
     """Samples of one split, from memory if they fit, otherwise from the store one by one.
 
-    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself.
+    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself. Where the
+    store makes samples as they are read, each process keeps what it has read of an unfinished split.
 
     Args:
         store: where they lie.
         memory: bytes that may be used to hold the split; a sample of 256 pixels a side takes 0.5 MB.
+        processes: that read an unfinished split side by side, and share the memory.
+        substitute: whether the next sample takes the place of one that could not be made. Such a sample
+            otherwise has an empty mask, which changes no metric.
 
     Raises:
-        InputError: if it is held in memory and a shard is not finished or damaged. If not, reading raises it.
+        InputError: if it is held in memory and a shard is damaged or, of a store that makes none, not
+            finished. If not, reading raises it.
     """
 
-    def __init__(self, store: ShardedSamples, memory: int = 2 * 1024**3) -> None:
+    def __init__(
+        self,
+        store: ShardedSamples,
+        memory: int = 2 * 1024**3,
+        processes: int = 1,
+        substitute: bool = False,
+    ) -> None:
         self.store = store
+        self.substitute = substitute
         self._held: dict[str, Tensor] | None = None
-        if len(store) * bytes_per_sample(store.layout.size, store.layout.hints) <= memory:
+        self._recent: dict[int, Item] = {}
+        self._room = 0
+        each = bytes_per_sample(store.layout.size, store.layout.hints)
+        if store.makes and store.missing():
+            self._room = memory // (each * processes)
+        elif len(store) * each <= memory:
             self._held = _read_all(store)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_recent": {}}  # not what it has read: a worker starts empty
 
     @property
     def distant(self) -> bool:
@@ -49,6 +69,22 @@ class SampleDataset(Dataset[Item]):
     def stored(self, index: int) -> Item:
         """Return a sample as it is stored."""
         index = range(len(self))[index]  # as a list: from the end if negative, IndexError if beyond
+        for step in range(len(self)):
+            place = (index + step) % len(self)
+            item = self._stored(place)
+            if not self.substitute or item["mask"].any() or not self.store.is_blank(place):
+                return item
+        raise SampleError(f"none of the {len(self)} samples of {self.store.split} can be used.")
+
+    def _stored(self, index: int) -> Item:
+        if index in self._recent:
+            return self._recent[index]
+        item = self._read(index)
+        if len(self._recent) < self._room:
+            self._recent[index] = item
+        return item
+
+    def _read(self, index: int) -> Item:
         if self._held is not None:
             arrays = {name: held[index] for name, held in self._held.items()}
         else:

@@ -1,14 +1,14 @@
 """Render a data set once, in parallel, on one machine or many; an interrupted rendering continues."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from normalgan.data.jobs.cluster import Cluster
 from normalgan.data.jobs.pool import Pool
 from normalgan.data.jobs.request import Sources, lay_out, locate
 from normalgan.data.jobs.shard_runner import render_shards
 from normalgan.data.jobs.survey import pending_shards
-from normalgan.data.jobs.tasks import ShardTask
+from normalgan.data.jobs.tasks import MakeShard, ShardTask, render_shard
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import SampleRecipe
 from normalgan.data.store.local_cache import LocalCache
@@ -30,6 +30,7 @@ def render_samples(
     cluster: str | None = None,
     thorough: bool = False,
     per_shard: int = 32,
+    later: Collection[str] = (),
 ) -> dict[str, ShardedSamples]:
     """Render missing and damaged samples, and return the samples of every split.
 
@@ -48,11 +49,13 @@ def render_samples(
             to try meshes once more that could not be rendered.
         per_shard: samples to a shard, if the data set is new: 32 suit reading in any order, more suit a store
             that counts objects.
+        later: splits whose samples are made when they are read, as `open_samples` says. Of these, shards are
+            made now until one holds a sample, so that a split without any is refused at once.
 
     Raises:
         InputError: if the request makes no sense, a split has no mesh that can be used, the renderer does
             not run here, the folder cannot be written to, the cluster cannot be reached or is of another
-            version, or a worker of this machine is killed. Finished shards are kept.
+            version, or workers die whatever they render. Finished shards are kept.
     """
     if per_shard < 1:
         raise InputError(f"a shard has 1 sample or more, not {per_shard}.")
@@ -62,6 +65,8 @@ def render_samples(
             f"{cache} cannot be seen by other processes; set workers to 0 or name another folder."
         )
     folder.sweep()
+    if set(views) <= set(later):  # processes would take longer to start than the few samples to make
+        workers = 0
     with Cluster(cluster) if cluster else Workers(workers) as pool:
         manifest = Manifest.read(folder)
         if manifest is None:
@@ -72,12 +77,17 @@ def render_samples(
         elif folder.local or thorough:
             manifest.describe(folder)  # mends what describes the arrays
         _warn(manifest.left_out, recipe.noun)
+        make = MakeShard(folder.address, recipe, meshes)
         tasks = [
-            ShardTask(folder.address, shard, recipe, {name: meshes[name] for name in shard.meshes})
-            for store in manifest.stores(folder).values()
+            make.task(shard)
+            for split, store in manifest.stores(folder).items()
+            if split not in later
             for shard in pending_shards(pool, store, thorough)
         ]
         _render_all(pool, tasks, progress)
+        for split in later:
+            if split in manifest.splits:
+                _make_one(manifest.stores(folder)[split], make)
     stores, reasons = manifest.finished(folder)
     _warn(reasons, recipe.noun)
     return stores
@@ -89,6 +99,7 @@ def open_samples(
     views_per_mesh: int | Mapping[str, int],
     recipe: SampleRecipe,
     local_cache: LocalCache | None = None,
+    later: Collection[str] = (),
 ) -> dict[str, ShardedSamples]:
     """Return the samples that `render_samples` has made for the same request; writes nothing.
 
@@ -99,15 +110,36 @@ def open_samples(
         recipe: how they were made.
         local_cache: where shards of a distant store are kept after their first use; a folder on this machine
             needs none, and gets none.
+        later: splits whose missing and damaged samples are made when they are read. A mesh or pair that fails
+            keeps its place there, so that the order of the others does not depend on when it was found.
 
     Raises:
         InputError: if some are missing.
     """
-    folder, _, _ = locate(cache, sources, views_per_mesh, recipe)
+    folder, _, meshes = locate(cache, sources, views_per_mesh, recipe)
     manifest = Manifest.read(folder)
-    if manifest is None or any(store.missing() for store in manifest.stores(folder).values()):
+    if manifest is None or any(
+        store.missing() for split, store in manifest.stores(folder).items() if split not in later
+    ):
         raise InputError(f"not all of these samples are in {folder.url}; render them first.")
-    return manifest.finished(folder, local_cache)[0]
+    make = MakeShard(folder.address, recipe, meshes)
+    lazy = {
+        split: ShardedSamples(folder.url, split, layout, (), local_cache, make)
+        for split, layout in manifest.splits.items()
+        if split in later
+    }
+    return manifest.finished(folder, local_cache)[0] | lazy
+
+
+def _make_one(store: ShardedSamples, make: MakeShard) -> None:
+    """Make shards of a split until one holds a sample."""
+    missing, failures = set(store.missing()), store.failures()
+    for number in range(store.layout.shards):
+        shard = store.layout.shard(store.split, number)
+        if number in missing:
+            failures[number] = render_shard(make.task(shard))
+        if set(failures.get(number, {})) < set(shard.meshes):
+            return
 
 
 def _warn(left_out: Mapping[str, str], noun: str) -> None:

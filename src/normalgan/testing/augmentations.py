@@ -9,24 +9,12 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.data.augmentation import BatchAugmentation
 from normalgan.hints import hints_at
-from normalgan.testing.conformance import Check, demand, device_list, global_randomness_untouched, hold
+from normalgan.testing.conformance import Check, demand, device_list, global_randomness_untouched
 from normalgan.testing.pictures import batch
 
-__all__ = ["augmentation_checks", "check_augmentation"]
+__all__ = ["augmentation_checks"]
 
 _SIZE = 64
-
-
-def check_augmentation(augmentation: BatchAugmentation) -> None:
-    """Run all checks on an augmentation.
-
-    Args:
-        augmentation: with the settings it is to be checked with.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(augmentation, augmentation_checks())
 
 
 def augmentation_checks() -> list[Check[BatchAugmentation]]:

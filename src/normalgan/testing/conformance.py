@@ -2,7 +2,7 @@
 
 import pickle
 import random
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -19,7 +19,6 @@ __all__ = [
     "demand",
     "device_list",
     "global_randomness_untouched",
-    "hold",
 ]
 
 T = TypeVar("T")
@@ -65,16 +64,6 @@ class Check(Generic[T]):
                 f"{class_name(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked "
                 f"for {self.name}; {self.contract}."
             ) from error
-
-
-def hold(plugin: T, checks: Iterable[Check[T]]) -> None:
-    """Run all checks on a plug-in.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise.
-    """
-    for check in checks:
-        check(plugin)
 
 
 def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:

@@ -8,22 +8,10 @@ from normalgan.data.recipe import Loadable
 from normalgan.data.sources import DataSource, Pair, PairSource, SplitSettings
 from normalgan.data.splits import SPLITS
 from normalgan.rendering import Mesh
-from normalgan.testing.conformance import Check, class_name, demand, hold
+from normalgan.testing.conformance import Check, class_name, demand
 from normalgan.testing.settings import frozen_check, settings_checks
 
-__all__ = ["check_data_source", "data_source_checks"]
-
-
-def check_data_source(source: DataSource) -> None:
-    """Run all checks on a data source; of each split the first thing is loaded.
-
-    Args:
-        source: with the settings it is to be checked with, and enough to fill three splits.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(source, data_source_checks())
+__all__ = ["data_source_checks"]
 
 
 def data_source_checks() -> list[Check[DataSource]]:

@@ -6,26 +6,13 @@ import torch
 from torch import Tensor
 
 from normalgan.models import Discriminator
-from normalgan.testing.conformance import Check, class_name, demand, hold
+from normalgan.testing.conformance import Check, class_name, demand
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["check_discriminator", "discriminator_checks"]
+__all__ = ["discriminator_checks"]
 
 _SCORES = "forward must take the condition and the normals and return a tuple of scores, one tensor a head"
-
-
-def check_discriminator(discriminator: Discriminator, size: int = 64) -> None:
-    """Run all checks on a discriminator. Its mode and torch's random state may change.
-
-    Args:
-        discriminator: with the settings it is to be checked with; small ones save time.
-        size: side in pixels of pictures that it takes.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(discriminator, discriminator_checks(size))
 
 
 def discriminator_checks(size: int = 64) -> list[Check[Discriminator]]:

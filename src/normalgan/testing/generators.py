@@ -7,27 +7,14 @@ from torch import Tensor
 
 from normalgan.models import Generator
 from normalgan.models.predictions import Predictions
-from normalgan.testing.conformance import Check, class_name, demand, hold
+from normalgan.testing.conformance import Check, class_name, demand
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["check_generator", "generator_checks"]
+__all__ = ["generator_checks"]
 
 _PAINTED = "forward must take (N, 4, H, W) and return (N, 3, H, W), or a fourth channel of confidence"
 _PREDICTED = "predict must return Predictions whose channels() are what forward returns, in float32"
-
-
-def check_generator(generator: Generator, size: int = 64) -> None:
-    """Run all checks on a generator. Its mode and the random state of torch may change.
-
-    Args:
-        generator: with the settings it is to be checked with; small ones save time.
-        size: side in pixels of pictures that it takes.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(generator, generator_checks(size))
 
 
 def generator_checks(size: int = 64) -> list[Check[Generator]]:

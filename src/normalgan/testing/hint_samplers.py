@@ -10,26 +10,13 @@ from normalgan.testing.conformance import (
     demand,
     device_list,
     global_randomness_untouched,
-    hold,
 )
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["check_hint_sampler", "hint_sampler_checks"]
+__all__ = ["hint_sampler_checks"]
 
 _WHERE = "sample must return (N, 1, H, W), 1 at a hinted pixel and 0 elsewhere"
-
-
-def check_hint_sampler(sampler: HintSampler) -> None:
-    """Run all checks on a hint sampler.
-
-    Args:
-        sampler: with the settings it is to be checked with.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(sampler, hint_sampler_checks())
 
 
 def hint_sampler_checks() -> list[Check[HintSampler]]:

@@ -11,27 +11,15 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke, rasterise
 from normalgan.rendering.view import View
-from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched, hold
+from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
 
-__all__ = ["check_line_drawing", "line_drawing_checks"]
+__all__ = ["line_drawing_checks"]
 
 _STROKES = "trace must return a list of Stroke in pixels of the sketch"
 _SIZE = 96
 _SLACK = 2.0  # pixels that a line may go beyond the frame: what lies outside is cut off
-
-
-def check_line_drawing(style: LineDrawing) -> None:
-    """Run all checks on a line style.
-
-    Args:
-        style: with the settings it is to be checked with.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(style, line_drawing_checks())
 
 
 def line_drawing_checks() -> list[Check[LineDrawing]]:

@@ -4,22 +4,10 @@ import torch
 from torch import Tensor
 
 from normalgan.metrics import MapMetric
-from normalgan.testing.conformance import Check, demand, device_list, hold
+from normalgan.testing.conformance import Check, demand, device_list
 from normalgan.testing.pictures import pictures
 
-__all__ = ["check_metric", "metric_checks"]
-
-
-def check_metric(metric: MapMetric) -> None:
-    """Run all checks on a metric.
-
-    Args:
-        metric: with the settings it is to be checked with; copies of it are used.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(metric, metric_checks())
+__all__ = ["metric_checks"]
 
 
 def metric_checks() -> list[Check[MapMetric]]:

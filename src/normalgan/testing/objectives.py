@@ -7,25 +7,13 @@ from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.losses import AdversarialObjective, Scores
-from normalgan.testing.conformance import Check, class_name, demand, hold
+from normalgan.testing.conformance import Check, class_name, demand
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["check_objective", "objective_checks"]
+__all__ = ["objective_checks"]
 
 _LOSSES = "both losses must be scalars made of scores, a tensor a head"
-
-
-def check_objective(objective: AdversarialObjective) -> None:
-    """Run all checks on an adversarial objective. The random state of torch may change.
-
-    Args:
-        objective: with the settings it is to be checked with.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(objective, objective_checks())
 
 
 def objective_checks() -> list[Check[AdversarialObjective]]:

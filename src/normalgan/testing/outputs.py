@@ -5,24 +5,12 @@ import numpy as np
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs import Output
-from normalgan.testing.conformance import Check, demand, hold
+from normalgan.testing.conformance import Check, demand
 from normalgan.testing.settings import frozen_check, settings_checks
 
-__all__ = ["check_output", "output_checks"]
+__all__ = ["output_checks"]
 
 _SIZE = 48
-
-
-def check_output(output: Output) -> None:
-    """Run all checks on an output.
-
-    Args:
-        output: with the settings it is to be checked with.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(output, output_checks())
 
 
 def output_checks() -> list[Check[Output]]:

@@ -6,27 +6,15 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.losses import Reconstruction, Term
 from normalgan.models.predictions import Predictions
-from normalgan.testing.conformance import Check, class_name, demand, hold
+from normalgan.testing.conformance import Check, class_name, demand
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["check_reconstruction", "reconstruction_checks"]
+__all__ = ["reconstruction_checks"]
 
 _TERMS = "terms must return the parts of the loss by name, each a Term of a scalar and a weight"
 _TAKEN = {"adversarial", "discriminator"}
 """What training logs itself."""
-
-
-def check_reconstruction(reconstruction: Reconstruction) -> None:
-    """Run all checks on a reconstruction loss.
-
-    Args:
-        reconstruction: with the settings it is to be checked with.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(reconstruction, reconstruction_checks())
 
 
 def reconstruction_checks() -> list[Check[Reconstruction]]:

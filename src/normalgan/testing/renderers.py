@@ -6,28 +6,16 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import Renderer
 from normalgan.rendering.views import Camera
-from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched, hold
+from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import RADII, away, bowl, camera, degrees, ellipsoid, exact_ellipsoid
 
-__all__ = ["check_renderer", "renderer_checks"]
+__all__ = ["renderer_checks"]
 
 _MAPS = "render must return Maps of size × size pixels"
 _SIZE = 96
 _VIEWS = (None, 40.0)
 """Fields of view: orthographic, and perspective."""
-
-
-def check_renderer(renderer: Renderer) -> None:
-    """Run all checks on a renderer.
-
-    Args:
-        renderer: with the settings it is to be checked with, on a machine that has what it needs.
-
-    Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
-    """
-    hold(renderer, renderer_checks())
 
 
 def renderer_checks() -> list[Check[Renderer]]:

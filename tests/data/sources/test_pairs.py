@@ -373,7 +373,11 @@ def make_flat(folder: Path) -> None:
 
 
 def break_file(folder: Path) -> None:
-    (folder / "a1_normal.png").write_bytes(b"\x89PNG nothing")
+    break_file_of(folder, "a1")
+
+
+def break_file_of(folder: Path, name: str) -> None:
+    (folder / f"{name}_normal.png").write_bytes(b"\x89PNG nothing")
 
 
 def erase_sketch(folder: Path) -> None:
@@ -412,9 +416,9 @@ def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
     splits = '{"train": ["a0", "a1"], "val": ["a2"], "test": ["a3"]}'
     (tmp_path / "split.json").write_text(splits)
     module = data(tmp_path, tmp_path / "cache", split_file=str(tmp_path / "split.json"), hints=True)
-    with pytest.warns(UserWarning, match=f"the pair a1 is left out: .*{sentence}"):
+    with pytest.warns(UserWarning, match=f"(the pair a1|1 file) is left out: .*{sentence}"):
         module.prepare_data()
-    assert [module.train_dataset[i]["name"] for i in range(len(module.train_dataset))] == ["a0/0"]
+    assert {module.train_dataset[i]["name"] for i in range(len(module.train_dataset))} == {"a0/0"}
     (tmp_path / "split.json").write_text(splits.replace('["a0", "a1"]', '["a1"]').replace('"a2"', '"a0"'))
     alone = data(tmp_path, tmp_path / "other", split_file=str(tmp_path / "split.json"), hints=True)
     with (
@@ -427,8 +431,8 @@ def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
 @pytest.mark.parametrize(
     ("spoil", "sentence"),
     [
-        (remove_normal, r"1 files are left out: .*a1\.png has no normal map\.$"),
-        (remove_sketch, r"1 files are left out: .*a1_normal\.png has no sketch\.$"),
+        (remove_normal, r"1 file is left out: .*a1\.png has no normal map\.$"),
+        (remove_sketch, r"1 file is left out: .*a1_normal\.png has no sketch\.$"),
     ],
 )
 def test_a_file_without_its_partner_is_left_out_in_one_list(
@@ -442,6 +446,21 @@ def test_a_file_without_its_partner_is_left_out_in_one_list(
         path.unlink()
     with pytest.raises(InputError, match=r"; a pair is .*A/a\.png with B/a\.png"):
         Pairs(str(tmp_path)).found()
+
+
+def test_all_that_headers_and_names_tell_is_in_one_list_and_moves_no_other_pair(tmp_path: Path) -> None:
+    write_pairs(tmp_path, 8)
+    rows = [f"a{i}.png,a{i}_normal.png" for i in range(8)]
+    (tmp_path / "pairs.csv").write_text("\n".join(["sketch,normal", *rows]))
+    whole = names(data(tmp_path / "pairs.csv", tmp_path / "cache"))
+    spoilt = next(name for name in whole["train"] if name != "a0")
+    break_file_of(tmp_path, spoilt)
+    rows.append("gone.png,a0_normal.png")
+    (tmp_path / "pairs.csv").write_text("\n".join(["sketch,normal", *rows]))
+    listed = rf"2 files are left out: line 10 of .*names gone\.png as sketch.*; .*{spoilt}_normal\.png cannot"
+    with pytest.warns(UserWarning, match=listed):
+        found = names(data(tmp_path / "pairs.csv", tmp_path / "cache"))
+    assert found == {split: [name for name in part if name != spoilt] for split, part in whole.items()}
 
 
 @pytest.mark.parametrize("layout", ["AB", "bare", "A and B"])

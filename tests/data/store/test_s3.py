@@ -67,7 +67,6 @@ def test_the_store_holds_the_same_bytes_and_is_read_from_every_process(bucket: s
         batches = list(loader)
         assert [name for batch in batches for name in batch["name"]] == [near.name(i) for i in some]
         assert (batches[1]["normal"][2] == whole[35]["normal"]).all()
-    assert (SampleDataset(far)[20]["sketch"] == whole[20]["sketch"]).all()
 
 
 @pytest.mark.slow
@@ -208,11 +207,12 @@ def test_the_limits_are_the_users_to_change(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_cache_nearby_saves_the_way(bucket: str, tmp_path: Path) -> None:
     render(bucket)
     direct = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
+    wanted = SampleDataset(direct, memory=0)[20]
     for memory, objects in ((0, 3), (2**31, 6)):  # those of the shards that were asked for
         folder = tmp_path / str(memory)
         cache = LocalCache(str(folder), 16 * 200_000)
         store = open_samples(bucket, SOURCES, VIEWS, recipe(), cache)["train"]
-        assert (SampleDataset(store, memory)[20]["normal"] == SampleDataset(direct)[20]["normal"]).all()
+        assert (SampleDataset(store, memory)[20]["normal"] == wanted["normal"]).all()
         kept = [path for path in folder.rglob("*") if path.is_file() and path.stat().st_size]
         assert len(kept) == objects
     for path in kept:

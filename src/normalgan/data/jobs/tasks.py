@@ -2,7 +2,8 @@
 
 import socket
 import traceback
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from normalgan.rendering.samples import Sample
 __all__ = [
     "ChangedMeshError",
     "CheckTask",
+    "MakeShard",
     "MeshTask",
     "ShardTask",
     "check_recipe",
@@ -69,6 +71,31 @@ class ShardTask:
     def meshes(self) -> tuple[str, ...]:
         """The names of the meshes that are tried."""
         return tuple(mesh for mesh in self.shard.meshes if mesh not in self.failed)
+
+
+@dataclass(frozen=True)
+class MakeShard:
+    """Make shards in the process that reads them; a warning names each mesh or pair that fails.
+
+    Args:
+        url: the folder of the data set.
+        recipe: how samples are made.
+        sources: all meshes or pairs by name.
+    """
+
+    url: str
+    recipe: SampleRecipe
+    sources: Mapping[str, MeshTask]
+
+    def __call__(self, shard: Shard) -> None:
+        """Make a shard. Raises as `render_shard` does."""
+        for name, why in render_shard(self.task(shard)).items():
+            warnings.warn(f"the {self.recipe.noun} {name} is left out: {why}", stacklevel=2)
+
+    def task(self, shard: Shard) -> ShardTask:
+        """Return what is to be done for a shard."""
+        needed = {name: self.sources[name] for name in shard.meshes}
+        return ShardTask(self.url, shard, self.recipe, needed)
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,10 @@ import multiprocessing
 import os
 import signal
 import threading
+from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor
+from concurrent.futures import wait as wait_for
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import wait
@@ -13,14 +15,15 @@ from types import TracebackType
 from typing import Self, TypeVar
 
 from normalgan.data.jobs.main_guard import check_main_guard
-from normalgan.data.jobs.pool import unrelated
-from normalgan.errors import InputError, RunError
+from normalgan.data.jobs.pool import Killed, unrelated
+from normalgan.errors import InputError
 
 __all__ = ["Workers", "one_thread_each"]
 
 T = TypeVar("T")
 R = TypeVar("R")
 
+_AHEAD = 2  # tasks a worker has before it or at hand: none waits for the next, and few fall with it
 # One thread each: as many workers as cores would otherwise start cores² threads. 0 for llvmpipe, which
 # counts the threads it starts besides its caller's.
 _ONE_THREAD = {
@@ -51,7 +54,7 @@ class Workers:
                 f"{count} workers are asked for; it must be 0 (none besides this process) or more."
             )
         self.count = count
-        self._pool: ProcessPoolExecutor | None = None
+        self._pool: ProcessPoolExecutor | None = None  # it is used up when one of its processes dies
 
     def __enter__(self) -> Self:
         return self
@@ -67,36 +70,51 @@ class Workers:
         function: Callable[[T], R],
         tasks: Iterable[T],
         related: Callable[[T], Collection[str]] = unrelated,
-    ) -> Iterator[tuple[T, R]]:
-        """Yield every task with its result when it is finished, in any order.
+    ) -> Iterator[tuple[T, R | Killed]]:
+        """Yield every task with its result when it is finished; see `Pool`.
 
-        Args:
-            function: of a module, so that a worker can import it.
-            tasks: what it is called with.
-            related: unused; see `Pool`. When a worker dies, all tasks end.
-
-        Raises:
-            RunError: if a worker dies; finished tasks have been yielded or written by then.
+        When a worker dies, the tasks at hand end as killed, and new processes do the others.
         """
-        tasks = list(tasks)
         if not self.count:
             for task in tasks:
                 yield task, function(task)
             return
+        todo, suspicious = deque(tasks), set[str]()
+        under_way: dict[Future[R], tuple[T, ProcessPoolExecutor]] = {}
+        while todo or under_way:
+            while todo and len(under_way) < _AHEAD * self.count:
+                task = todo.popleft()
+                if not suspicious.isdisjoint(related(task)):
+                    yield task, Killed()
+                    continue
+                future, pool = self._submit(function, task)
+                under_way[future] = task, pool
+            for future in wait_for(under_way, return_when=FIRST_COMPLETED).done:
+                task, pool = under_way.pop(future)
+                try:
+                    outcome: R | Killed = future.result()
+                except BrokenProcessPool:
+                    outcome = Killed()
+                    suspicious.update(related(task))
+                    self._discard(pool)
+                yield task, outcome
+
+    def _submit(self, function: Callable[[T], R], task: T) -> tuple[Future[R], ProcessPoolExecutor]:
         with one_thread_each():
-            if self._pool is None:
-                check_main_guard()
-                context = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_prepare)
-            futures = {self._pool.submit(function, task): task for task in tasks}
-        try:
-            for future in as_completed(futures):
-                yield futures[future], future.result()
-        except BrokenProcessPool as error:
-            raise RunError(
-                f"one of the {self.count} worker processes was killed, most likely for want of memory; "
-                "what is finished is kept: run again, with fewer workers."
-            ) from error
+            while True:
+                if self._pool is None:
+                    check_main_guard()
+                    context = multiprocessing.get_context("spawn")
+                    self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_prepare)
+                try:
+                    return self._pool.submit(function, task), self._pool
+                except BrokenProcessPool:  # a process died a moment ago
+                    self._discard(self._pool)
+
+    def _discard(self, pool: ProcessPoolExecutor) -> None:
+        pool.shutdown(wait=True, cancel_futures=True)
+        if self._pool is pool:
+            self._pool = None
 
 
 @contextmanager

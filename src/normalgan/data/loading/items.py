@@ -1,17 +1,16 @@
 """Items: one sample as tensors, and how several make a batch."""
 
 from collections.abc import Sequence
-from typing import Any, NotRequired, Protocol, TypedDict, runtime_checkable
+from typing import NotRequired, TypedDict
 
 import torch
 from torch import Tensor
-from torch.utils.data import Dataset
 
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics.functional import unit_vectors_within
 
-__all__ = ["AsStored", "Item", "SampleError", "StoredSamples", "collate", "decode", "decode_item", "to_item"]
+__all__ = ["Item", "SampleError", "collate", "decode", "decode_item", "to_item"]
 
 
 class SampleError(InputError):
@@ -89,36 +88,6 @@ def decode_item(item: Item) -> Item:
     if "hints" in batch:
         decoded["hints"] = batch["hints"][0]
     return decoded
-
-
-class AsStored(Dataset[Item]):
-    """The samples of a dataset as stored, for decoding on the device.
-
-    Args:
-        samples: whose ``stored`` gives them.
-    """
-
-    def __init__(self, samples: "StoredSamples") -> None:
-        self.samples = samples
-
-    def __len__(self) -> int:
-        return len(self.samples)
-
-    def __getitem__(self, index: Any) -> Item:
-        return self.samples.stored(index)
-
-
-@runtime_checkable
-class StoredSamples(Protocol):
-    """A dataset that can give its samples as they are stored."""
-
-    def __len__(self) -> int:
-        """Return how many there are."""
-        ...
-
-    def stored(self, index: Any) -> Item:
-        """Return one of them."""
-        ...
 
 
 def collate(items: Sequence[Item]) -> Batch:

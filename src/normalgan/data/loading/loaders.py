@@ -11,13 +11,30 @@ from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.jobs.main_guard import check_main_guard
 from normalgan.data.jobs.workers import one_thread_each
-from normalgan.data.loading.items import AsStored, Item, StoredSamples, collate
+from normalgan.data.loading.items import Item, collate
 from normalgan.data.loading.shard_order import ShardOrder
 from normalgan.data.loading.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
 
-__all__ = ["DeferredLoader", "EqualShare", "Loaders", "Samples"]
+__all__ = ["AsStored", "DeferredLoader", "EqualShare", "Loaders", "Samples"]
 
 Samples = SampleDataset | StreamDataset
+
+
+class AsStored(Dataset[Item]):
+    """The samples of a dataset as stored, for decoding on the device.
+
+    Args:
+        samples: whose ``stored`` gives them.
+    """
+
+    def __init__(self, samples: Samples) -> None:
+        self.samples = samples
+
+    def __len__(self) -> int:
+        return len(self.samples)
+
+    def __getitem__(self, index: Any) -> Item:
+        return self.samples.stored(index)
 
 
 class DeferredLoader(DataLoader[Item]):
@@ -92,31 +109,31 @@ class Loaders:
             # does not have.
             sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
         whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
-        return self._loader(dataset, sampler, drop_last=whole)
+        return self._loader(self._given(dataset), sampler, isinstance(dataset, StreamDataset), whole)
 
     def in_order(self, dataset: SampleDataset) -> DataLoader[Item]:
         """Return a loader of this process's share, in order, for measuring."""
         if self.replicas == 1:
-            return self._loader(dataset)
+            return self._loader(self._given(dataset))
         share = EqualShare(self._given(dataset), self.replicas, self.rank)
         return self._loader(share, share.in_order())
 
     def chosen(self, dataset: Samples, indices: Sequence[int]) -> DataLoader[Item]:
         """Return a loader of some samples, the same ones for every process."""
-        return self._loader(dataset, indices)
+        return self._loader(self._given(dataset), indices, isinstance(dataset, StreamDataset))
 
-    def _given(self, dataset: Dataset[Item]) -> Dataset[Item]:
-        return AsStored(dataset) if self.as_stored and isinstance(dataset, StoredSamples) else dataset
+    def _given(self, dataset: Samples) -> Dataset[Item]:
+        return AsStored(dataset) if self.as_stored else dataset
 
     def _loader(
         self,
         dataset: Dataset[Item],
         sampler: Sampler[Any] | Sequence[int] | None = None,
+        renders: bool = False,
         drop_last: bool = False,
     ) -> DataLoader[Item]:
-        renders = isinstance(dataset, StreamDataset)
         return DeferredLoader(
-            self._given(dataset),
+            dataset,
             batch_size=self.batch_size,
             sampler=sampler,
             num_workers=self.workers,

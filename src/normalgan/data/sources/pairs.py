@@ -15,6 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from normalgan.data.sources.base import DATA_SOURCES, PairSource, SplitSettings
 from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
@@ -44,6 +45,9 @@ _ZERO = 0.05
 """A vector shorter than this is none, in 8 bits too, and says that there is no object."""
 _SHOWN = 20
 """As many of what was left out are listed in a warning."""
+_HEADERS = ("PNG", "JPEG", "BMP", "TIFF", "GIF")
+"""Formats whose headers Pillow reads in Python alone; others are opened by the decoding process alone."""
+_WITH_HEADER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif"}
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
 _RIGHT = (
     "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "
@@ -144,11 +148,30 @@ class Pairs(PairSource):
         """Return the pairs of each split: as a CSV says, or dealt out by file or by group.
 
         Raises:
-            InputError: if a file is missing, a list cannot be used, or the split cannot.
+            InputError: if a list cannot be used, the split cannot, or no pair of a split can.
         """
-        pairs = self.found()
+        left_out: list[str] = []
+        pairs = self._find(left_out)
+        parts = self._parts(pairs, settings)
+        # After the split: a file that is damaged moves no other pair to another side.
+        flaws = _flaws([pair for pair in pairs if pair.name in parts])
+        split: dict[str, list[PairFiles]] = {part: [] for part in SPLITS}
+        for pair in pairs:
+            if pair.name in parts and pair.name not in flaws:
+                split[parts[pair.name]].append(pair)
+        for part, usable in split.items():
+            named = [name for name, of in parts.items() if of == part]
+            if named and not usable:
+                raise InputError(
+                    f"none of the {len(named)} pairs for {part} can be used; the first: {flaws[named[0]]}."
+                )
+        _warn(left_out + list(flaws.values()))
+        return split
+
+    def _parts(self, pairs: Sequence[PairFiles], settings: SplitSettings) -> dict[str, str]:
+        """Return the split of each pair by name; a pair that a split file does not name has none."""
         if pairs[0].part is not None:
-            return {part: [pair for pair in pairs if pair.part == part] for part in SPLITS}
+            return {pair.name: pair.part for pair in pairs if pair.part is not None}
         grouped = any(pair.group != pair.name for pair in pairs)
         groups = list(dict.fromkeys(pair.group for pair in pairs))
         part_of = {
@@ -156,23 +179,25 @@ class Pairs(PairSource):
             for part, with_subject in settings.deal(groups, "group" if grouped else "pair").items()
             for group in with_subject
         }
-        return {part: [pair for pair in pairs if part_of.get(pair.group) == part] for part in SPLITS}
+        return {pair.name: part_of[pair.group] for pair in pairs if pair.group in part_of}
 
     def found(self) -> list[PairFiles]:
-        """Return all pairs, in order of their names.
+        """Return all pairs, in order of their names; a warning lists what has no partner.
 
         Raises:
-            InputError: if there are none, a file is missing, or two have one name.
+            InputError: if there are none, or two have one name.
         """
-        entries = [self.files] if isinstance(self.files, str) else self.files
         left_out: list[str] = []
+        pairs = self._find(left_out)
+        _warn(left_out)
+        return pairs
+
+    def _find(self, left_out: list[str]) -> list[PairFiles]:
+        """Return all pairs in order of their names; note what has no partner. Raises as `found` does."""
+        entries = [self.files] if isinstance(self.files, str) else self.files
         pairs = [self._with_settings(pair) for entry in entries for pair in _found_at(entry, left_out)]
         if left_out and not pairs:
             raise InputError(f"{left_out[0]}; {_RIGHT}.")
-        if left_out:
-            more = [f"and {len(left_out) - _SHOWN} more"] if len(left_out) > _SHOWN else []
-            listed = "; ".join([*left_out[:_SHOWN], *more])
-            warnings.warn(f"{len(left_out)} files are left out: {listed}.", stacklevel=2)
         if not pairs:
             raise InputError("Pairs was given no files; name a folder, a glob of sketches, or a CSV.")
         twice = [name for name, count in Counter(pair.name for pair in pairs).items() if count > 1]
@@ -200,6 +225,47 @@ class Pairs(PairSource):
         return replace(pair, green=self.green, group=group, hints=pair.hints if self.hints else None)
 
 
+def _warn(left_out: Sequence[str]) -> None:
+    """Warn of all that is left out, in one list."""
+    if left_out:
+        more = [f"and {len(left_out) - _SHOWN} more"] if len(left_out) > _SHOWN else []
+        listed = "; ".join([*left_out[:_SHOWN], *more])
+        files = "1 file is" if len(left_out) == 1 else f"{len(left_out)} files are"
+        warnings.warn(f"{files} left out: {listed}.", stacklevel=3)
+
+
+def _flaws(pairs: Sequence[PairFiles]) -> dict[str, str]:
+    """Return why pairs cannot be used whose headers look wrong, by name.
+
+    Ten thousand headers are read in a second. Only a pair whose headers look wrong is decoded, which tells
+    the reason; what only pixels tell is found when a pair is first asked for.
+    """
+    found = {}
+    for pair in pairs:
+        if not _headers_agree(pair):
+            try:
+                pair.load()
+            except InputError as error:
+                found[pair.name] = str(error).removesuffix(".")
+    return found
+
+
+def _headers_agree(pair: PairFiles) -> bool:
+    """Return whether the sketch, the normal map and the mask seem to be pictures of one size."""
+    paths = [path for path in (pair.sketch, pair.normal, pair.mask) if path is not None]
+    sizes = {_size(path) for path in paths if path.suffix.lower() in _WITH_HEADER}
+    return len(sizes) <= 1 and None not in sizes
+
+
+def _size(path: Path) -> tuple[int, ...] | None:
+    """Return the shorter and the longer side that a picture's header tells; None if it cannot be read."""
+    try:
+        with warnings.catch_warnings(action="ignore"), Image.open(path, formats=_HEADERS) as picture:
+            return tuple(sorted(picture.size))  # it may be turned when it is read
+    except Exception:  # whatever a damaged file brings about
+        return None
+
+
 def _as_texts(files: object) -> str | list[str]:
     """Return paths, of which Python may give those of pathlib, as a configuration names them."""
     if isinstance(files, str | PurePath):
@@ -218,7 +284,7 @@ def _found_at(entry: str, left_out: list[str]) -> Iterator[PairFiles]:
         yield from known
         return
     if path.suffix.lower() == ".csv":
-        yield from _listed(path)
+        yield from _listed(path, left_out)
         return
     if path.is_dir():
         inner = _subfolder(path, "sketch")
@@ -329,8 +395,8 @@ def _is_partner(path: Path) -> bool:
     return path.stem.endswith(_PARTNERS) or path.parent.name.lower() in others
 
 
-def _listed(path: Path) -> Iterator[PairFiles]:
-    """Yield the pairs in a CSV, whose paths start from its folder."""
+def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
+    """Yield the pairs in a CSV, whose paths start from its folder; note those that lack a file."""
     right = f"its first line names columns, {', '.join(COLUMNS[:2])} and perhaps {', '.join(COLUMNS[2:])}"
     try:
         text = _bytes(path).decode("utf-8-sig")
@@ -355,26 +421,22 @@ def _listed(path: Path) -> Iterator[PairFiles]:
         where = f"line {line} of {path}"
         if None in row or None in row.values():
             raise InputError(f"{where} does not have as many values as there are columns, {len(columns)}.")
-        files = {kind: _named_file(row.get(kind, ""), kind, path, where) for kind in _FOLDERS}
+        files = {kind: path.parent / row[kind] if row.get(kind) else None for kind in _FOLDERS}
         part = row.get("split") or None
         if part is not None and part not in SPLITS:
             raise InputError(f"{where} has the split {part!r}; it is {', '.join(SPLITS)}, or empty.")
         sketch, normal = files["sketch"], files["normal"]
         if sketch is None or normal is None:
             raise InputError(f"{where} names no {'sketch' if sketch is None else 'normal'}; a pair has both.")
+        missing = [kind for kind, file in files.items() if file is not None and not file.is_file()]
+        if missing:
+            kind = missing[0]
+            left_out.append(f"{where} names {row[kind]} as {kind}, and there is no file {files[kind]}")
+            continue
         name = row.get("name") or _name(Path(row["sketch"]), Path())
         yield PairFiles(
             name, sketch, normal, files["mask"], files["hints"], group=row.get("group", ""), part=part
         )
-
-
-def _named_file(given: str, kind: str, table: Path, where: str) -> Path | None:
-    if not given:
-        return None
-    path = table.parent / given
-    if not path.is_file():
-        raise InputError(f"{where} names {given} as {kind}, and there is no file {path}.")
-    return path
 
 
 def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> NDArray[np.bool_]:

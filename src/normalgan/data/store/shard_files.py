@@ -14,6 +14,7 @@ __all__ = [
     "ZARR",
     "damaged",
     "paths",
+    "read_failure",
     "read_failures",
     "read_sums",
     "same_bytes",
@@ -70,6 +71,12 @@ def read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | No
     numbers = sorted(int(name[:-5]) for name in storage.names(folder) if re.fullmatch(r"\d{1,9}\.json", name))
     notes = {number: storage.read(f"{folder}/{number}.json") for number in numbers}
     return {number: _reasons(note) for number, note in notes.items() if note is not None}
+
+
+def read_failure(storage: Storage, split: str, number: int) -> dict[str, str] | None:
+    """Return why meshes of one shard could not be rendered, by name; None if all could."""
+    note = storage.read(f"{FAILED}/{split}/{number}.json")
+    return None if note is None else _reasons(note)
 
 
 def _reasons(note: bytes) -> dict[str, str] | None:

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -11,10 +11,18 @@ import zarr
 from numpy.typing import NDArray
 
 from normalgan.data.store import shard_files
-from normalgan.data.store.layout import Layout, array_names, metadata
+from normalgan.data.store.layout import Layout, Shard, array_names, metadata
 from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.objects import ObjectStore
-from normalgan.data.store.shard_files import ZARR, paths, read_failures, read_sums, same_sizes, write_shard
+from normalgan.data.store.shard_files import (
+    ZARR,
+    paths,
+    read_failure,
+    read_failures,
+    read_sums,
+    same_sizes,
+    write_shard,
+)
 from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
@@ -38,6 +46,7 @@ class ShardedSamples:
         layout: what lies where.
         left_out: names of meshes whose samples are passed over.
         cache: where objects of a distant store are kept; not asked for a folder on this machine.
+        make: writes a shard that turns out to be unfinished or damaged when it is read; None raises instead.
     """
 
     def __init__(
@@ -47,10 +56,12 @@ class ShardedSamples:
         layout: Layout,
         left_out: Collection[str] = (),
         cache: LocalCache | None = None,
+        make: Callable[[Shard], None] | None = None,
     ) -> None:
         self.url, self.split, self.layout = url, split, layout
         self.left_out = frozenset(left_out)
         self._cache = cache
+        self._make = make
         self._storage = Storage(url)
         self._opened: tuple[int, ObjectStore, dict[str, Any]] | None = None
         self._trusted: set[int] = set()
@@ -65,6 +76,11 @@ class ShardedSamples:
     def local(self) -> bool:
         """Whether the folder is on a disk of this machine."""
         return self._storage.local
+
+    @property
+    def makes(self) -> bool:
+        """Whether a shard that is missing is made when it is read."""
+        return self._make is not None
 
     @cached_property
     def _served(self) -> NDArray[np.int64]:
@@ -146,21 +162,36 @@ class ShardedSamples:
 
         Raises:
             IndexError: if there are fewer.
-            InputError: if its shard is not finished or damaged.
+            InputError: if its shard is not finished or damaged, and cannot be made now.
         """
         if not 0 <= index < len(self):
             raise IndexError(f"sample {index} of {len(self)}")
         place = self._place(index)
-        return Sample(**self._select(place // self.layout.per_shard, place))
+        return Sample(**self._select_or_make(place // self.layout.per_shard, place))
+
+    def is_blank(self, index: int) -> bool:
+        """Whether a sample that was read is a placeholder, as its mesh could not be rendered."""
+        place = self._place(index)
+        failed = read_failure(self._storage, self.split, place // self.layout.per_shard)
+        return self.layout.mesh_and_view(place)[0] in (failed or {})
 
     def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
         """Return a shard's samples, `indices`, stacked, by name of the array; raises as `read` does."""
         places = self.layout.indices(shard)
-        stacked = self._select(shard, slice(places.start, places.stop))
+        stacked = self._select_or_make(shard, slice(places.start, places.stop))
         if not self.left_out:
             return stacked
         keep = [self.layout.mesh_and_view(place)[0] not in self.left_out for place in places]
         return {name: array[keep] for name, array in stacked.items()}
+
+    def _select_or_make(self, shard: int, selection: int | slice) -> dict[str, NDArray[Any]]:
+        try:
+            return self._select(shard, selection)
+        except InputError:
+            if self._make is None:
+                raise
+        self._make(self.layout.shard(self.split, shard))
+        return self._select(shard, selection)
 
     def _select(self, shard: int, selection: int | slice) -> dict[str, NDArray[Any]]:
         try:
