@@ -540,11 +540,9 @@ def _layered(content: bytes, least: int, most: int) -> Any:
     if not content.startswith((b"8BPS", b"PK\x03\x04")) and content[4:6] != b"\xe0\xa5":
         return None
     with _unreadable_refused():
-        layered = _layered_files().open_layered(content)
-    if layered is not None:
-        width, height = layered.size
-        _check_sides(width, height, least, most)
-    return layered
+        return _layered_files().open_layered(
+            content, lambda width, height: _check_sides(width, height, least, most)
+        )
 
 
 def _layered_frames(layered: Any) -> Iterator[Message]:

@@ -4,6 +4,8 @@ The package imports nothing of `normalgan`, as the program that it is a part of 
 Its imports are relative because that program knows it by another name, `layered_files`.
 """
 
+from collections.abc import Callable
+
 from .aseprite import AsepriteFile
 from .base import Layer, LayeredFile, Notes, UnreadableError
 from .krita import KritaFile
@@ -89,19 +91,23 @@ def foreign(content: bytes) -> str | None:
     return None if found is None else f"is {found[0]}, which cannot be read; {found[1]}"
 
 
-def open_layered(content: bytes) -> LayeredFile | None:
+def open_layered(content: bytes, check_size: Callable[[int, int], None]) -> LayeredFile | None:
     """Return a layered file, of which no picture is decoded yet; None of any other file.
+
+    Args:
+        content: of the file.
+        check_size: as `LayeredFile` has it.
 
     Raises:
         UnreadableError: if it is broken, of an unknown version, or of a program whose files cannot be read.
     """
     match kind_of(content):
         case "psd":
-            return PsdFile(content)
+            return PsdFile(content, check_size)
         case "aseprite":
-            return AsepriteFile(content)
+            return AsepriteFile(content, check_size)
         case "zip":
-            return _zip_format(content)(content)
+            return _zip_format(content)(content, check_size)
     return None
 
 

@@ -2,7 +2,7 @@
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -72,8 +72,8 @@ class _LayerChunk:
 class AsepriteFile(LayeredFile):
     """An Aseprite file, still or animated."""
 
-    def __init__(self, content: bytes) -> None:
-        super().__init__(content)
+    def __init__(self, content: bytes, check_size: Callable[[int, int], None]) -> None:
+        super().__init__(content, check_size)
         self._broken, self._drawn = "", False
         frames, self._depth, self._flags, self._clear, colours = struct.unpack(
             "<6xH4xHI10xB3xH", content[:34]

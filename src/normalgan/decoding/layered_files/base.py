@@ -1,7 +1,7 @@
 """LayeredFile: the base of all formats of layered files, with the layers and the notes that they yield."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -74,17 +74,19 @@ class LayeredFile(ABC):
 
     Args:
         content: of the file.
+        check_size: called with width and height before anything else is read; it may refuse the file.
 
     Raises:
         UnreadableError: if it is broken, or of an unknown version.
     """
 
-    def __init__(self, content: bytes) -> None:
+    def __init__(self, content: bytes, check_size: Callable[[int, int], None]) -> None:
         self.content = content
         self.notes = Notes()
         """What is not shown as the file's program shows it, of what has been read so far."""
         self.size = self._read_size()
         """(width, height) in pixels."""
+        check_size(*self.size)
         self.durations = [0]
         """How many milliseconds each frame is shown; one of 0 if the file does not move."""
 
