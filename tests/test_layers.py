@@ -48,6 +48,8 @@ HEAVY = {
     "inference/network/torch_backend.py",
 }
 """The exceptions, which no light module imports until it needs them."""
+RELATIVE = "decoding/layered_files"
+"""The one package with relative imports: the program that decodes knows it by another name."""
 TRAINING = {"torch", "lightning", "torchmetrics", "kornia"}
 """The libraries that take seconds to import."""
 
@@ -64,6 +66,14 @@ def room(path: Path) -> str:
     return path.relative_to(SOURCE).parts[0].removesuffix(".py")
 
 
+def origin(node: ast.ImportFrom, path: Path) -> str:
+    """Return the module that an import takes names from."""
+    if node.level == 0:
+        return node.module or ""
+    assert (node.level, path.parent) == (1, SOURCE / RELATIVE), f"{path} imports relatively"
+    return ".".join((*path.parent.relative_to(SOURCE.parent).parts, node.module or ""))
+
+
 def imported(path: Path) -> set[str]:
     """Return the modules that a file imports, wherever in it."""
     found: set[str] = set()
@@ -71,8 +81,7 @@ def imported(path: Path) -> set[str]:
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path} imports relatively"
-            found.add(node.module or "")
+            found.add(origin(node, path))
             if node.module == "normalgan":
                 found |= {f"normalgan.{alias.name}" for alias in node.names if alias.name.islower()}
     return found
@@ -85,8 +94,8 @@ def targets(path: Path) -> set[str]:
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            within = {f"{node.module}.{alias.name}" for alias in node.names}
-            found |= {name for name in within if is_module(name)} or {node.module or ""}
+            within = {f"{origin(node, path)}.{alias.name}" for alias in node.names}
+            found |= {name for name in within if is_module(name)} or {origin(node, path)}
     return found
 
 

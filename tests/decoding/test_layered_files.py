@@ -323,3 +323,14 @@ def test_layers_of_krita_without_pixels_do_not_cost_the_others() -> None:
     assert [each.name for each in found.layers] == ["fox"]
     assert "'form': vector layer left out" in found.note
     assert "'lost': cannot be read: is a ZIP without layers/l9" in found.note
+
+
+def test_a_file_of_no_possible_size_is_refused_before_more_of_it_is_read() -> None:
+    broken = aseprite([[layer("a")]], size=(9000, 80))[:140]
+    for read in (
+        lambda: decode("a.ase", broken, (8, 8192), 64),
+        lambda: decode_frames("a.ase", broken, (8, 8192)),
+        lambda: decode_layers("a.ase", broken, (8, 8192)),
+    ):
+        with pytest.raises(InputError, match="is 9000 × 80 pixels; a drawing has 8 to 8192 a side"):
+            read()

@@ -18,7 +18,7 @@ import re
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pyexpat import ErrorString, ExpatError, ParserCreate
 from typing import TYPE_CHECKING, Any
@@ -289,8 +289,8 @@ def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
 
     number = 0
     try:
-        if (reader := _layered(content)) is not None:
-            yield from _aseprite_frames(reader, content, least, most)
+        if (layered := _layered(content, least, most)) is not None:
+            yield from _layered_frames(layered)
             return
         with _opened(content) as image:
             if image.format == "TIFF":
@@ -352,32 +352,27 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
     Raises:
         RefusedError: if it has none, or they cannot be decoded; before anything is yielded.
     """
-    reader = _layered(content)
-    if reader is None:
-        _refuse_foreign(content)
-        raise RefusedError("has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted")
     try:
-        width, height = reader.size_of(content)
-        _check_sides(width, height, least, most)
-        durations = reader.durations_of(content)
-        found, pixels, notes = [], 0, reader.Notes()
-        for layer in reader.layers(content, notes):
-            limit_time(seconds)
-            found.append(layer)
-            pixels += layer.image.width * layer.image.height
-            _check_parts(len(found), pixels, "layers")
-    except reader.UnreadableError as error:
-        raise RefusedError(str(error)) from None
+        layered = _layered(content, least, most)
+        if layered is None:
+            _refuse_foreign(content)
+            raise RefusedError("has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted")
+        found, pixels = [], 0
+        with _unreadable_refused():
+            for layer in layered.layers():
+                limit_time(seconds)
+                found.append(layer)
+                pixels += layer.image.width * layer.image.height
+                _check_parts(len(found), pixels, "layers")
     except (RefusedError, MemoryError):
         raise
     except Exception as error:  # as in `decode`
         raise RefusedError(f"has layers that cannot be read: {_brief(error)}") from None
     if not found:
-        said = f": {notes}" if str(notes) else ""
+        said = f": {layered.notes}" if str(layered.notes) else ""
         raise RefusedError(f"has no visible layer that anything is drawn on{said}")
-    durations = [min(each, 2**31) for each in durations]
-    whole = {"count": len(found), "full": [height, width], "durations": durations, "note": _told(notes)}
-    yield whole, None
+    durations, full = [min(each, 2**31) for each in layered.durations], [*layered.size[::-1]]
+    yield {"count": len(found), "full": full, "durations": durations, "note": _told(layered.notes)}, None
     for layer in found:
         names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
         place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
@@ -492,8 +487,13 @@ def decode(
     if is_svg(content):
         content = draw_svg(content, svg_side, most)
     try:
-        if (reader := _layered(content)) is not None:
-            upright = _composite(reader, content, least, most, notes)
+        if (layered := _layered(content, least, most)) is not None:
+            with _unreadable_refused():
+                upright = layered.composite()
+            if notes is not None and str(layered.notes):
+                notes.append(str(layered.notes))
+            _check_sides(upright.width, upright.height, least, most)
+            upright.load()
         else:
             try:
                 image = _opened(content)
@@ -531,60 +531,51 @@ def turned_upright(image: "Image") -> "Image":
         return image
 
 
-def _aseprite_frames(reader: Any, content: bytes, least: int, most: int) -> Iterator[Message]:
-    try:
-        width, height = reader.size_of(content)
-        _check_sides(width, height, least, most)
-        count = int.from_bytes(content[6:8], "little")
-        _check_parts(count, count * width * height, "frames")
-        notes = reader.Notes()
-        found = reader.aseprite_frames(content, notes)
-        first = next(found)
-        yield {"count": count, "loop": 0, "note": _told(notes)}, None
-        for image, milliseconds in itertools.chain([first], found):
-            yield {**_with_form(image), "duration": milliseconds}, image
-    except reader.UnreadableError as error:
-        raise RefusedError(str(error)) from None
+def _layered(content: bytes, least: int, most: int) -> Any:
+    """Return a layered file of a paint program, of which nothing is decoded yet; None of any other file.
 
-
-def _layered(content: bytes) -> Any:
-    """Return the module that reads a layered file of a paint program; None of any other file."""
+    Raises:
+        RefusedError: if it cannot be read, or is of no possible size.
+    """
     if not content.startswith((b"8BPS", b"PK\x03\x04")) and content[4:6] != b"\xe0\xa5":
         return None
-    reader = _layered_reader()
-    return reader if reader.kind_of(content) is not None else None
+    with _unreadable_refused():
+        return _layered_files().open_layered(
+            content, lambda width, height: _check_sides(width, height, least, most)
+        )
 
 
-def _layered_reader() -> Any:
+def _layered_frames(layered: Any) -> Iterator[Message]:
+    width, height = layered.size
+    count = len(layered.durations)
+    _check_parts(count, count * width * height, "frames")
+    with _unreadable_refused():
+        found = layered.frames()
+        first = next(found)
+        yield {"count": count, "loop": 0, "note": _told(layered.notes)}, None
+        for image, milliseconds in itertools.chain([first], found):
+            yield {**_with_form(image), "duration": milliseconds}, image
+
+
+def _layered_files() -> Any:
     # By its own name in the child: the package is not on this program's path.
     return import_module("normalgan.decoding.layered_files" if __package__ else "layered_files")
 
 
+@contextmanager
+def _unreadable_refused() -> Iterator[None]:
+    """Refuse a layered file whose reader says that it cannot be read."""
+    try:
+        yield
+    except _layered_files().UnreadableError as error:
+        raise RefusedError(str(error)) from None
+
+
 def _refuse_foreign(content: bytes) -> None:
     """Raise `RefusedError` if a file is of a paint program whose files cannot be read."""
-    told = _layered_reader().foreign(content)
+    told = _layered_files().foreign(content)
     if told is not None:
         raise RefusedError(told)
-
-
-def _composite(reader: Any, content: bytes, least: int, most: int, notes: list[str] | None) -> "Image":
-    """Return what a layered file shows.
-
-    Raises:
-        RefusedError: if it cannot be read.
-    """
-    try:
-        width, height = reader.size_of(content)
-        _check_sides(width, height, least, most)
-        said = reader.Notes()
-        image: Image = reader.composite(content, said)
-        if notes is not None and str(said):
-            notes.append(str(said))
-        _check_sides(image.width, image.height, least, most)
-        image.load()
-    except reader.UnreadableError as error:
-        raise RefusedError(str(error)) from None
-    return image
 
 
 def _opened(content: bytes) -> "Image":

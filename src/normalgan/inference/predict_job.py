@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask
-from normalgan.decoding import decode_frames
 from normalgan.decoding.worker import is_svg
 from normalgan.errors import InputError
-from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of, moving_kind
+from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.figures import alike, find_figures
 from normalgan.inference.composites.islands import find_islands
@@ -21,6 +20,7 @@ from normalgan.inference.composites.layered_job import LayeredJob, layered_targe
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.composites.sheets import predict_sheet
+from normalgan.inference.drawing import Drawing
 from normalgan.inference.inputs import as_hints, prepare_any
 from normalgan.inference.jobs.plan import READER, DrawingFiles, Job
 from normalgan.inference.jobs.writing import Held, Writer
@@ -32,7 +32,7 @@ from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared
-from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
+from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
 from normalgan.inference.reading.svg_size import svg_size
@@ -99,11 +99,14 @@ class JobPredictor:
             InputError: if the drawing cannot be used.
             OSError: if a file cannot be written.
         """
+        files = job.files
+        drawing = Drawing(files.drawing, files.content)
         if self.layers:
             shared = self.frame != "own"
             predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength)
-            return Done(self._target(job), *predict(job))
-        files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
+            target = layered_target(job, drawing, self.writer.outputs)
+            return Done(target, *predict(job, drawing, target))
+        kind = drawing.moving
         several = "has several pages" if kind == PAGES else "is an animation"
         if kind is not None and self.packing.given:
             raise InputError(f"{files.drawing} {several}; a sheet is a still picture.")
@@ -113,12 +116,12 @@ class JobPredictor:
             option = "--hole" if self.holes else "--explain"
             raise InputError(f"{files.drawing} {several}; {option} is for a single picture.")
         if kind is not None:
-            return self._animation(job, kind == PAGES)
+            return self._animation(job, drawing)
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
         if self.packing.given:
-            return self._written(job, self._sheet(files))
-        preds = self._drawing(job)
+            return self._written(job, self._sheet(files, drawing))
+        preds = self._drawing(job, drawing)
         figures = len(preds.cells)
         note = f"it shows {figures} separate figures, each predicted separately; --single predicts one object"
         return replace(self._written(job, preds), note=note if figures else "")
@@ -159,9 +162,9 @@ class JobPredictor:
         held = self.writer.write(job, preds.stronger(self.strength))
         return Done(job.target, preds.warning, held)
 
-    def _drawing(self, job: Job) -> NormalMap:
+    def _drawing(self, job: Job, drawing: Drawing) -> NormalMap:
         files = job.files
-        picture = read_picture(files.drawing, files.content, self.size)
+        picture = drawing.picture(self.size)
         if self.tile is not None:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
             return _noted(tiled, picture.note)
@@ -170,31 +173,33 @@ class JobPredictor:
             *(picture, predictor.size, files.hints, files.mask, self.size, predictor.backend.line_widths),
             flips=self.holes,
         )
-        cells = [] if self.single or files.mask not in {None, READER} else self._figures(files, prepared)
+        cells = [] if self.single or files.mask not in {None, READER} else self._figures(drawing, prepared)
         if cells:
-            preds = self._page(files, picture, cells)
+            preds = self._page(files, drawing, picture, cells)
         else:
             preds = predict(predictor.backend, prepared, predictor.upsample)
         if self.explain is not None:
             write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
         return _noted(preds, picture.note)
 
-    def _figures(self, files: DrawingFiles, prepared: Prepared) -> list[Cell]:
+    def _figures(self, drawing: Drawing, prepared: Prepared) -> list[Cell]:
         """Return the cells of a page's figures, in pixels of its map; empty for a single object."""
         if prepared.alpha is not None and prepared.mask is not None:
             if cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3 or self.size is not None:
                 return []
-            islands = find_islands(read_pixels(files.drawing, files.content))
+            islands = find_islands(drawing.pixels())
             return islands if alike(islands) else []
         if prepared.decision is None or prepared.reading is None:
             return []
         return find_figures(prepared.decision, prepared.reading, prepared.shape)
 
-    def _page(self, files: DrawingFiles, picture: Picture, cells: Sequence[Cell]) -> NormalMap:
+    def _page(
+        self, files: DrawingFiles, drawing: Drawing, picture: Picture, cells: Sequence[Cell]
+    ) -> NormalMap:
         """Return the map of a page, each of whose figures is predicted separately."""
         hints = as_hints(files.hints, picture.shape)
         if self.size is None:
-            sheet = read_pixels(files.drawing, files.content)
+            sheet = drawing.pixels()
             return predict_sheet(self.predictor, sheet, cells, hints, _source(files), False, self.holes)
         shape = fitted(picture.shape, self.size)
         scale = shape[1] / picture.shape[1]
@@ -204,8 +209,8 @@ class JobPredictor:
         sheet = to_pixels(picture.resized(shape))
         return predict_sheet(self.predictor, sheet, cells, hints, _source(files), False, holes)
 
-    def _sheet(self, files: DrawingFiles) -> NormalMap:
-        content = read_content(files.drawing, files.content)
+    def _sheet(self, files: DrawingFiles, drawing: Drawing) -> NormalMap:
+        content = drawing.content
         drawn_at_any_size = is_svg(content)
         if self.size is not None and not drawn_at_any_size:
             raise InputError("a sheet of pixels keeps its packing, and so its size; leave --size out.")
@@ -217,10 +222,9 @@ class JobPredictor:
         shared = self.frame == "shared"
         return predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
 
-    def _animation(self, job: Job, pages: bool) -> Done:
+    def _animation(self, job: Job, drawing: Drawing) -> Done:
         """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
-        path, content = job.files.drawing, job.files.content
-        found = decode_frames(str(path), read_content(path, content), (SMALLEST, LARGEST))
+        found, pages = drawing.frames, drawing.moving == PAGES
         members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
         shared = self.frame == "shared" if pages else self.frame != "own"
         moves, part = _moves(self.writer.outputs) and not pages, "page" if pages else "frame"
@@ -249,7 +253,7 @@ class JobPredictor:
                 self.writer.write_map(own, preds)
         if len(failed) == len(members):
             raise failed[0]
-        target = self._target(job)
+        target = _moving_target(job, drawing, outputs)
         if not outputs.whole_batch:
             self.writer.write_held(held)
             held = []
@@ -261,9 +265,6 @@ class JobPredictor:
         warning = "; ".join(filter(None, [found.note, said[0] + more if said else ""]))
         return Done(target, warning, held)
 
-    def _target(self, job: Job) -> Path:
-        return target_of(job, self.writer.outputs, self.packing, self.layers)
-
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
 
@@ -274,9 +275,19 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False
     Raises:
         InputError: if it is a broken animation, has no layers that are asked for, or would be written over.
     """
+    drawing = Drawing(job.files.drawing, job.files.content)
     if layers:
-        return layered_target(job, outputs)
-    kind = None if packing.given else moving_kind(job.files.drawing, job.files.content)
+        return layered_target(job, drawing, outputs)
+    return job.target if packing.given else _moving_target(job, drawing, outputs)
+
+
+def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
+    """Return the path of an animation's maps, of the first of several files, or of a still picture's map.
+
+    Raises:
+        InputError: if it is a broken animation, or would be written over.
+    """
+    kind = drawing.moving
     if kind is None:
         return job.target
     if kind == PAGES or not _moves(outputs):
@@ -291,7 +302,7 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
     """Yield the files that are written for a job; of several frames the map and the outputs of the first."""
     try:
         target = target_of(job, outputs, packing, layers)
-        moves = not packing.given and moving_kind(job.files.drawing, job.files.content) is not None
+        moves = not packing.given and Drawing(job.files.drawing, job.files.content).moving is not None
     except InputError:  # it is told when it is predicted, and nothing is written then
         return
     yield target

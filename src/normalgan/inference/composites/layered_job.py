@@ -10,11 +10,10 @@ from normalgan.inference.composites.layers import (
     cut,
     encode_layers,
     is_plain,
-    layered_kind,
     picture_of,
-    read_layers,
 )
 from normalgan.inference.composites.series import Member, predict_series
+from normalgan.inference.drawing import Drawing
 from normalgan.inference.jobs.plan import Job
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.normal_map import NormalMap
@@ -47,18 +46,23 @@ class LayeredJob:
     shared: bool = True
     strength: float = 1.0
 
-    def __call__(self, job: Job) -> tuple[str, list[Held]]:
+    def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[str, list[Held]]:
         """Predict and write; return the warning, and what waits for other drawings.
+
+        Args:
+            job: the file.
+            drawing: what is in it.
+            target: as `layered_target` gives it.
 
         Raises:
             InputError: if the file has no layers, or none of them can be predicted.
             OSError: if a file cannot be written.
         """
-        path = job.files.drawing
-        target, kind = layered_target(job, self.writer.outputs), layered_kind(path, job.files.content)
         if job.files.hints is not None or isinstance(job.files.mask, Path):
-            raise InputError(f"{path} is painted layer by layer; a mask or hints are those of one drawing.")
-        found = read_layers(path, job.files.content)
+            raise InputError(
+                f"{drawing.path} is painted layer by layer; a mask or hints are those of one drawing."
+            )
+        found = drawing.layers
         drawn = [layer for layer in found.layers if not is_plain(layer, found.shape)]
         numbers = sorted({layer.number for layer in drawn})
         predicted: list[DecodedLayer] = []
@@ -78,10 +82,10 @@ class LayeredJob:
             held += got[2]
         if len(failed) == len(numbers):
             raise failed[0] if failed else InputError("none of its layers holds a drawing.")
-        if kind is not None and goes_in_one(self.writer.outputs):
+        if drawing.layered is not None and goes_in_one(self.writer.outputs):
             shape = found.shape if self.size is None else fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
-            self.writer.sink(target, encode_layers(kind, shape, predicted, found.durations))
+            self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
         return "; ".join(said), held
 
     def _predict(
@@ -123,24 +127,22 @@ def goes_in_one(outputs: Outputs) -> bool:
     return normal.format == "png" and normal.bits == 8 and normal.engine is None
 
 
-def layered_target(job: Job, outputs: Outputs) -> Path:
+def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     """Return where the predicted layers of a file go; of files of their own that of the first.
 
     Raises:
         InputError: if the file has no layers, or one file was named for them.
     """
-    drawing = job.files.drawing
-    kind = layered_kind(drawing, job.files.content)
     if job.exact:
         raise InputError(f"{job.target} holds one map; --layers needs a folder (-o).")
     if not goes_in_one(outputs):
-        found = read_layers(drawing, job.files.content)
+        found = drawing.layers
         first = next((each for each in found.layers if not is_plain(each, found.shape)), found.layers[0])
         return _job_of(job, first, outputs.ending, len(found.durations)).target
-    if kind is None:
-        read_layers(drawing, job.files.content)  # says that it has none, or that it is missing
-    target = job.target.with_suffix(f".{kind}")
-    if target.resolve() == drawing.resolve():
+    if drawing.layered is None:
+        drawing.layers  # noqa: B018 -- says that it has none, or that it is missing
+    target = job.target.with_suffix(f".{drawing.layered}")
+    if target.resolve() == drawing.path.resolve():
         raise InputError(f"{target} is read and would be written over; give another folder (-o) or --suffix.")
     return target
 

@@ -28,7 +28,6 @@ _TOUCHING, _FINER = 1.3, 1.25
 """How far from the inside a line's middle may be, in halves of its width; and the step between widths."""
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
-_Bytes = NDArray[np.uint8]
 
 
 def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:

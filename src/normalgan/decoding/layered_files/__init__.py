@@ -1,0 +1,124 @@
+"""Layered files of paint programs, decoded in the child process: one module per format.
+
+The package imports nothing of `normalgan`, as the program that it is a part of (`worker.py`) runs without it.
+Its imports are relative because that program knows it by another name, `layered_files`.
+"""
+
+from collections.abc import Callable
+
+from .aseprite import AsepriteFile
+from .base import Layer, LayeredFile, Notes, UnreadableError
+from .krita import KritaFile
+from .openraster import OpenRasterFile
+from .psd import PsdFile
+from .zips import open_zip
+
+__all__ = [
+    "KINDS",
+    "TREATMENT",
+    "Layer",
+    "LayeredFile",
+    "Notes",
+    "UnreadableError",
+    "foreign",
+    "kind_of",
+    "open_layered",
+]
+
+KINDS = ("PSD", "KRA", "ORA", "Aseprite")
+_APPLIED, _NORMAL, _OUT, _NONE = "applied", "shown as normal, named", "left out, named", ""
+TREATMENT = {
+    "layer opacity": ("kept", "kept", "kept", "kept"),
+    "fill opacity": (_APPLIED, _NONE, _NONE, _NONE),
+    "layer mask": (_APPLIED, _APPLIED, _NONE, _NONE),
+    "group mask": (_APPLIED, _APPLIED, _NONE, _NONE),
+    "mask density": (_APPLIED, _NONE, _NONE, _NONE),
+    "vector mask": (_APPLIED, _NONE, _NONE, _NONE),
+    "clipping": ("applied and kept", _OUT, _OUT, _NONE),
+    "stroke and overlay effects": (_APPLIED, _NONE, _NONE, _NONE),
+    "shadow, glow, bevel and satin": (_OUT, _OUT, _NONE, _NONE),
+    "fill layer": (_APPLIED, _OUT, _NONE, _NONE),
+    "shape or vector layer": (_APPLIED, _OUT, _NONE, _NONE),
+    "text or smart object": ("its pixels; without them left out, named", _NONE, _NONE, _NONE),
+    "adjustment or filter layer": (_OUT, _OUT, _NONE, _NONE),
+    "filter, transform or colorize mask": (_NONE, _OUT, _NONE, _NONE),
+    "file or clone layer": (_NONE, _OUT, _NONE, _NONE),
+    "blend mode": (_NORMAL, _NORMAL, _NORMAL, _NORMAL),
+    "animation": (_NONE, "one frame, named", _NONE, "all frames"),
+    "tilemap": (_NONE, _NONE, _NONE, "applied; a tileset in another file is left out, named"),
+}
+"""How each feature of a layer is treated in each of `KINDS`; the documentation has the same table."""
+
+_FOREIGN = {
+    b"CSFCHUNK": ("a Clip Studio Paint file", "save it as PSD: File > Save Duplicate > .psd"),
+    b"GCPF": ("a Pixelorama project", "export it from Pixelorama as PNG, GIF or APNG"),
+    b"gimp xcf": ("a GIMP file", "export it from GIMP as PSD or ORA"),
+    b"SAI-CANVAS": ("a PaintTool SAI file", "export it from SAI as PSD"),
+    b"mdipack": ("a MediBang file", "export it from MediBang as PSD"),
+    b"PDN3": ("a Paint.NET file", "save it from Paint.NET as PNG"),
+    b"\0\xffKA": ("an Affinity file", "export it from Affinity as PSD"),
+}
+"""Files of other paint programs by their first bytes: what they are, and the way out."""
+_FOREIGN_ZIPS = {
+    "data.json": ("a Pixelorama project", "export it from Pixelorama as PNG, GIF or APNG"),
+    "Document.archive": ("a Procreate file", "share it from Procreate as PSD"),
+}
+"""The same of ZIP files, by a file in them."""
+
+
+def kind_of(content: bytes) -> str | None:
+    """Return the kind of a layered file: psd, zip (OpenRaster or Krita) or aseprite; None of any other file.
+
+    >>> kind_of(b"8BPS..."), kind_of(b"GIF89a")
+    ('psd', None)
+    """
+    if content.startswith(b"8BPS"):
+        return "psd"
+    if content.startswith(b"PK\x03\x04"):
+        return "zip"
+    if len(content) >= 128 and content[4:6] == b"\xe0\xa5":
+        return "aseprite"
+    return None
+
+
+def foreign(content: bytes) -> str | None:
+    """Return what a file of a paint program is that cannot be read, and the way out; None of any other.
+
+    >>> foreign(b"gimp xcf v011")
+    'is a GIMP file, which cannot be read; export it from GIMP as PSD or ORA'
+    """
+    found = next((words for start, words in _FOREIGN.items() if content.startswith(start)), None)
+    return None if found is None else f"is {found[0]}, which cannot be read; {found[1]}"
+
+
+def open_layered(content: bytes, check_size: Callable[[int, int], None]) -> LayeredFile | None:
+    """Return a layered file, of which no picture is decoded yet; None of any other file.
+
+    Args:
+        content: of the file.
+        check_size: as `LayeredFile` has it.
+
+    Raises:
+        UnreadableError: if it is broken, of an unknown version, or of a program whose files cannot be read.
+    """
+    match kind_of(content):
+        case "psd":
+            return PsdFile(content, check_size)
+        case "aseprite":
+            return AsepriteFile(content, check_size)
+        case "zip":
+            return _zip_format(content)(content, check_size)
+    return None
+
+
+def _zip_format(content: bytes) -> type[KritaFile] | type[OpenRasterFile]:
+    with open_zip(content) as file:
+        names = file.namelist()
+    if "maindoc.xml" in names:
+        return KritaFile
+    if "stack.xml" in names or "mergedimage.png" in names:
+        return OpenRasterFile
+    for name, (what, way_out) in _FOREIGN_ZIPS.items():
+        if name in names:
+            raise UnreadableError(f"is {what}, which cannot be read; {way_out}")
+    raise UnreadableError("is a ZIP without mergedimage.png; OpenRaster and Krita files have one")

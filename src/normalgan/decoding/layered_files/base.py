@@ -1,0 +1,156 @@
+"""LayeredFile: the base of all formats of layered files, with the layers and the notes that they yield."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+__all__ = ["Layer", "LayeredFile", "Notes", "UnreadableError", "flattened"]
+
+_MOST_NOTES = 12
+"""Notes that are told in full; of more it tells how many."""
+
+
+class UnreadableError(Exception):
+    """A layered file that cannot be read; its text goes after the file's name."""
+
+
+class Notes:
+    """What is to be said of a layered file: what of it is not shown as its program shows it."""
+
+    def __init__(self) -> None:
+        self._said: dict[str, None] = {}
+
+    def add(self, name: str, words: str) -> None:
+        """Note something of a layer."""
+        self._said[f"{name!r}: {words}"] = None
+
+    def add_blend(self, name: str, mode: str) -> None:
+        """Note a blend mode that is not shown."""
+        self.add(name, f"blend mode {mode.replace('_', ' ').lower()} shown as normal")
+
+    def add_file(self, words: str) -> None:
+        """Note something of the whole file."""
+        self._said[words] = None
+
+    def __str__(self) -> str:
+        said = list(self._said)
+        more = f"; and {len(said) - _MOST_NOTES} more" if len(said) > _MOST_NOTES else ""
+        return "; ".join(said[:_MOST_NOTES]) + more
+
+
+@dataclass(eq=False)
+class Layer:
+    """A visible layer, or what it shows in one frame.
+
+    Args:
+        name: as the file has it.
+        groups: names of those that it lies in, the outermost first.
+        opacity: 0 to 255, with that of its groups; the image does not have it.
+        left: of its first column in the picture; may be negative.
+        top: of its first row.
+        image: RGBA.
+        number: of the layer, counted from the lowest; -1 if it is the order in which layers come.
+        frame: in which it shows this.
+        base: the layer that it is clipped to, by which the image is cut.
+    """
+
+    name: str
+    groups: tuple[str, ...]
+    opacity: int
+    left: int
+    top: int
+    image: "Image"
+    number: int = -1
+    frame: int = 0
+    base: "Layer | None" = None
+
+
+class LayeredFile(ABC):
+    """A layered file of one format. Making one reads how it is built; no picture in it is decoded yet.
+
+    Args:
+        content: of the file.
+        check_size: called with width and height before anything else is read; it may refuse the file.
+
+    Raises:
+        UnreadableError: if it is broken, or of an unknown version.
+    """
+
+    def __init__(self, content: bytes, check_size: Callable[[int, int], None]) -> None:
+        self.content = content
+        self.notes = Notes()
+        """What is not shown as the file's program shows it, of what has been read so far."""
+        self.size = self._read_size()
+        """(width, height) in pixels."""
+        check_size(*self.size)
+        self.durations = [0]
+        """How many milliseconds each frame is shown; one of 0 if the file does not move."""
+
+    def frames(self) -> "Iterator[tuple[Image, int]]":
+        """Yield what each frame shows, and how many milliseconds it is shown."""
+        yield self.composite(), 0
+
+    def layers(self) -> Iterator[Layer]:
+        """Yield the visible layers, the lowest first, each cut to what is opaque in it.
+
+        Layers of an animation come frame by frame. Empty layers are left out. A layer that cannot be shown is
+        left out and noted.
+
+        Raises:
+            UnreadableError: if the file cannot be read.
+        """
+        width, height = self.size
+        for number, each in enumerate(self._read_layers()):
+            if each.number < 0:
+                each.number = number
+            box = max(-each.left, 0), max(-each.top, 0), width - each.left, height - each.top
+            image = each.image.convert("RGBA")
+            right, bottom = min(box[2], image.width), min(box[3], image.height)
+            if right <= box[0] or bottom <= box[1]:
+                continue  # all of it lies beside the picture
+            image = image.crop((box[0], box[1], right, bottom))
+            opaque = image.getchannel("A").getbbox()
+            if opaque is None:
+                continue
+            each.image = image.crop(opaque)
+            each.left, each.top = each.left + box[0] + opaque[0], each.top + box[1] + opaque[1]
+            yield each
+
+    @abstractmethod
+    def composite(self) -> "Image":
+        """Return what the file shows; the first frame of an animation.
+
+        Raises:
+            UnreadableError: if it cannot be read.
+        """
+
+    @abstractmethod
+    def _read_size(self) -> tuple[int, int]:
+        """Return (width, height) by the header."""
+
+    @abstractmethod
+    def _read_layers(self) -> Iterator[Layer]:
+        """Yield the visible layers, the lowest first, as large as the file has them."""
+
+
+def flattened(size: tuple[int, int], found: Iterable[Layer]) -> "Image":
+    """Return what layers show together, the lowest first."""
+    from PIL import Image
+
+    canvas = Image.new("RGBA", size)
+    for layer in found:
+        over = Image.new("RGBA", size)
+        over.paste(_faded(layer.image, layer.opacity), (layer.left, layer.top))
+        canvas = Image.alpha_composite(canvas, over)
+    return canvas
+
+
+def _faded(image: "Image", opacity: int) -> "Image":
+    image = image.convert("RGBA")
+    if opacity < 255:
+        image.putalpha(image.getchannel("A").point([value * opacity // 255 for value in range(256)]))
+    return image

@@ -1,0 +1,173 @@
+"""PSD and PSB of Photoshop, read by psd-tools."""
+
+import io
+import struct
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from .base import Layer, LayeredFile, Notes, UnreadableError
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+__all__ = ["PsdFile"]
+
+_DRAWN_EFFECTS = {"stroke", "coloroverlay", "gradientoverlay", "patternoverlay"}
+"""Effects of Photoshop that psd-tools draws, by the names of its classes."""
+_STROKE = 250
+"""Pixels by which the widest stroke of Photoshop reaches beyond its layer."""
+
+
+class PsdFile(LayeredFile):
+    """A PSD or PSB."""
+
+    def composite(self) -> "Image":
+        """Return the picture that Photoshop merged; without one the layers as psd-tools shows them."""
+        found = self._psd.topil() if self._psd.has_preview() else self._psd.composite()
+        if found is None:
+            raise UnreadableError("holds no picture")
+        image: Image = found
+        return image
+
+    def _read_size(self) -> tuple[int, int]:
+        version, height, width = struct.unpack(">4xH8xII", self.content[:22].ljust(22, b"\0"))
+        if version not in {1, 2}:
+            raise UnreadableError(f"is a PSD of version {version}; 1 and 2 can be read")
+        return width, height
+
+    def _read_layers(self) -> Iterator[Layer]:
+        if self._psd.color_mode.name not in {"RGB", "GRAYSCALE"}:
+            raise UnreadableError(
+                f"has its colours in {self._psd.color_mode.name}; layers of RGB and of greys can be painted"
+            )
+        yield from _group(self._psd, self._psd, (), 255, self.notes)
+
+    @cached_property
+    def _psd(self) -> Any:
+        from psd_tools import PSDImage
+
+        return PSDImage.open(io.BytesIO(self.content))
+
+
+def _group(psd: Any, group: Any, chain: tuple[Any, ...], opacity: int, notes: Notes) -> Iterator[Layer]:
+    """Yield the layers of a group; ``chain`` is the group and those that it lies in, the outermost first."""
+    base: Layer | None = None
+    hidden = False
+    for layer in group:
+        clipped = bool(layer.clipping)
+        if not clipped:
+            base, hidden = None, not layer.visible
+        if not layer.visible or (clipped and hidden):  # with its base all that is clipped to it is hidden
+            continue
+        own = opacity * layer.opacity // 255
+        if layer.blend_mode.name not in {"NORMAL", "PASS_THROUGH"}:
+            notes.add_blend(layer.name, layer.blend_mode.name)
+        if layer.is_group():
+            _drawn_effects(layer, notes)
+            if clipped:
+                notes.add(layer.name, "clipping of a group left out")
+            yield from _group(psd, layer, (*chain, layer), own, notes)
+            continue
+        found = _layer(psd, layer, chain, own, notes)
+        if found is None:
+            continue
+        if clipped:
+            if base is None:
+                notes.add(layer.name, "clipping to a group left out")
+            else:
+                found.base = base
+                _cut(found, base)
+        else:
+            base = found
+        yield found
+
+
+def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: Notes) -> Layer | None:
+    """Return a layer of a PSD as psd-tools shows it alone; None if it shows nothing."""
+    from psd_tools.constants import Tag
+
+    name, groups, kind = layer.name, tuple(each.name for each in chain), layer.kind
+    effects = _drawn_effects(layer, notes)
+    fills = kind == "shape" or kind.endswith("fill")
+    if not fills and not layer.has_pixels():
+        if kind in {"type", "smartobject"}:
+            noun = "text" if kind == "type" else "smart object"
+            notes.add(name, f"{noun} without pixels left out; rasterize it")
+        elif kind != "pixel":
+            notes.add(name, f"adjustment layer ({kind}) left out")
+        return None
+    if not effects:  # with effects psd-tools fades the layer, and not its effects
+        opacity = opacity * layer.tagged_blocks.get_data(Tag.BLEND_FILL_OPACITY, 255) // 255
+    masked = any(_has_mask(each) for each in (*chain, layer))
+    if not (fills or effects or masked):
+        return Layer(name, groups, opacity, layer.left, layer.top, layer.topil().convert("RGBA"))
+    reach = _STROKE if "stroke" in effects else 0
+    box = (
+        (0, 0, psd.width, psd.height)
+        if fills and not layer.has_pixels()
+        else (
+            max(layer.left - reach, 0),
+            max(layer.top - reach, 0),
+            min(layer.right + reach, psd.width),
+            min(layer.bottom + reach, psd.height),
+        )
+    )
+    if box[2] <= box[0] or box[3] <= box[1]:
+        return None
+    try:
+        return Layer(name, groups, opacity, box[0], box[1], _alone(psd, layer, chain, box))
+    except ImportError:  # psd-tools draws the outline of a shape by a library that is not needed elsewhere
+        notes.add(name, "outline of a shape left out; rasterize it")
+        image = layer.topil() if layer.has_pixels() else None
+    except MemoryError:
+        raise
+    except Exception as error:  # a library that trips over damage raises anything
+        notes.add(name, f"cannot be read: {error}; left out")
+        return None
+    return None if image is None else Layer(name, groups, opacity, layer.left, layer.top, image)
+
+
+def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, int, int]) -> "Image":
+    """Return a layer with its masks, those of its groups and its effects, without opacity, RGBA."""
+    import numpy as np
+    from PIL import Image
+    from psd_tools.composite import composite as render
+
+    shown = {id(each) for each in (*chain, layer)}
+    layer.clipping = False  # else psd-tools shows it with its base alone
+    # A vector mask beside a mask that Photoshop drew from it counts once.
+    color, shape, _ = render(psd, 0.0, 0.0, box, lambda each: id(each) in shown and each.visible)
+    color = np.repeat(color, 3, -1) if color.shape[-1] == 1 else color
+    levels = np.clip(np.rint(255 * np.dstack([color[..., :3], shape])), 0, 255)
+    return Image.fromarray(levels.astype(np.uint8))
+
+
+def _drawn_effects(layer: Any, notes: Notes) -> set[str]:
+    """Return the effects of a layer that psd-tools draws; note the others."""
+    if not layer.has_effects() or not layer.effects.enabled:
+        return set()
+    found = {type(each).__name__: each for each in layer.effects if each.enabled}
+    for name in found:
+        if name.lower() not in _DRAWN_EFFECTS:
+            words = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in name).strip()
+            notes.add(layer.name, f"{words} left out")
+    return {name.lower() for name in found} & _DRAWN_EFFECTS
+
+
+def _has_mask(layer: Any) -> bool:
+    mask, path = layer.mask, layer.vector_mask
+    return (
+        (mask is not None and not mask.disabled)
+        or (path is not None and not path.disabled)
+        or layer.kind == "artboard"
+    )
+
+
+def _cut(layer: Layer, base: Layer) -> None:
+    """Multiply the opacity of a layer's picture by that of its base's."""
+    from PIL import Image, ImageChops
+
+    whole = Image.new("L", layer.image.size)
+    whole.paste(base.image.getchannel("A"), (base.left - layer.left, base.top - layer.top))
+    layer.image.putalpha(ImageChops.multiply(layer.image.getchannel("A"), whole))

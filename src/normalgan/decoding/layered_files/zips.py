@@ -1,0 +1,96 @@
+"""ZIP files of paint programs: what OpenRaster and Krita have in common."""
+
+import io
+import zipfile
+import zlib
+from abc import abstractmethod
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from .base import LayeredFile, UnreadableError, flattened
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+__all__ = ["LayeredZip", "member_of", "open_zip", "png_of", "xml_of"]
+
+_MERGED = "mergedimage.png"
+_MOST_MEMBER = 2**29
+"""Bytes of one file in a ZIP."""
+
+
+class LayeredZip(LayeredFile):
+    """A ZIP with an XML file that describes its layers, and usually the picture that they show together."""
+
+    def composite(self) -> "Image":
+        """Return the picture that the program merged; without one the layers."""
+        if _MERGED not in self.zip.namelist():  # MyPaint leaves it out
+            return flattened(self.size, self._read_layers())
+        return png_of(member_of(self.zip, _MERGED))
+
+    @cached_property
+    def zip(self) -> zipfile.ZipFile:
+        """The open ZIP."""
+        return open_zip(self.content)
+
+    def _read_size(self) -> tuple[int, int]:
+        if _MERGED in self.zip.namelist():
+            return png_of(member_of(self.zip, _MERGED)).size
+        width, height = self._described_size()
+        try:
+            return int(width), int(height)
+        except ValueError:
+            raise UnreadableError("does not say how large it is") from None
+
+    @abstractmethod
+    def _described_size(self) -> tuple[str, str]:
+        """Return width and height as the XML has them; empty where it has none."""
+
+
+def open_zip(content: bytes) -> zipfile.ZipFile:
+    """Return a ZIP, of which the list of files has been read."""
+    try:
+        return zipfile.ZipFile(io.BytesIO(content))
+    except (zipfile.BadZipFile, ValueError) as error:
+        raise UnreadableError(f"is a broken ZIP: {error}") from None
+
+
+def member_of(file: zipfile.ZipFile, name: str) -> bytes:
+    """Return a file in a ZIP; raise `UnreadableError` if it is missing, broken or too large."""
+    try:
+        about = file.getinfo(_stored_name(file, name))
+        if about.file_size > _MOST_MEMBER:
+            raise UnreadableError(f"has more than {_MOST_MEMBER} bytes in its {name}")
+        with file.open(about) as member:
+            return member.read(_MOST_MEMBER)
+    except KeyError:
+        raise UnreadableError(f"is a ZIP without {name}; OpenRaster and Krita files have one") from None
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+        raise UnreadableError(f"is broken: {error}") from None
+
+
+def _stored_name(file: zipfile.ZipFile, name: str) -> str:
+    """Return a name as the ZIP has it: without the flag for Unicode, UTF-8 is taken for the old code page."""
+    if name in file.NameToInfo:
+        return name
+    return name.encode("utf-8", "replace").decode("cp437")
+
+
+def png_of(data: bytes) -> "Image":
+    """Return a PNG, whose pixels are not decoded yet."""
+    from PIL import Image
+
+    return Image.open(io.BytesIO(data), formats=("PNG",))
+
+
+def xml_of(file: zipfile.ZipFile, name: str) -> Any:
+    """Return the root of an XML file in a ZIP, with tags that have no namespace."""
+    from xml.etree import ElementTree as Tree
+
+    try:
+        root = Tree.fromstring(member_of(file, name))
+    except Tree.ParseError as error:
+        raise UnreadableError(f"has a broken {name}: {error}") from None
+    for each in root.iter():
+        each.tag = each.tag.rpartition("}")[2]
+    return root

@@ -1,0 +1,97 @@
+"""Drawing: the file of one job, decoded once, whatever the job asks of it."""
+
+from functools import cached_property
+from pathlib import Path
+from typing import Literal
+
+from normalgan.decoding import Decoded, DecodedLayers, Parts, decode_frames
+from normalgan.inference.composites.animation import Kind, moving_kind
+from normalgan.inference.composites.layers import LayeredKind, layered_kind, read_layers
+from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, to_picture
+
+__all__ = ["Drawing"]
+
+
+class Drawing:
+    """The file of a drawing: what it shows, its frames and its layers.
+
+    Each is decoded when it is first asked for, and kept as long as this object: make one for a job, and drop
+    it with the job.
+
+    Args:
+        path: its file, or what to call it.
+        content: what is in it, if it was read already.
+    """
+
+    def __init__(self, path: Path, content: bytes | None = None) -> None:
+        self.path = path
+        self._given = content
+        self._shown: Decoded | None = None
+
+    @cached_property
+    def moving(self) -> Kind | Literal["pages"] | None:
+        """The kind of its animation, or `PAGES`; None of one picture.
+
+        Raises:
+            InputError: if it is a GIF that is cut short.
+        """
+        return moving_kind(self.path, self._given)
+
+    @cached_property
+    def layered(self) -> LayeredKind | None:
+        """The kind of layered file that its layers are written back as; None if it has none."""
+        return layered_kind(self.path, self._given)
+
+    @cached_property
+    def content(self) -> bytes:
+        """What is in its file, not decoded yet.
+
+        Raises:
+            InputError: if it is missing, cannot be read, or is larger than any drawing.
+        """
+        return read_content(self.path, self._given)
+
+    def picture(self, longest: int | None = None) -> Picture:
+        """Return it as `reading.picture.read_picture` does; of a large one a reduced one.
+
+        Args:
+            longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.
+
+        Raises:
+            InputError: if it is missing, no image, or of no possible size.
+        """
+        side = min(longest or SVG_SIDE, MOST_WORKED)
+        self._shown = read_pixels(self.path, self.content, side, MOST_WORKED)
+        return to_picture(self._shown)
+
+    def pixels(self) -> Decoded:
+        """Return its pixels as its file has them; those of an SVG are the last picture's.
+
+        One that is larger than drawings are worked on is decoded again for this.
+
+        Raises:
+            InputError: if it is missing, no image, or of no possible size.
+        """
+        shown = self._shown
+        if shown is None or shown.pixels.shape[:2] != shown.shape:
+            shown = read_pixels(self.path, self.content)
+        return shown
+
+    @cached_property
+    def frames(self) -> Parts:
+        """All its frames or pages, each whole.
+
+        Raises:
+            InputError: if one cannot be decoded.
+        """
+        return decode_frames(str(self.path), self.content, (SMALLEST, LARGEST))
+
+    @cached_property
+    def layers(self) -> DecodedLayers:
+        """Its visible layers, as `composites.layers.read_layers` gives them.
+
+        Raises:
+            InputError: if it has no visible layer, or one that cannot be read.
+        """
+        return read_layers(self.path, self.content)
