@@ -36,6 +36,7 @@ from normalgan.inference.parallel import stream
 from normalgan.inference.predict_job import JobPredictor, target_of, written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES, without_companions
+from normalgan.inference.sprites import Sprite
 from normalgan.progress import progress_bar
 
 __all__ = ["LOOK", "generate", "run"]
@@ -115,6 +116,8 @@ def _packing(settings: Namespace) -> Packing:
     if settings.tile and settings.frame == "shared":
         raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
     packing = Packing(settings.sheet, settings.split, settings.atlas)
+    if settings.pixel_art and settings.size is not None:
+        raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
     if settings.layers and packing.given:
         raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
     return packing
@@ -244,6 +247,7 @@ class _Batch:
             settings.single,
             _points(settings.hole or ()),
             None if settings.explain is None else Path(settings.explain),
+            Sprite(settings.detail, settings.pixel_art),
         )
         written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()

@@ -36,6 +36,7 @@ from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, re
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
 from normalgan.inference.reading.svg_size import svg_size
+from normalgan.inference.sprites import Sprite
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "written_for"]
 
@@ -78,6 +79,7 @@ class JobPredictor:
         single: whether a page is one object, whatever it shows; else its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
         explain: folder for pictures of how each mask was found; None writes none.
+        sprite: adapts each map to a painted sprite.
     """
 
     predictor: Predictor
@@ -91,6 +93,7 @@ class JobPredictor:
     single: bool = False
     holes: Sequence[tuple[float, float]] = ()
     explain: Path | None = None
+    sprite: Sprite = field(default_factory=Sprite)
 
     def __call__(self, job: Job) -> Done:
         """Predict and write one job.
@@ -101,7 +104,7 @@ class JobPredictor:
         """
         if self.layers:
             shared = self.frame != "own"
-            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength)
+            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
             return Done(self._target(job), *predict(job))
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
         several = "has several pages" if kind == PAGES else "is an animation"
@@ -151,7 +154,8 @@ class JobPredictor:
                 yield job, preds
                 continue
             try:
-                yield job, self._written(job, _noted(preds, member.picture.note))
+                adapted = self.sprite(preds, member.picture)
+                yield job, self._written(job, _noted(adapted, member.picture.note))
             except OSError as error:
                 yield job, error
 
@@ -164,7 +168,7 @@ class JobPredictor:
         picture = read_picture(files.drawing, files.content, self.size)
         if self.tile is not None:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
-            return _noted(tiled, picture.note)
+            return _noted(self.sprite(tiled, picture), picture.note)
         predictor = self.predictor
         prepared = prepare_any(
             *(picture, predictor.size, files.hints, files.mask, self.size, predictor.backend.line_widths),
@@ -177,7 +181,7 @@ class JobPredictor:
             preds = predict(predictor.backend, prepared, predictor.upsample)
         if self.explain is not None:
             write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
-        return _noted(preds, picture.note)
+        return _noted(self.sprite(preds, picture), picture.note)
 
     def _figures(self, files: DrawingFiles, prepared: Prepared) -> list[Cell]:
         """Return the cells of a page's figures, in pixels of its map; empty for a single object."""
@@ -215,7 +219,8 @@ class JobPredictor:
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         mask = _mask(files, sheet.shape)
         shared = self.frame == "shared"
-        return predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
+        preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
+        return self.sprite(preds, to_picture(sheet))
 
     def _animation(self, job: Job, pages: bool) -> Done:
         """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
@@ -237,7 +242,7 @@ class JobPredictor:
                 failed.append(each)
                 said.append(f"{part} {number}: {left_flat(each)}")
             else:
-                preds = each
+                preds = self.sprite(each, members[number - 1].picture)
                 said += [f"{part} {number}: {each.warning}"] if each.warning else []
             own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
@@ -302,7 +307,7 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
 
 def _moves(outputs: Outputs) -> bool:
     """Return whether the maps of an animation go into one: it has 8 bits."""
-    return outputs.normal.format == "png" and outputs.normal.bits == 8
+    return outputs.normal.plain
 
 
 def _source(files: DrawingFiles) -> str | None:
