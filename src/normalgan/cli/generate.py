@@ -196,7 +196,7 @@ class _Batch:
     ) -> None:
         self._settings, self._writer, self._packing = settings, writer, packing
         self._outputs = writer.outputs
-        self._failed = len(wrong)
+        self._failed, self._partial = len(wrong), 0
         self._held: list[Held] = []
         for each in (*left_out, *wrong):
             print(f"normalgan: {one_line(str(each))}", file=sys.stderr)
@@ -262,6 +262,7 @@ class _Batch:
                     print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
                     continue
                 self._held += outcome.held
+                self._partial += outcome.partial
                 if outcome.warning:
                     told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
                     print(one_line(told), file=sys.stderr)
@@ -329,7 +330,9 @@ class _Batch:
         self._writer.write_held(self._held)
         if self._failed:
             print(f"normalgan: {self._failed} of {total} sketches could not be used.", file=sys.stderr)
-        return 1 if self._failed else 0
+        if self._partial:
+            print(f"normalgan: {self._partial} of {total} sketches are incomplete.", file=sys.stderr)
+        return 1 if self._failed or self._partial else 0
 
     def _target(self, job: Job) -> Path:
         return target_of(job, self._outputs, self._packing, self._settings.layers)

@@ -119,6 +119,13 @@ class Notes:
 
     def __init__(self) -> None:
         self._said: dict[str, None] = {}
+        self.partial = False
+        """Whether a layer is missing, and not only a part of how it is shown."""
+
+    def leave_out(self, name: str, words: str) -> None:
+        """Note a layer that is missing."""
+        self.partial = True
+        self.add(name, words)
 
     def add(self, name: str, words: str) -> None:
         """Note something of a layer."""
@@ -359,7 +366,7 @@ def _psd_layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes
     if not fills and not layer.has_pixels():
         if kind in {"type", "smartobject"}:
             noun = "text" if kind == "type" else "smart object"
-            notes.add(name, f"{noun} without pixels left out; rasterize it")
+            notes.leave_out(name, f"{noun} without pixels left out; rasterize it")
         elif kind != "pixel":
             notes.add(name, f"adjustment layer ({kind}) left out")
         return None
@@ -389,7 +396,7 @@ def _psd_layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes
     except MemoryError:
         raise
     except Exception as error:  # a library that trips over damage raises anything
-        notes.add(name, f"cannot be read: {error}; left out")
+        notes.leave_out(name, f"cannot be read: {error}; left out")
         return None
     return None if image is None else Layer(name, groups, opacity, layer.left, layer.top, image)
 
@@ -505,7 +512,7 @@ def _openraster_layers(
             if image is not None:
                 image.load()
         except (ValueError, OSError, SyntaxError, UnreadableError) as error:
-            notes.add(name, f"cannot be read: {error}; left out")
+            notes.leave_out(name, f"cannot be read: {error}; left out")
             continue
         if each.tag == "stack":
             yield from _openraster_layers(file, each, (*path, name), own, notes)
@@ -567,7 +574,8 @@ class _Krita:
             if each.get("visible", "1") == "0":
                 continue
             if kind not in {"grouplayer", "paintlayer"}:
-                self._notes.add(name, f"{_KRITA_LAYERS.get(kind, f'layer of the kind {kind}')} left out")
+                note = self._notes.add if kind == "adjustmentlayer" else self._notes.leave_out
+                note(name, f"{_KRITA_LAYERS.get(kind, f'layer of the kind {kind}')} left out")
                 continue
             self._note(each, name)
             try:
@@ -578,7 +586,7 @@ class _Krita:
                     continue
                 image = self._paint(each)
             except (ValueError, IndexError, UnreadableError) as error:
-                self._notes.add(name, f"cannot be read: {error}; left out")
+                self._notes.leave_out(name, f"cannot be read: {error}; left out")
                 continue
             for mask in inside:
                 image.putalpha(ImageChops.multiply(image.getchannel("A"), mask))
@@ -855,7 +863,7 @@ class _Aseprite:
                 shown = self._cel(number, frame)
                 (raised,) = struct.unpack_from("<h", self._cels[frame][number], 9)
             except (struct.error, ValueError, zlib.error, KeyError, IndexError) as error:
-                self._notes.add(layer.name, f"cannot be read in frame {frame + 1}: {error}; left out")
+                self._notes.leave_out(layer.name, f"cannot be read in frame {frame + 1}: {error}; left out")
                 self.broken = self.broken or f"has a broken layer {layer.name!r}: {error}"
                 continue
             if shown is None:
@@ -985,7 +993,7 @@ class _Aseprite:
         layer = self._layers[number]
         tileset = self._tilesets.get(-1 if layer.tileset is None else layer.tileset)
         if tileset is None or tileset.pixels is None:
-            self._notes.add(layer.name, "tileset in another file left out; convert it to a layer")
+            self._notes.leave_out(layer.name, "tileset in another file left out; convert it to a layer")
             return None
         width, height = tileset.size
         if bits not in {8, 16, 32} or not 0 < columns * width * rows * height <= 2**26:

@@ -200,10 +200,11 @@ def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[
         yield _with_form(levels), levels
     else:
         sizes = request["svg_side"], request["longest"]
-        notes: list[str] = []
+        notes: list[Any] = []
         try:
             image, (width, height) = decode(content, least, most, *sizes, request["grey"], notes)
-            yield {**_with_form(image), "full": [height, width], "note": _told("; ".join(notes))}, image
+            said = {"note": _told("; ".join(map(str, notes))), "partial": any(each.partial for each in notes)}
+            yield {**_with_form(image), "full": [height, width], **said}, image
         except UnknownTiffError:
             levels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
             yield _with_form(levels), levels
@@ -373,11 +374,11 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
     except Exception as error:  # as in `decode`
         raise RefusedError(f"has layers that cannot be read: {_brief(error)}") from None
     if not found:
-        said = f": {notes}" if str(notes) else ""
-        raise RefusedError(f"has no visible layer that anything is drawn on{said}")
+        more = f": {notes}" if str(notes) else ""
+        raise RefusedError(f"has no visible layer that anything is drawn on{more}")
     durations = [min(each, 2**31) for each in durations]
-    whole = {"count": len(found), "full": [height, width], "durations": durations, "note": _told(notes)}
-    yield whole, None
+    said = {"note": _told(notes), "partial": notes.partial}
+    yield {"count": len(found), "full": [height, width], "durations": durations, **said}, None
     for layer in found:
         names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
         place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
@@ -471,7 +472,7 @@ def decode(
     svg_side: int,
     longest: int,
     grey: bool,
-    notes: list[str] | None = None,
+    notes: list[Any] | None = None,
 ) -> "tuple[Image, tuple[int, int]]":
     """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
 
@@ -540,7 +541,7 @@ def _aseprite_frames(reader: Any, content: bytes, least: int, most: int) -> Iter
         notes = reader.Notes()
         found = reader.aseprite_frames(content, notes)
         first = next(found)
-        yield {"count": count, "loop": 0, "note": _told(notes)}, None
+        yield {"count": count, "loop": 0, "note": _told(notes), "partial": notes.partial}, None
         for image, milliseconds in itertools.chain([first], found):
             yield {**_with_form(image), "duration": milliseconds}, image
     except reader.UnreadableError as error:
@@ -567,7 +568,7 @@ def _refuse_foreign(content: bytes) -> None:
         raise RefusedError(told)
 
 
-def _composite(reader: Any, content: bytes, least: int, most: int, notes: list[str] | None) -> "Image":
+def _composite(reader: Any, content: bytes, least: int, most: int, notes: list[Any] | None) -> "Image":
     """Return what a layered file shows.
 
     Raises:
@@ -579,7 +580,7 @@ def _composite(reader: Any, content: bytes, least: int, most: int, notes: list[s
         said = reader.Notes()
         image: Image = reader.composite(content, said)
         if notes is not None and str(said):
-            notes.append(str(said))
+            notes.append(said)
         _check_sides(image.width, image.height, least, most)
         image.load()
     except reader.UnreadableError as error:

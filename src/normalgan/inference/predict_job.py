@@ -54,12 +54,14 @@ class Done:
         warning: what is to be said of it, a part of a sentence; empty if nothing is.
         held: the files that wait for the other drawings of a command.
         note: what was done that the user may not expect, a part of a sentence; empty if nothing was.
+        partial: whether something that is drawn could not be predicted, as the warning says.
     """
 
     target: Path
     warning: str = ""
     held: list[Held] = field(default_factory=list)
     note: str = ""
+    partial: bool = False
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,8 @@ class JobPredictor:
         if self.layers:
             shared = self.frame != "own"
             predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
-            return Done(self._target(job), *predict(job))
+            warning, held, partial = predict(job)
+            return Done(self._target(job), warning, held, partial=partial)
         files, kind = job.files, moving_kind(job.files.drawing, job.files.content)
         several = "has several pages" if kind == PAGES else "is an animation"
         if kind is not None and self.packing.given:
@@ -155,20 +158,20 @@ class JobPredictor:
                 continue
             try:
                 adapted = self.sprite(preds, member.picture)
-                yield job, self._written(job, _noted(adapted, member.picture.note))
+                yield job, self._written(job, _noted(adapted, member.picture))
             except OSError as error:
                 yield job, error
 
     def _written(self, job: Job, preds: NormalMap) -> Done:
         held = self.writer.write(job, preds.stronger(self.strength))
-        return Done(job.target, preds.warning, held)
+        return Done(job.target, preds.warning, held, partial=preds.partial)
 
     def _drawing(self, job: Job) -> NormalMap:
         files = job.files
         picture = read_picture(files.drawing, files.content, self.size)
         if self.tile is not None:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
-            return _noted(self.sprite(tiled, picture), picture.note)
+            return _noted(self.sprite(tiled, picture), picture)
         predictor = self.predictor
         prepared = prepare_any(
             *(picture, predictor.size, files.hints, files.mask, self.size, predictor.backend.line_widths),
@@ -181,7 +184,7 @@ class JobPredictor:
             preds = predict(predictor.backend, prepared, predictor.upsample)
         if self.explain is not None:
             write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
-        return _noted(self.sprite(preds, picture), picture.note)
+        return _noted(self.sprite(preds, picture), picture)
 
     def _figures(self, files: DrawingFiles, prepared: Prepared) -> list[Cell]:
         """Return the cells of a page's figures, in pixels of its map; empty for a single object."""
@@ -220,7 +223,8 @@ class JobPredictor:
         mask = _mask(files, sheet.shape)
         shared = self.frame == "shared"
         preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
-        return self.sprite(preds, to_picture(sheet))
+        picture = to_picture(sheet)
+        return _noted(self.sprite(preds, picture), picture)
 
     def _animation(self, job: Job, pages: bool) -> Done:
         """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
@@ -232,6 +236,7 @@ class JobPredictor:
         pixels: list[NDArray[np.uint8]] = []
         said: list[str] = []
         failed: list[InputError] = []
+        flat: list[Picture] = []
         held: list[Held] = []
         outputs = self.writer.outputs
         steady = shared and not pages
@@ -240,6 +245,7 @@ class JobPredictor:
             if isinstance(each, InputError):
                 preds = flat_map(members[number - 1].picture.shape, self.size)
                 failed.append(each)
+                flat.append(members[number - 1].picture)
                 said.append(f"{part} {number}: {left_flat(each)}")
             else:
                 preds = self.sprite(each, members[number - 1].picture)
@@ -264,7 +270,8 @@ class JobPredictor:
             self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
         warning = "; ".join(filter(None, [found.note, said[0] + more if said else ""]))
-        return Done(target, warning, held)
+        # A frame that is blank all over is meant so.
+        return Done(target, warning, held, partial=found.partial or not all(map(_blank, flat)))
 
     def _target(self, job: Job) -> Path:
         return target_of(job, self.writer.outputs, self.packing, self.layers)
@@ -315,9 +322,17 @@ def _source(files: DrawingFiles) -> str | None:
     return files.mask if isinstance(files.mask, str) else None
 
 
-def _noted(preds: NormalMap, note: str) -> NormalMap:
+def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
     """Return a map with the warning about its drawing's file added."""
-    return replace(preds, warning="; ".join(filter(None, [note, preds.warning])))
+    warning = "; ".join(filter(None, [picture.note, preds.warning]))
+    return replace(preds, warning=warning, partial=preds.partial or picture.partial)
+
+
+def _blank(picture: Picture) -> bool:
+    """Return whether nothing is drawn on a picture."""
+    if picture.alpha is not None:
+        return not picture.alpha.any()
+    return bool((picture.colour == picture.colour[:1, :1]).all())
 
 
 def _mask(files: DrawingFiles, shape: tuple[int, int]) -> BoolMask | str | None:

@@ -50,8 +50,8 @@ class LayeredJob:
     strength: float = 1.0
     sprite: Sprite = field(default_factory=Sprite)
 
-    def __call__(self, job: Job) -> tuple[str, list[Held]]:
-        """Predict and write; return the warning, and what waits for other drawings.
+    def __call__(self, job: Job) -> tuple[str, list[Held], bool]:
+        """Predict and write; return the warning, what waits for others, and whether a layer is missing.
 
         Raises:
             InputError: if the file has no layers, or none of them can be predicted.
@@ -85,7 +85,7 @@ class LayeredJob:
             shape = found.shape if self.size is None else fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(kind, shape, predicted, found.durations))
-        return "; ".join(said), held
+        return "; ".join(said), held, found.partial or bool(failed)
 
     def _predict(
         self, job: Job, found: DecodedLayers, number: int
