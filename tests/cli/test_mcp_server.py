@@ -53,6 +53,32 @@ def test_preview_shows_a_picture(here: Path) -> None:
     assert Path("lit.png").exists()
 
 
+def test_explain_writes_the_stages_of_the_mask_as_generate_does(here: Path) -> None:
+    Image.fromarray(GREY).save("fox.png")
+    answer = call("explain", drawing="fox.png", output="why")
+    assert not answer.is_error, answer
+    files = [Path(each) for each in answer.structured_content["files"]]
+    assert [each.name for each in files] == [
+        f"fox_{number}_{stage}.png"
+        for number, stage in enumerate(("input", "ink", "outline", "regions", "presence", "mask"), 1)
+    ]
+    assert main(["generate", "fox.png", "--model", "model.onnx", "--explain", "same"]) == 0
+    assert all(each.read_bytes() == Path("same", each.name).read_bytes() for each in files)
+    given = call("explain", drawing="fox.png", output="given", mask="model")
+    assert [Path(each).name for each in given.structured_content["files"]][-1] == "fox_6_mask.png"
+    assert "lies outside" in call("explain", drawing="fox.png", output="../why").content[0].text
+
+
+def test_a_sprite_has_the_details_that_generate_gives_it(here: Path) -> None:
+    Image.fromarray(GREY).save("fox.png")
+    assert not call("infer", drawing="fox.png", output="a.png", detail=0.5, pixel_art=True).is_error
+    options = ["--detail", "0.5", "--pixel-art"]
+    assert main(["generate", "fox.png", "--model", "model.onnx", *options]) == 0
+    assert Path("a.png").read_bytes() == Path("normals/fox_normal.png").read_bytes()
+    answer = call("infer", drawing="fox.png", output="b.png", detail=2)
+    assert "detail is 2" in answer.content[0].text
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [

@@ -88,6 +88,20 @@ def test_generate_takes_the_file(exported: Export) -> None:
     assert (confidence is None) == (len(wanted) == 3)
 
 
+@pytest.mark.parametrize("opset", [15, 17, 21])
+def test_other_opsets_predict_the_same(exported: Export, tmp_path: Path, opset: int) -> None:
+    folder, generator = exported
+    target = tmp_path / "old.onnx"
+    more = "--opset", str(opset), "--licence", "CC0-1.0"
+    assert export(folder / "last.ckpt", target, *more) == 0
+    model = onnx.load(target)
+    assert [(each.domain, each.version) for each in model.opset_import] == [("", opset)]
+    assert model.metadata_props == onnx.load(folder / "m.onnx").metadata_props
+    sketch, hints = examples(2, 32, seed=5)
+    outputs = onnxruntime.InferenceSession(target).run(None, {"sketch": sketch, "hints": hints})
+    np.testing.assert_allclose(outputs[0], predicted(generator, sketch, hints).numpy()[:, :3], atol=1e-3)
+
+
 def test_the_file_says_what_it_is_and_nothing_of_the_machine(exported: Export) -> None:
     folder, generator = exported
     content = (folder / "m.onnx").read_bytes()
@@ -213,6 +227,11 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
             "--output m.pt must end in .onnx, which --format onnx writes, or pass --format torchscript.",
         ),
         (["good.ckpt", "-o", "m.pt2", "--format", "pt2", "--half"], "--half is for onnx and safetensors"),
+        (["good.ckpt", "--opset", "9"], "opset"),
+        (
+            ["good.ckpt", "-o", "m.pt2", "--format", "pt2", "--opset", "17"],
+            "--opset is for onnx; leave it out, or write pt2 without it.",
+        ),
         (["good.ckpt", "--size", "4"], "8 pixels or more, not 4"),
         (["good.ckpt", "--size", "40"], "sides that are multiples of 32, not 40"),
         (["good.ckpt", "--licence", "two\nlines"], "--licence is one line"),

@@ -73,6 +73,43 @@ def test_green_down_and_a_mask(node: Any) -> None:
     torch.testing.assert_close(where, mask)
 
 
+def test_an_image_with_alpha_has_its_opacity_as_mask(node: Any) -> None:
+    _, image = fox()
+    alpha = torch.zeros(1, *image.shape[1:3], 1)
+    alpha[:, 60:200, 60:200] = 1
+    ((_, where),) = [call(node, image=torch.cat([image, alpha], -1), green="up")]
+    torch.testing.assert_close(where, alpha[..., 0])
+
+
+@pytest.mark.parametrize("shows", ["auto", "background"])
+def test_the_mask_of_load_image_is_white_on_the_background(node: Any, shows: str) -> None:
+    _, image = fox()
+    object_ = torch.zeros(1, *image.shape[1:3])
+    object_[:, 60:200, 60:200] = 1
+    _, where = call(node, image=image, green="up", mask=1 - object_, mask_shows=shows)
+    torch.testing.assert_close(where, object_)
+
+
+def test_the_empty_mask_of_load_image_counts_as_none(node: Any) -> None:
+    _, image = fox()
+    (maps, where), (wanted, own) = (
+        call(node, image=image, green="up", **more) for more in ({"mask": torch.zeros(1, 64, 64)}, {})
+    )
+    assert torch.equal(maps, wanted)
+    assert torch.equal(where, own)
+
+
+def test_one_mask_serves_a_batch_and_other_counts_are_refused(node: Any) -> None:
+    _, image = fox()
+    batch = image.repeat(3, 1, 1, 1)
+    mask = torch.zeros(1, *image.shape[1:3])
+    mask[:, 60:200, 60:200] = 1
+    _, where = call(node, image=batch, green="up", mask=mask)
+    torch.testing.assert_close(where, mask.repeat(3, 1, 1))
+    with pytest.raises(RuntimeError, match=r"^normalgan: there are 2 masks for 3 images; give one for each"):
+        call(node, image=batch, green="up", mask=mask.repeat(2, 1, 1))
+
+
 def test_what_cannot_be_used_is_one_sentence(node: Any, tmp_path: Path) -> None:
     _, image = fox()
     with pytest.raises(RuntimeError, match=r"^normalgan: .*nothere\.onnx"):

@@ -10,6 +10,8 @@ MISSING = (
     "and start ComfyUI anew."
 )
 
+SHOWN = ("auto", "object", "background")
+
 
 class NormalganNormalMap:
     """From a batch of drawings to their normal maps and masks."""
@@ -28,7 +30,17 @@ class NormalganNormalMap:
                 "green": (["up", "down"], {"tooltip": "down for DirectX and Unreal"}),
             },
             "optional": {
-                "mask": ("MASK", {"tooltip": "white where the object is"}),
+                "mask": (
+                    "MASK",
+                    {"tooltip": "one for each image, or one for all; an empty one counts as none"},
+                ),
+                "mask_shows": (
+                    list(SHOWN),
+                    {
+                        "tooltip": "what is white in the mask; LoadImage makes the background white. auto: "
+                        "the background if most of the mask's edge is white"
+                    },
+                ),
                 "model": (
                     "STRING",
                     {"default": "", "tooltip": "a file of normalgan export; empty: the shipped one"},
@@ -36,13 +48,17 @@ class NormalganNormalMap:
             },
         }
 
-    def predict(self, image: Any, green: str = "up", mask: Any = None, model: str = "") -> tuple[Any, Any]:
-        """Paint.
+    def predict(
+        self, image: Any, green: str = "up", mask: Any = None, mask_shows: str = "auto", model: str = ""
+    ) -> tuple[Any, Any]:
+        """Predict.
 
         Args:
-            image: drawings (N, H, W, 3) of floats from 0 to 1, as ComfyUI has them.
+            image: drawings (N, H, W, 3) or (N, H, W, 4) of floats from 0 to 1, as ComfyUI has them.
             green: "up" or "down".
-            mask: where the objects are (N, H, W), or one (1, H, W) for all, or None.
+            mask: where the objects are (N, H, W), or one (1, H, W) or (H, W) for all, or None. Without a
+                white pixel it counts as None: LoadImage gives one of 64 x 64 for an image without alpha.
+            mask_shows: what is white in the mask, one of `SHOWN`.
             model: the path of a model, or nothing.
 
         Returns:
@@ -58,11 +74,17 @@ class NormalganNormalMap:
         except ImportError as error:
             raise RuntimeError(MISSING) from error
         maps, objects = [], []
+        masks = None if mask is None else mask.reshape(-1, *mask.shape[-2:]).cpu().numpy()
+        if masks is not None and len(masks) not in {1, len(image)}:
+            raise RuntimeError(
+                f"normalgan: there are {len(masks)} masks for {len(image)} images; give one for each, or one "
+                "for all."
+            )
         try:
             predictor = normalgan.load(model or "shipped")
             for number, drawing in enumerate(image.cpu().numpy()):
-                given = None if mask is None else mask[min(number, len(mask) - 1)].cpu().numpy() > 0.5
-                predicted = predictor(drawing[..., :3].clip(0, 1), mask=given)
+                given = None if masks is None else _object(masks[number if len(masks) > 1 else 0], mask_shows)
+                predicted = predictor(drawing.clip(0, 1), mask=given)
                 normals = torch.from_numpy(predicted.normal.copy())
                 object_ = torch.from_numpy(predicted.mask.copy())
                 normals[~object_] = torch.tensor([0.0, 0.0, 1.0])  # flat
@@ -73,6 +95,22 @@ class NormalganNormalMap:
         except normalgan.InputError as error:
             raise RuntimeError(f"normalgan: {error}") from error
         return torch.stack(maps), torch.stack(objects)
+
+
+def _object(mask: Any, shows: str) -> Any:
+    """Return where the object is, (H, W) of bool; None for an empty mask.
+
+    Args:
+        mask: (H, W) of floats from 0 to 1.
+        shows: what is white in it, one of `SHOWN`.
+    """
+    white = mask > 0.5
+    if not white.any():
+        return None
+    if shows == "auto":
+        edge = [*white[0], *white[-1], *white[1:-1, 0], *white[1:-1, -1]]
+        shows = "background" if sum(edge) > len(edge) / 2 and not white.all() else "object"
+    return ~white if shows == "background" else white
 
 
 NODE_CLASS_MAPPINGS = {"NormalganNormalMap": NormalganNormalMap}

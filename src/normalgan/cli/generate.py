@@ -36,6 +36,7 @@ from normalgan.inference.parallel import stream
 from normalgan.inference.predict_job import JobPredictor, target_of, written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES, without_companions
+from normalgan.inference.sprites import Sprite
 from normalgan.progress import progress_bar
 
 __all__ = ["LOOK", "generate", "run"]
@@ -115,6 +116,8 @@ def _packing(settings: Namespace) -> Packing:
     if settings.tile and settings.frame == "shared":
         raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
     packing = Packing(settings.sheet, settings.split, settings.atlas)
+    if settings.pixel_art and settings.size is not None:
+        raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
     if settings.layers and packing.given:
         raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
     return packing
@@ -193,7 +196,7 @@ class _Batch:
     ) -> None:
         self._settings, self._writer, self._packing = settings, writer, packing
         self._outputs = writer.outputs
-        self._failed = len(wrong)
+        self._failed, self._partial = len(wrong), 0
         self._held: list[Held] = []
         for each in (*left_out, *wrong):
             print(f"normalgan: {one_line(str(each))}", file=sys.stderr)
@@ -244,6 +247,7 @@ class _Batch:
             settings.single,
             _points(settings.hole or ()),
             None if settings.explain is None else Path(settings.explain),
+            Sprite(settings.detail, settings.pixel_art),
         )
         written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()
@@ -258,6 +262,7 @@ class _Batch:
                     print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
                     continue
                 self._held += outcome.held
+                self._partial += outcome.partial
                 if outcome.warning:
                     told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
                     print(one_line(told), file=sys.stderr)
@@ -325,7 +330,9 @@ class _Batch:
         self._writer.write_held(self._held)
         if self._failed:
             print(f"normalgan: {self._failed} of {total} sketches could not be used.", file=sys.stderr)
-        return 1 if self._failed else 0
+        if self._partial:
+            print(f"normalgan: {self._partial} of {total} sketches are incomplete.", file=sys.stderr)
+        return 1 if self._failed or self._partial else 0
 
     def _target(self, job: Job) -> Path:
         return target_of(job, self._outputs, self._packing, self._settings.layers)

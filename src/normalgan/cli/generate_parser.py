@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
+from jsonargparse.typing import ClosedUnitInterval
+
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.output_options import add_output_options
 from normalgan.inference.network.tile import Tile
@@ -85,6 +87,17 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     )
     drawing.add_argument(
         "--strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+    )
+    drawing.add_argument(
+        "--detail",
+        type=ClosedUnitInterval,
+        default=0.0,
+        help="share of the slopes of the drawing's own shading that is added to the form, 0 to 1",
+    )
+    drawing.add_argument(
+        "--pixel-art",
+        action="store_true",
+        help="one normal for each art pixel, in 25 directions; thin dark outlines are flat",
     )
     drawing.add_argument(
         "--tile",

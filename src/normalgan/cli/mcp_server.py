@@ -39,7 +39,7 @@ def build_parser() -> LightParser:
     parser = LightParser(
         prog="normalgan mcp",
         usage="%(prog)s [--root FOLDER] [--model FILE]",
-        description="Serve infer, preview and sheet as MCP tools over standard input and output.",
+        description="Serve infer, preview, sheet and explain as MCP tools over standard input and output.",
     )
     parser.add_argument("--root", default=".", help="the folder that tools read from and write to")
     parser.add_argument("--model", default="shipped", help="a file that normalgan export wrote")
@@ -62,7 +62,7 @@ def make_server(root: Path, model: str = "shipped") -> "MCPServer[Any]":
 
     tools = Tools(root.resolve(), model)
     server: MCPServer[Any] = MCPServer("normalgan", instructions=_INSTRUCTIONS, version=normalgan.__version__)
-    for tool in (tools.infer, tools.preview, tools.sheet):
+    for tool in (tools.infer, tools.preview, tools.sheet, tools.explain):
         server.tool()(tool)
     return server
 
@@ -92,6 +92,8 @@ class Tools:
         alpha: bool = False,
         strength: float = 1.0,
         tile: Literal["both", "x", "y"] | None = None,
+        detail: float = 0.0,
+        pixel_art: bool = False,
     ) -> dict[str, Any]:
         """Predict the normal map of a line drawing or sprite and write it to a file.
 
@@ -106,10 +108,17 @@ class Tools:
             alpha: whether the object's mask becomes the alpha channel.
             strength: factor of the slopes.
             tile: the directions in which the drawing repeats.
+            detail: share of the slopes of a sprite's own shading that is added to the form, 0 to 1.
+            pixel_art: whether each art pixel of a sprite gets one of 25 normals; outlines are flat.
         """
+        from normalgan.inference.inputs import as_picture
+        from normalgan.inference.sprites import Sprite
+
         with _told():
             where = None if mask is None else mask if mask in _SOURCES else str(self._inside(mask))
-            preds = self._load()(self._inside(drawing), hints, where, size, tile).stronger(strength)
+            sprite, picture = Sprite(detail, pixel_art), as_picture(self._inside(drawing), size)
+            preds = self._load()(picture, hints, where, size, tile)
+            preds = sprite(preds, picture).stronger(strength)
             preds.save(target := self._inside(output), bits, green, alpha)
         return self._answer(target, preds)
 
@@ -168,6 +177,36 @@ class Tools:
             preds = predict_sheet(self._load(), pixels, found.cells, said=found.warnings)
             preds.save(target := self._inside(output), 8, green, alpha)
         return self._answer(target, preds) | {"sprites": len(found.cells)}
+
+    def explain(self, drawing: str, output: str, mask: str | None = None) -> dict[str, Any]:
+        """Show how the mask of a drawing is found: write a picture of each stage to a folder.
+
+        The stages are input, ink, outline, regions with the reader's votes, presence and mask. A mask that is
+        given, or is the drawing's opacity, has no outline, regions or presence.
+
+        Args:
+            drawing: the picture.
+            output: the folder to write to.
+            mask: a picture that is white on the object, or "outline", "model" or "reader".
+        """
+        from normalgan.inference.inputs import as_picture, prepare_any
+        from normalgan.inference.outputs.explanation import STAGES, write_explanation
+        from normalgan.inference.pipeline import predict
+
+        with _told():
+            where = None if mask is None else mask if mask in _SOURCES else str(self._inside(mask))
+            path, folder, predictor = self._inside(drawing), self._inside(output), self._load()
+            picture, backend = as_picture(path), predictor.backend
+            prepared = prepare_any(picture, predictor.size, mask=where, line_widths=backend.line_widths)
+            preds = predict(backend, prepared, predictor.upsample)
+            write_explanation(folder, path.stem, picture, prepared, preds)
+        names = [f"{path.stem}_{number}_{stage}.png" for number, stage in enumerate(STAGES, 1)]
+        written = {name: folder / name for name in names if (folder / name).is_file()}
+        return {
+            "files": [str(each.relative_to(self.root)) for each in written.values()],
+            "object_share": round(float(preds.mask.mean()), 3),
+            "warning": preds.warning,
+        }
 
     def _load(self) -> "Predictor":
         from normalgan.inference.load import load

@@ -62,11 +62,13 @@ class Decoded:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
         shape: (H, W) of the file; that of the pixels unless they were reduced.
         note: what of it is not shown as its program shows it, a part of a sentence; empty if all is.
+        partial: whether a layer of it is missing.
     """
 
     pixels: Pixels
     shape: tuple[int, int]
     note: str = ""
+    partial: bool = False
 
 
 @dataclass(frozen=True)
@@ -90,11 +92,13 @@ class Parts:
         parts: the frames.
         loop: how often they are shown; 0 is for ever.
         note: as `Decoded` has it.
+        partial: as `Decoded` has it.
     """
 
     parts: list[Part]
     loop: int
     note: str = ""
+    partial: bool = False
 
 
 @dataclass(frozen=True)
@@ -133,12 +137,14 @@ class DecodedLayers:
         durations: milliseconds that each frame is shown; one of 0 if it does not move.
         layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
         note: as `Decoded` has it.
+        partial: as `Decoded` has it.
     """
 
     shape: tuple[int, int]
     durations: list[int]
     layers: list[DecodedLayer]
     note: str = ""
+    partial: bool = False
 
 
 def decode(
@@ -280,7 +286,7 @@ class _Child:
         """Return frames as the child sends them."""
         header = self._header(question.name)
         count, loop = _whole(header["count"], 1, MOST_PARTS), _whole(header["loop"], 0, 2**16)
-        note = _printable(header.get("note", ""))
+        note, partial = _said(header)
         parts, pixels = [], 0
         for _ in range(count):
             header = self._header(question.name)  # or its refusal
@@ -290,7 +296,7 @@ class _Child:
             if pixels > MOST_PIXELS:
                 raise EOFError
             parts.append(Part(decoded, duration))
-        return Parts(parts, loop, note)
+        return Parts(parts, loop, note, partial)
 
     def layers(self, question: _Question) -> DecodedLayers:
         """Return layers as the child sends them."""
@@ -298,7 +304,7 @@ class _Child:
         count = _whole(header["count"], 1, MOST_PARTS)
         height, width = (_whole(side, 1, question.most) for side in header["full"])
         durations = [_whole(each, 0, 2**32) for each in header["durations"]]
-        note = _printable(header["note"])
+        note, partial = _said(header)
         layers, total = [], 0
         for _ in range(count):
             header = self._header(question.name)
@@ -317,7 +323,7 @@ class _Child:
             base = _whole(header["base"], -1, 2**16)
             found = np.asarray(pixels, np.uint8)
             layers.append(DecodedLayer(own, tuple(groups), opacity, *place, found, base))
-        return DecodedLayers((height, width), durations, layers, note)
+        return DecodedLayers((height, width), durations, layers, note, partial)
 
     def _greet(self) -> None:
         """Wait until the process can decode."""
@@ -354,7 +360,7 @@ class _Child:
             strip = self._connection.recv_bytes(len(view))
             view[: len(strip)] = strip
             view = view[len(strip) :]
-        return Decoded(pixels, (full_height, full_width), _printable(header.get("note", "")))
+        return Decoded(pixels, (full_height, full_width), *_said(header))
 
     def _reason(self, late: bool) -> str:
         code = self._process.returncode
@@ -431,6 +437,11 @@ def _whole(value: Any, least: int, most: int) -> int:
     if type(value) is not int or not least <= value <= most:
         raise EOFError
     return value
+
+
+def _said(header: dict[str, Any]) -> tuple[str, bool]:
+    """Return the note on a picture, and whether a layer of it is missing."""
+    return _printable(header.get("note", "")), header.get("partial", False) is True
 
 
 def _printable(words: str) -> str:

@@ -200,10 +200,11 @@ def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[
         yield _with_form(levels), levels
     else:
         sizes = request["svg_side"], request["longest"]
-        notes: list[str] = []
+        notes: list[Any] = []
         try:
             image, (width, height) = decode(content, least, most, *sizes, request["grey"], notes)
-            yield {**_with_form(image), "full": [height, width], "note": _told("; ".join(notes))}, image
+            said = {"note": _told("; ".join(map(str, notes))), "partial": any(each.partial for each in notes)}
+            yield {**_with_form(image), "full": [height, width], **said}, image
         except UnknownTiffError:
             levels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
             yield _with_form(levels), levels
@@ -369,10 +370,11 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
     except Exception as error:  # as in `decode`
         raise RefusedError(f"has layers that cannot be read: {_brief(error)}") from None
     if not found:
-        said = f": {layered.notes}" if str(layered.notes) else ""
-        raise RefusedError(f"has no visible layer that anything is drawn on{said}")
+        more = f": {layered.notes}" if str(layered.notes) else ""
+        raise RefusedError(f"has no visible layer that anything is drawn on{more}")
     durations, full = [min(each, 2**31) for each in layered.durations], [*layered.size[::-1]]
-    yield {"count": len(found), "full": full, "durations": durations, "note": _told(layered.notes)}, None
+    said = {"note": _told(layered.notes), "partial": layered.notes.partial}
+    yield {"count": len(found), "full": full, "durations": durations, **said}, None
     for layer in found:
         names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
         place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
@@ -466,7 +468,7 @@ def decode(
     svg_side: int,
     longest: int,
     grey: bool,
-    notes: list[str] | None = None,
+    notes: list[Any] | None = None,
 ) -> "tuple[Image, tuple[int, int]]":
     """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
 
@@ -491,7 +493,7 @@ def decode(
             with _unreadable_refused():
                 upright = layered.composite()
             if notes is not None and str(layered.notes):
-                notes.append(str(layered.notes))
+                notes.append(layered.notes)
             _check_sides(upright.width, upright.height, least, most)
             upright.load()
         else:
@@ -552,7 +554,8 @@ def _layered_frames(layered: Any) -> Iterator[Message]:
     with _unreadable_refused():
         found = layered.frames()
         first = next(found)
-        yield {"count": count, "loop": 0, "note": _told(layered.notes)}, None
+        said = {"note": _told(layered.notes), "partial": layered.notes.partial}
+        yield {"count": count, "loop": 0, **said}, None
         for image, milliseconds in itertools.chain([first], found):
             yield {**_with_form(image), "duration": milliseconds}, image
 

@@ -3,6 +3,7 @@
 import re
 import warnings
 from pathlib import Path
+from typing import Literal
 
 from jsonargparse import Namespace
 
@@ -16,6 +17,8 @@ __all__ = ["HALVED", "SUFFIXES", "TOLERANCE", "build_parser", "export", "run"]
 
 SUFFIXES = {"onnx": ".onnx", "safetensors": ".safetensors", "torchscript": ".pt", "pt2": ".pt2"}
 HALVED = ("onnx", "safetensors")
+Opset = Literal[15, 16, 17, 18, 19, 20, 21]
+"""Versions of ONNX's operators that a model can be written with; ONNX converts none of ours below 15."""
 TOLERANCE = 1e-3
 """Largest difference to torch that is accepted."""
 
@@ -49,6 +52,11 @@ def build_parser() -> LightParser:
     parser.add_argument("-o", "--output", default="model.onnx", help="where the model goes")
     named = ", ".join(f"{name} ({suffix})" for name, suffix in SUFFIXES.items())
     parser.add_argument("--format", default="onnx", help=named)
+    parser.add_argument(
+        "--opset",
+        type=Opset | None,
+        help="version of ONNX's operators, for older runtimes; null is 18",
+    )
     parser.add_argument("--half", action="store_true", help="store the weights in 16 bits")
     parser.add_argument(
         "--size", type=int | None, help="side of the pictures; null is what it was trained at"
@@ -80,6 +88,10 @@ def export(name: str, target: Path, options: Namespace) -> str:
 
     (model, notes), form = load(name, options.size, options.licence), FORMATS[options.format]
     content = form.write(model, notes.metadata())
+    if options.opset is not None:
+        from normalgan.exporting.onnx_file import lowered  # late: other formats do without the package onnx
+
+        content = lowered(content, options.opset)
     difference = largest_difference(model, form.read(content))
     if not difference <= TOLERANCE:
         raise RunError(
@@ -115,6 +127,8 @@ def _check(options: Namespace) -> Path:
         raise InputError(
             f"--half is for {' and '.join(HALVED)}; leave it out, or write {options.format} without it."
         )
+    if options.opset is not None and options.format != "onnx":
+        raise InputError(f"--opset is for onnx; leave it out, or write {options.format} without it.")
     if options.size is not None and options.size < 8:
         raise InputError(f"the size of a model is 8 pixels or more, not {options.size}.")
     if options.licence is not None and not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):

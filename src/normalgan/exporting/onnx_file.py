@@ -4,9 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 import onnx
-from onnx import ModelProto, NodeProto, TensorProto, helper, numpy_helper
+from onnx import ModelProto, NodeProto, TensorProto, helper, numpy_helper, version_converter
 
-__all__ = ["finish", "halve"]
+from normalgan.errors import InputError, brief
+
+__all__ = ["finish", "halve", "lowered"]
 
 _SMALL = 64
 """Tensors of fewer elements stay as they are: shapes, scales and the like weigh nothing."""
@@ -61,3 +63,24 @@ def halve(content: bytes) -> bytes:
     model.graph.node.extend(nodes)
     onnx.checker.check_model(model, full_check=True)
     return bytes(model.SerializeToString(deterministic=True))
+
+
+def lowered(content: bytes, opset: int) -> bytes:
+    """Return a model in another version of ONNX's operators, for older or newer runtimes.
+
+    Raises:
+        InputError: if ONNX's converter does not know an operator of it there.
+    """
+    model = onnx.load_from_string(content)
+    for node in model.graph.node:  # new with version 18, and without effect where axes are given
+        kept = [each for each in node.attribute if each.name != "noop_with_empty_axes"]
+        del node.attribute[:]
+        node.attribute.extend(kept)
+    try:
+        converted = version_converter.convert_version(model, opset)
+        onnx.checker.check_model(converted, full_check=True)
+    except (RuntimeError, onnx.checker.ValidationError) as error:
+        raise InputError(f"the model cannot be written with opset {opset}: {brief(error)}.") from None
+    del converted.metadata_props[:]
+    helper.set_model_props(converted, {each.key: each.value for each in model.metadata_props})
+    return bytes(converted.SerializeToString(deterministic=True))

@@ -50,6 +50,7 @@ class NormalMap:
         tile: the ways in which the map goes on past its edges with what lies at the opposite ones, or None.
         cells: of a sheet the drawings in it, each a surface of its own; none of another map. The normals of
             one that is turned are those of the upright drawing.
+        partial: whether something that is drawn could not be predicted, as the warning says.
     """
 
     extended: Floats
@@ -60,6 +61,7 @@ class NormalMap:
     warning: str
     tile: Tile | None = None
     cells: tuple[Cell, ...] = ()
+    partial: bool = False
 
     def __repr__(self) -> str:
         height, width = self.mask.shape

@@ -36,6 +36,7 @@ from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
 from normalgan.inference.reading.svg_size import svg_size
+from normalgan.inference.sprites import Sprite
 
 __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "written_for"]
 
@@ -53,12 +54,14 @@ class Done:
         warning: what is to be said of it, a part of a sentence; empty if nothing is.
         held: the files that wait for the other drawings of a command.
         note: what was done that the user may not expect, a part of a sentence; empty if nothing was.
+        partial: whether something that is drawn could not be predicted, as the warning says.
     """
 
     target: Path
     warning: str = ""
     held: list[Held] = field(default_factory=list)
     note: str = ""
+    partial: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,7 @@ class JobPredictor:
         single: whether a page is one object, whatever it shows; else its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
         explain: folder for pictures of how each mask was found; None writes none.
+        sprite: adapts each map to a painted sprite.
     """
 
     predictor: Predictor
@@ -91,6 +95,7 @@ class JobPredictor:
     single: bool = False
     holes: Sequence[tuple[float, float]] = ()
     explain: Path | None = None
+    sprite: Sprite = field(default_factory=Sprite)
 
     def __call__(self, job: Job) -> Done:
         """Predict and write one job.
@@ -103,9 +108,10 @@ class JobPredictor:
         drawing = Drawing(files.drawing, files.content)
         if self.layers:
             shared = self.frame != "own"
-            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength)
+            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
             target = layered_target(job, drawing, self.writer.outputs)
-            return Done(target, *predict(job, drawing, target))
+            warning, held, partial = predict(job, drawing, target)
+            return Done(target, warning, held, partial=partial)
         kind = drawing.moving
         several = "has several pages" if kind == PAGES else "is an animation"
         if kind is not None and self.packing.given:
@@ -154,20 +160,21 @@ class JobPredictor:
                 yield job, preds
                 continue
             try:
-                yield job, self._written(job, _noted(preds, member.picture.note))
+                adapted = self.sprite(preds, member.picture)
+                yield job, self._written(job, _noted(adapted, member.picture))
             except OSError as error:
                 yield job, error
 
     def _written(self, job: Job, preds: NormalMap) -> Done:
         held = self.writer.write(job, preds.stronger(self.strength))
-        return Done(job.target, preds.warning, held)
+        return Done(job.target, preds.warning, held, partial=preds.partial)
 
     def _drawing(self, job: Job, drawing: Drawing) -> NormalMap:
         files = job.files
         picture = drawing.picture(self.size)
         if self.tile is not None:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
-            return _noted(tiled, picture.note)
+            return _noted(self.sprite(tiled, picture), picture)
         predictor = self.predictor
         prepared = prepare_any(
             *(picture, predictor.size, files.hints, files.mask, self.size, predictor.backend.line_widths),
@@ -180,7 +187,7 @@ class JobPredictor:
             preds = predict(predictor.backend, prepared, predictor.upsample)
         if self.explain is not None:
             write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
-        return _noted(preds, picture.note)
+        return _noted(self.sprite(preds, picture), picture)
 
     def _figures(self, drawing: Drawing, prepared: Prepared) -> list[Cell]:
         """Return the cells of a page's figures, in pixels of its map; empty for a single object."""
@@ -220,7 +227,9 @@ class JobPredictor:
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         mask = _mask(files, sheet.shape)
         shared = self.frame == "shared"
-        return predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
+        preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
+        picture = to_picture(sheet)
+        return _noted(self.sprite(preds, picture), picture)
 
     def _animation(self, job: Job, drawing: Drawing) -> Done:
         """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
@@ -231,6 +240,7 @@ class JobPredictor:
         pixels: list[NDArray[np.uint8]] = []
         said: list[str] = []
         failed: list[InputError] = []
+        flat: list[Picture] = []
         held: list[Held] = []
         outputs = self.writer.outputs
         steady = shared and not pages
@@ -239,9 +249,10 @@ class JobPredictor:
             if isinstance(each, InputError):
                 preds = flat_map(members[number - 1].picture.shape, self.size)
                 failed.append(each)
+                flat.append(members[number - 1].picture)
                 said.append(f"{part} {number}: {left_flat(each)}")
             else:
-                preds = each
+                preds = self.sprite(each, members[number - 1].picture)
                 said += [f"{part} {number}: {each.warning}"] if each.warning else []
             own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
@@ -263,7 +274,8 @@ class JobPredictor:
             self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
         warning = "; ".join(filter(None, [found.note, said[0] + more if said else ""]))
-        return Done(target, warning, held)
+        # A frame that is blank all over is meant so.
+        return Done(target, warning, held, partial=found.partial or not all(map(_blank, flat)))
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
@@ -313,7 +325,7 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
 
 def _moves(outputs: Outputs) -> bool:
     """Return whether the maps of an animation go into one: it has 8 bits."""
-    return outputs.normal.format == "png" and outputs.normal.bits == 8
+    return outputs.normal.plain
 
 
 def _source(files: DrawingFiles) -> str | None:
@@ -321,9 +333,17 @@ def _source(files: DrawingFiles) -> str | None:
     return files.mask if isinstance(files.mask, str) else None
 
 
-def _noted(preds: NormalMap, note: str) -> NormalMap:
+def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
     """Return a map with the warning about its drawing's file added."""
-    return replace(preds, warning="; ".join(filter(None, [note, preds.warning])))
+    warning = "; ".join(filter(None, [picture.note, preds.warning]))
+    return replace(preds, warning=warning, partial=preds.partial or picture.partial)
+
+
+def _blank(picture: Picture) -> bool:
+    """Return whether nothing is drawn on a picture."""
+    if picture.alpha is not None:
+        return not picture.alpha.any()
+    return bool((picture.colour == picture.colour[:1, :1]).all())
 
 
 def _mask(files: DrawingFiles, shape: tuple[int, int]) -> BoolMask | str | None:

@@ -258,5 +258,10 @@ def test_a_frame_without_lines_is_left_flat_and_named(here: Path, capsys: pytest
     assert "frame 2: it is left flat, as no line is seen in it" in capsys.readouterr().err
     frames, _, _ = frames_of("normals/blink_normal.png")
     assert (frames[1][..., :3] == (128, 128, 255)).all()
+    grain = np.full((80, 120), 255, np.uint8)
+    grain[40, 40] = 250
+    animate("grain.png", [pen(FRAMES[0]), grain, pen(FRAMES[1])])
+    assert generate("grain.png") == 1  # something is drawn on it
+    assert "1 of 1 sketches are incomplete." in capsys.readouterr().err
     assert generate("blink.png", "--sheet", "2x1") == 2
     assert "blink.png is an animation; a sheet is a still picture." in capsys.readouterr().err

@@ -160,10 +160,12 @@ def test_layers_that_nothing_can_be_seen_on_are_left_out_and_named(
     mist = np.full((*SHAPE, 4), 255, np.uint8)
     mist[:, 60:] = 253
     Path("fox.ora").write_bytes(encode_layers("ora", SHAPE, [layer("mist", mist, 0), *STACK[1:]]))
-    assert generate("fox.ora", "--layers") == 0
+    assert generate("fox.ora", "--layers") == 1
     found = read_layers(Path("normals/fox_normal.ora")).layers
     assert [each.name for each in found] == ["body", "hand", "hat"]
-    assert "layer 'mist': it is left out, as no line is seen in it" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "layer 'mist': it is left out, as no line is seen in it" in said
+    assert "1 of 1 sketches are incomplete." in said
 
 
 def test_a_speck_is_a_drawing_too(here: Path) -> None:
@@ -240,6 +242,44 @@ def test_a_layer_that_is_broken_does_not_cost_the_others() -> None:
     found = read_layers(Path("a.kra"), krita(b"LZF", b"LZ4"))
     assert "cannot be read: a tile of it is packed in a way that is not known" in found.note
     assert len(found.layers) == 2
+
+
+def broken(kind: str) -> bytes:
+    """Return a layered file whose lowest layer has broken pixels."""
+    if kind == "kra":
+        return krita(b"LZF", b"LZ4")
+    content = encode_layers(kind, SHAPE, STACK[1:])  # type: ignore[arg-type]
+    if kind == "aseprite":
+        at = content.index(b"x\x9c") + 2
+        return content[:at] + bytes(4) + content[at + 4 :]
+    out = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(out, "w") as new:
+        for name in old.namelist():
+            new.writestr(name, b"no picture" if name.endswith("layer000.png") else old.read(name))
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("kind", ["kra", "ora", "aseprite"])
+def test_where_a_layer_is_missing_the_rest_is_written_and_the_exit_code_is_1(
+    here: Path, capsys: pytest.CaptureFixture[str], kind: str
+) -> None:
+    Path(f"fox.{kind}").write_bytes(broken(kind))
+    assert generate(f"fox.{kind}", "--layers") == 1
+    said = capsys.readouterr().err
+    assert "cannot be read" in said
+    assert "1 of 1 sketches are incomplete." in said
+    written = Path(f"normals/fox_normal.{'ora' if kind == 'kra' else kind}")
+    # Krita's file has a sheet of paper besides, which is not written.
+    assert len(read_layers(written).layers) == (1 if kind == "kra" else 2)
+    if kind == "aseprite":
+        assert generate(f"fox.{kind}", "-o", "whole") == 1
+        assert "cannot be read" in capsys.readouterr().err
+        assert Path("whole/fox_normal.png").is_file()
+
+
+def test_what_is_only_shown_otherwise_does_not_count_as_missing(here: Path) -> None:
+    Path("fox.psd").write_bytes(encode_layers("psd", SHAPE, STACK))
+    assert generate("fox.psd", "--layers") == 0
 
 
 @pytest.mark.parametrize("kind", KINDS)

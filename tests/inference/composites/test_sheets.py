@@ -268,7 +268,7 @@ def test_a_cell_that_cannot_be_painted_is_named_and_the_others_are(
     grain = np.full((96, 96), 255, np.uint8)
     grain[40, 40] = 250
     Image.fromarray(np.hstack([pen(SPRITES[0]), grain])).save("sheet.png")
-    assert generate("sheet.png", "--sheet", "2x1", "--alpha") == 0
+    assert generate("sheet.png", "--sheet", "2x1", "--alpha") == 1
     assert "row 1, column 2: it is left flat, as no line is seen in it" in capsys.readouterr().err
     assert pixels("normals/sheet_normal.png")[:, 96:, 3].max() == 0
 
@@ -281,7 +281,7 @@ def test_a_tiny_sprite_of_an_atlas_is_named(here: Path, capsys: pytest.CaptureFi
     told["frames"]["spark"] = {"frame": {"x": 186, "y": 40, "w": 6, "h": 7}}
     told["frames"]["nothing"] = {"frame": {"x": 190, "y": 190, "w": 1, "h": 1}}
     Path("sheet.json").write_text(json.dumps(told))
-    assert generate("sheet.png", "--atlas", "sheet.json") == 0
+    assert generate("sheet.png", "--atlas", "sheet.json") == 1
     said = capsys.readouterr().err
     assert "spark: it is left flat, as it is 6 × 7 pixels; a drawing has 8 a side at least" in said
     assert "nothing" not in said

@@ -23,6 +23,13 @@ class Notes:
 
     def __init__(self) -> None:
         self._said: dict[str, None] = {}
+        self.partial = False
+        """Whether a layer is missing, and not only a part of how it is shown."""
+
+    def leave_out(self, name: str, words: str) -> None:
+        """Note a layer that is missing."""
+        self.partial = True
+        self.add(name, words)
 
     def add(self, name: str, words: str) -> None:
         """Note something of a layer."""

@@ -79,7 +79,8 @@ class KritaFile(LayeredZip):
             if each.get("visible", "1") == "0":
                 continue
             if kind not in {"grouplayer", "paintlayer"}:
-                self.notes.add(name, f"{_LAYERS.get(kind, f'layer of the kind {kind}')} left out")
+                note = self.notes.add if kind == "adjustmentlayer" else self.notes.leave_out
+                note(name, f"{_LAYERS.get(kind, f'layer of the kind {kind}')} left out")
                 continue
             self._note(each, name)
             try:
@@ -90,7 +91,7 @@ class KritaFile(LayeredZip):
                     continue
                 image = self._paint(each)
             except (ValueError, IndexError, UnreadableError) as error:
-                self.notes.add(name, f"cannot be read: {error}; left out")
+                self.notes.leave_out(name, f"cannot be read: {error}; left out")
                 continue
             for mask in inside:
                 image.putalpha(ImageChops.multiply(image.getchannel("A"), mask))

@@ -1,7 +1,7 @@
 """Layered job: each visible layer of a file predicted separately, and all of them written."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from normalgan.decoding import DecodedLayer, DecodedLayers
@@ -21,6 +21,7 @@ from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.parallel import stream
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.picture import fitted
+from normalgan.inference.sprites import Sprite
 
 __all__ = ["LayeredJob", "goes_in_one", "layered_target"]
 
@@ -38,6 +39,7 @@ class LayeredJob:
         size: longer side of the maps in pixels; None is the drawing's.
         shared: whether the frames of a layer that moves share what the network is shown, and are steadied.
         strength: what the slopes of all maps are multiplied by.
+        sprite: adapts each map to a painted sprite.
     """
 
     predictor: Predictor
@@ -45,9 +47,10 @@ class LayeredJob:
     size: int | None = None
     shared: bool = True
     strength: float = 1.0
+    sprite: Sprite = field(default_factory=Sprite)
 
-    def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[str, list[Held]]:
-        """Predict and write; return the warning, and what waits for other drawings.
+    def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[str, list[Held], bool]:
+        """Predict and write; return the warning, what waits for others, and whether a layer is missing.
 
         Args:
             job: the file.
@@ -86,7 +89,7 @@ class LayeredJob:
             shape = found.shape if self.size is None else fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
-        return "; ".join(said), held
+        return "; ".join(said), held, found.partial or bool(failed)
 
     def _predict(
         self, job: Job, found: DecodedLayers, number: int
@@ -101,14 +104,13 @@ class LayeredJob:
         said: list[str] = []
         held: list[Held] = []
         failed: list[InputError] = []
-        for layer, preds in zip(
-            own, predict_series(self.predictor, members, several, several, self.size), strict=True
-        ):
+        series = predict_series(self.predictor, members, several, several, self.size)
+        for layer, member, preds in zip(own, members, series, strict=True):
             if not isinstance(preds, NormalMap):
                 failed.append(preds)
                 continue
             said += [preds.warning] if preds.warning else []
-            stronger = preds.stronger(self.strength)
+            stronger = self.sprite(preds, member.picture).stronger(self.strength)
             each = _job_of(job, layer, outputs.ending, len(found.durations))
             held += self.writer.write_others(each, stronger)
             if not goes_in_one(outputs):
@@ -123,8 +125,7 @@ class LayeredJob:
 
 def goes_in_one(outputs: Outputs) -> bool:
     """Return whether predicted layers go into one layered file: it has 8 bits, and engines want pictures."""
-    normal = outputs.normal
-    return normal.format == "png" and normal.bits == 8 and normal.engine is None
+    return outputs.normal.plain and outputs.normal.engine is None
 
 
 def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -106,7 +107,7 @@ def predict_sheet(
     if not fine:
         cell, error = done[0]
         raise InputError(f"{cell.name}: {error}")
-    return _assembled(sheet.shape, fine, _warning(done, said))
+    return replace(_assembled(sheet.shape, fine, _warning(done, said)), partial=len(fine) < len(done))
 
 
 def _member(

@@ -5,6 +5,7 @@ from normalgan.inference.outputs.height import Height
 from normalgan.inference.outputs.mask import Mask
 from normalgan.inference.outputs.model_input import ModelInput
 from normalgan.inference.outputs.normal import Normal
+from normalgan.inference.outputs.packed import OcclusionRoughnessMetallic, Roughness
 from normalgan.inference.outputs.preview import Preview
 from normalgan.inference.outputs.relief import Relief
 from normalgan.inference.outputs.shading import AmbientOcclusion, Curvature, Specular
@@ -17,8 +18,10 @@ __all__ = [
     "Mask",
     "ModelInput",
     "Normal",
+    "OcclusionRoughnessMetallic",
     "Output",
     "Preview",
     "Relief",
+    "Roughness",
     "Specular",
 ]

@@ -1,16 +1,21 @@
 """Normal: the normal map itself, as each program wants it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Literal
+
+import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import Format, NormalMap
 from normalgan.inference.outputs.base import Output
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine, sidecar
+from normalgan.inference.outputs.shading import specular_of
 from normalgan.normals import Bits, Green
 
-__all__ = ["Normal", "engine_defaults"]
+__all__ = ["Normal", "Pack", "engine_defaults"]
+
+Pack = Literal["normal_specular"]
 
 
 @dataclass(frozen=True)
@@ -23,6 +28,7 @@ class Normal(Output):
         bits: of each channel of a PNG.
         y: up is green as in OpenGL, down as in DirectX.
         alpha: write the object's mask as alpha channel.
+        pack: normal_specular writes the specular map as alpha channel; null packs nothing.
         engine: sets y, bits and suffix as it wants them, and writes what it imports the map by.
 
     Raises:
@@ -37,6 +43,7 @@ class Normal(Output):
     bits: Bits = 8
     y: Green = "up"
     alpha: bool = False
+    pack: Pack | None = None
     engine: Engine | None = None
 
     def __post_init__(self) -> None:
@@ -45,6 +52,10 @@ class Normal(Output):
             raise InputError(f"the bits of a normal map are 8 or 16, not {self.bits}.")
         if self.bits == 16 and self.format != "png":
             raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
+        if self.pack and self.alpha:
+            raise InputError(
+                "--pack normal_specular and --alpha both write the alpha channel; leave one out."
+            )
         if self.suffix and Path(self.suffix).name != self.suffix:
             raise InputError(f"the suffix {self.suffix!r} is no part of a file's name; it is like _normal.")
 
@@ -55,7 +66,16 @@ class Normal(Output):
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the map's file."""
-        return {self.endings[0]: preds.encode(self.format, self.bits, self.y, self.alpha)}
+        if self.pack == "normal_specular":
+            # On the object at least one level of 8 bits: what has none there is written as flat.
+            dullest = preds.mask.astype(np.float32) / 255
+            preds = replace(preds, alpha=np.maximum(specular_of(preds), dullest))
+        return {self.endings[0]: preds.encode(self.format, self.bits, self.y, self.alpha or bool(self.pack))}
+
+    @property
+    def plain(self) -> bool:
+        """Whether the map is a picture of 8 bits without packed values, as animations and layers hold."""
+        return self.format == "png" and self.bits == 8 and self.pack is None
 
     def sidecar(self, target: Path) -> tuple[Path, bytes] | None:
         """Return the file by which the engine imports a map, and its content; None without an engine."""

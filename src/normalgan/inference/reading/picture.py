@@ -28,12 +28,14 @@ class Picture:
         alpha: (h, w) opacity in [0, 1], or None where every pixel is opaque.
         full: (H, W) of its file, if that has more pixels; None if it has the same.
         note: what of its file is not shown as its program shows it, a part of a sentence; empty if all is.
+        partial: whether a layer of its file is missing.
     """
 
     colour: Floats
     alpha: Floats | None
     full: tuple[int, int] | None = None
     note: str = ""
+    partial: bool = False
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -94,13 +96,12 @@ def to_picture(decoded: Decoded) -> Picture:
     values, alpha = to_unit(decoded.pixels), None
     full = decoded.shape if decoded.shape != values.shape[:2] else None
     if values.ndim == 2:
-        return Picture(
-            np.asarray(cv2.cvtColor(values, cv2.COLOR_GRAY2RGB), np.float32), None, full, decoded.note
-        )
+        grey = np.asarray(cv2.cvtColor(values, cv2.COLOR_GRAY2RGB), np.float32)
+        return Picture(grey, None, full, decoded.note, decoded.partial)
     if values.shape[2] == 4:
         values, alpha = values[..., :3], values[..., 3]
         alpha = alpha if alpha.min() < 1 else None
-    return Picture(values, alpha, full, decoded.note)
+    return Picture(values, alpha, full, decoded.note, decoded.partial)
 
 
 def to_pixels(picture: Picture) -> Decoded:

@@ -247,6 +247,8 @@ export const text = {
   whatAo: "Ambient occlusion",
   whatCurvature: "Curvature",
   whatSpecular: "Specular",
+  whatRoughness: "Roughness",
+  whatOrm: "Occlusion, roughness, metallic",
   whatMask: "Mask",
   whatLit: "Lit picture, as shown",
   whatAll: "All files, zipped",

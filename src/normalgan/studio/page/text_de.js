@@ -234,6 +234,8 @@ export const words = {
   whatAo: "Ambient Occlusion",
   whatCurvature: "Krümmung",
   whatSpecular: "Specular",
+  whatRoughness: "Rauheit",
+  whatOrm: "Okklusion, Rauheit, Metall",
   whatMask: "Maske",
   whatLines: "Linien",
   allHelp: "Map, Linien, Maske, Höhe, Ambient Occlusion, Krümmung, Specular und Vorschau, mit Dateinamen, Grünrichtung und Bittiefe der Engine.",

@@ -234,6 +234,8 @@ export const words = {
   whatAo: "Oclusión ambiental",
   whatCurvature: "Curvatura",
   whatSpecular: "Especular",
+  whatRoughness: "Rugosidad",
+  whatOrm: "Oclusión, rugosidad, metal",
   whatMask: "Máscara",
   whatLines: "Líneas",
   allHelp: "Mapa, líneas, máscara, altura, oclusión ambiental, curvatura, especular y vista previa, con los nombres, el sentido del verde y los bits del motor.",

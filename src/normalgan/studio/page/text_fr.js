@@ -234,6 +234,8 @@ export const words = {
   whatAo: "Occlusion ambiante",
   whatCurvature: "Courbure",
   whatSpecular: "Spéculaire",
+  whatRoughness: "Rugosité",
+  whatOrm: "Occlusion, rugosité, métal",
   whatMask: "Masque",
   whatLines: "Lignes",
   allHelp: "Carte, lignes, masque, hauteur, occlusion ambiante, courbure, spéculaire et aperçu, avec les noms de fichiers, le sens du vert et les bits du moteur.",

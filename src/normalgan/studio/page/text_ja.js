@@ -234,6 +234,8 @@ export const words = {
   whatAo: "アンビエントオクルージョン",
   whatCurvature: "曲率",
   whatSpecular: "スペキュラー",
+  whatRoughness: "ラフネス",
+  whatOrm: "オクルージョン・ラフネス・メタリック",
   whatMask: "マスク",
   whatLines: "線画",
   allHelp: "マップ、線画、マスク、高さ、アンビエントオクルージョン、曲率、スペキュラー、プレビュー。ファイル名、緑の向き、ビット数はエンジンに合わせます。",

@@ -234,6 +234,8 @@ export const words = {
   whatAo: "环境光遮蔽",
   whatCurvature: "曲率",
   whatSpecular: "高光",
+  whatRoughness: "粗糙度",
+  whatOrm: "遮蔽、粗糙度、金属度",
   whatMask: "蒙版",
   whatLines: "线稿",
   allHelp: "贴图、线稿、蒙版、高度、环境光遮蔽、曲率、高光和预览，按引擎的文件名、绿色方向和位深。",

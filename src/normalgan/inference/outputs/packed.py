@@ -1,0 +1,50 @@
+"""Packed maps: several shading values in the channels of one picture, as engines of PBR read them."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import cv2
+import numpy as np
+
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.inference.outputs.shading import occlusion_of, specular_of
+from normalgan.normals import encode_grey, pack_png
+
+__all__ = ["OcclusionRoughnessMetallic", "Roughness"]
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class Roughness(Output):
+    """The roughness, one minus the specular map.
+
+    Args:
+        format: of the picture.
+    """
+
+    name: ClassVar[str] = "roughness"
+    label: ClassVar[str] = "Roughness"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file."""
+        return {self.endings[0]: encode_grey(1 - specular_of(preds))}
+
+
+@OUTPUTS.register
+@dataclass(frozen=True)
+class OcclusionRoughnessMetallic(Output):
+    """Occlusion, roughness and metallic in red, green and blue, as glTF, Unreal and Godot read them.
+
+    Args:
+        format: of the picture.
+    """
+
+    name: ClassVar[str] = "orm"
+    label: ClassVar[str] = "Occlusion, roughness, metallic"
+
+    def encode(self, preds: NormalMap) -> dict[str, bytes]:
+        """Return the content of the file; nothing is metallic, because no drawing tells metal."""
+        rough = 1 - specular_of(preds)
+        channels = cv2.merge([np.zeros_like(rough), rough, occlusion_of(preds)])  # blue first
+        return {self.endings[0]: pack_png(np.rint(255 * np.clip(channels, 0, 1)).astype(np.uint8))}

@@ -1,0 +1,265 @@
+"""Sprites: slopes from a painting's own shading on top of the inferred form, and one normal per art pixel."""
+
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
+from normalgan.inference.conversion import reoriented
+from normalgan.inference.network.tile import Tile, middle, wrapped
+from normalgan.inference.normal_map import NormalMap, part_of
+from normalgan.inference.reading.picture import Picture
+from normalgan.inference.vectors import unit
+
+__all__ = ["DIRECTIONS", "Sprite", "art_pixel", "outlines", "slopes_of"]
+
+T = TypeVar("T", bound=np.generic)
+
+_COARSE = 1 / 10
+"""Widest shading that counts as detail, as a share of the object's longer side; wider shading is its form."""
+_FINE = 1 / 400
+"""Standard deviation of the blur against noise, as a share of the object's longer side."""
+_DEPTH = 1 / 8
+"""Height between black and white, as a share of the object's longer side."""
+_LEAST_DEPTH = 6.0
+"""The same in pixels, of tiny sprites."""
+_STEEPEST = 1.5
+"""Limit of the slopes, so that an ink line becomes a groove and not a cliff."""
+
+_LARGEST_ART_PIXEL = 64
+_CHANGE = 0.03
+"""Least difference of two colours, in [0, 1]: a JPEG's noise is smaller."""
+_ON_GRID = 0.98
+"""Share of all changes of colour that must lie on the grid of art pixels."""
+_LEAST_LINES = 4
+"""Least number of grid lines with a change: of fewer, any shape fits some grid."""
+_BUSY = 0.5
+"""Least share of grid lines across the drawing that have a change."""
+
+_DARK = 0.45
+"""Luminance of an outline, as a share of the object's bright parts (their 75th percentile)."""
+
+_RINGS = (22.0, 45.0, 68.0)
+"""Tilts in degrees of the directions of pixel art, besides the one that faces the viewer."""
+_AROUND = 8
+
+
+def _directions() -> Floats:
+    around = np.arange(_AROUND) * (2 * np.pi / _AROUND)
+    flat = np.stack([np.cos(around), np.sin(around), np.zeros(_AROUND)], 1)
+    rings = [np.sin(tilt) * flat + [0, 0, np.cos(tilt)] for tilt in np.radians(_RINGS)]
+    return np.concatenate([[[0, 0, 1]], *rings]).astype(np.float32)
+
+
+DIRECTIONS: Floats = _directions()
+"""(25, 3), the normals of a pixel-art map: one to the viewer and three rings of eight."""
+
+
+@dataclass(frozen=True)
+class Sprite:
+    """Adapts a predicted map to a painted sprite.
+
+    Args:
+        detail: share of the painting's own slopes that is added to the form, 0 to 1.
+        pixel_art: give each art pixel one of `DIRECTIONS`, and dark outlines the flat normal.
+
+    Raises:
+        InputError: if the detail is not from 0 to 1.
+    """
+
+    detail: float = 0.0
+    pixel_art: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a share that is none."""
+        if not 0 <= self.detail <= 1:
+            raise InputError(f"detail is {self.detail}; use 0 for the inferred form alone, up to 1.")
+
+    def __call__(self, preds: NormalMap, picture: Picture) -> NormalMap:
+        """Return the map with the painting's details, or as pixel art.
+
+        Args:
+            preds: the predicted map; each drawing of a sheet is treated separately.
+            picture: what it was predicted for, of any size.
+        """
+        if not self.detail and not self.pixel_art:
+            return preds
+        colour = picture.resized(preds.mask.shape).colour
+        side = art_pixel(picture) if self.pixel_art else 1
+        own_alpha = picture.alpha is not None
+        if not preds.cells:
+            return self._adapted(preds, colour, side, own_alpha)
+        normals, mask, alpha = preds.extended.copy(), preds.mask.copy(), preds.alpha.copy()
+        for cell in preds.cells:
+            own = np.ascontiguousarray(cell.upright(colour[cell.box]))
+            part = self._adapted(part_of(preds, cell), own, side, own_alpha)
+            cell.put(normals, part.extended)
+            cell.put(mask, part.mask)
+            cell.put(alpha, part.alpha)
+        return replace(preds, extended=normals, mask=mask, alpha=alpha)
+
+    def _adapted(self, preds: NormalMap, colour: Floats, side: int, own_alpha: bool) -> NormalMap:
+        """Return one drawing's map with the details of its colours (H, W, 3)."""
+        if not preds.mask.any():
+            return preds
+        if not self.pixel_art:
+            slopes = slopes_of(colour, preds.mask, preds.tile)
+            return replace(preds, extended=self._detailed(preds.extended, slopes))
+        blocks = _Blocks.of(colour, side)
+        opacity = blocks.mean(preds.alpha)
+        there = blocks.mean(preds.mask.astype(np.float32)) >= 0.5
+        weight = preds.mask.astype(np.float32)[..., None] + np.float32(1e-3)
+        normals = unit(blocks.mean(preds.extended * weight), front=True)
+        small = blocks.mean(colour * weight) / blocks.mean(weight)
+        if self.detail:
+            normals = self._detailed(normals, slopes_of(small, there, preds.tile))
+        nearest = np.argmax(normals @ DIRECTIONS.T, axis=-1)
+        few = DIRECTIONS[nearest]
+        few[outlines(small, there)] = DIRECTIONS[0]
+        # The soft edge of a mask that was found in the lines is made hard; the sprite's own opacity is kept.
+        shown = opacity if own_alpha else there.astype(np.float32)
+        return replace(preds, extended=blocks.back(few), mask=blocks.back(there), alpha=blocks.back(shown))
+
+    def _detailed(self, form: Floats, slopes: Floats) -> Floats:
+        """Return the form (H, W, 3) with slopes (H, W, 2) standing on it."""
+        own = np.dstack([self.detail * slopes, np.ones(slopes.shape[:2], np.float32)])
+        return reoriented(form, unit(np.ascontiguousarray(own, np.float32), front=True))
+
+
+def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Floats:
+    """Return the slopes (H, W, 2), nx / nz and ny / nz, of a surface as high as a painting is light.
+
+    Shading wider than a tenth of the object is left out, because the inferred form has it.
+
+    Args:
+        colour: (H, W, 3) in [0, 1].
+        mask: (H, W), the object; its colours go on beyond its edge.
+        tile: the ways in which the painting repeats.
+
+    Example:
+        A light stripe is a ridge:
+
+        >>> stripe = np.zeros((16, 16, 3), np.float32)
+        >>> stripe[:, 7:9] = 1
+        >>> slopes = slopes_of(stripe, np.ones((16, 16), bool))
+        >>> bool(slopes[8, 6, 0] < -0.5), bool(slopes[8, 9, 0] > 0.5), bool(abs(slopes[..., 1]).max() < 1e-5)
+        (True, True, True)
+    """
+    from scipy import ndimage  # here: it takes a while to import
+
+    rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
+    longest = max(int(np.ptp(rows)), int(np.ptp(columns))) + 1
+    room = (round(3 * _COARSE * longest) + 1,) * 2
+    light = np.asarray(cv2.cvtColor(np.ascontiguousarray(colour, np.float32), cv2.COLOR_RGB2GRAY), np.float32)
+    if not mask.all():
+        nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
+        light = light[nearest[0], nearest[1]]
+    light = wrapped(light, tile, room)
+    border = cv2.BORDER_REPLICATE
+    fine = cv2.GaussianBlur(light, (0, 0), max(_FINE * longest, 0.5), borderType=border)
+    coarse = cv2.GaussianBlur(light, (0, 0), max(_COARSE * longest, 1.5), borderType=border)
+    down, right = np.gradient((fine - coarse) * np.float32(max(_DEPTH * longest, _LEAST_DEPTH)))
+    slopes = middle(np.stack([-right, down], -1), tile, room)
+    steepness = np.linalg.norm(slopes, axis=-1, keepdims=True)
+    return np.asarray(slopes / np.sqrt(1 + (steepness / _STEEPEST) ** 2), np.float32)
+
+
+def outlines(colour: Floats, mask: BoolMask) -> BoolMask:
+    """Return where thin dark lines (H, W) are on an object: its outline, and lines of the same kind inside.
+
+    Args:
+        colour: (H, W, 3) in [0, 1], an art pixel each.
+        mask: (H, W), the object.
+    """
+    light = np.asarray(cv2.cvtColor(np.ascontiguousarray(colour, np.float32), cv2.COLOR_RGB2GRAY), np.float32)
+    dark = mask & (light < _DARK * np.percentile(light[mask], 75)) if mask.any() else mask
+    solid = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8), borderValue=0)
+    thin: BoolMask = dark & (solid == 0)
+    return thin
+
+
+def art_pixel(picture: Picture) -> int:
+    """Return the side in pixels of a sprite's art pixels; 1 if they are not enlarged.
+
+    All changes of colour of a sprite that was enlarged without smoothing lie on a grid.
+
+    >>> art = np.random.default_rng(0).random((16, 16, 3)).astype(np.float32)
+    >>> [art_pixel(Picture(np.kron(art, np.ones((n, n, 1), np.float32)), None)) for n in (1, 3, 8)]
+    [1, 3, 8]
+    """
+    if picture.full is not None:
+        return 1  # it has been reduced, and its grid with it
+    seen = _seen(picture.colour, picture.alpha)
+    most = min(_LARGEST_ART_PIXEL, min(picture.size) // _LEAST_LINES)
+    changes = [_changes(seen, axis) for axis in (0, 1)]
+    for side in range(most, 1, -1):
+        if all(_offset(each, side) is not None for each in changes):
+            return side
+    return 1
+
+
+def _seen(colour: Floats, alpha: Floats | None) -> Floats:
+    return colour if alpha is None else np.dstack([colour * alpha[..., None], alpha])
+
+
+def _changes(colour: Floats, axis: int) -> Floats:
+    """Return how much the colours change before each row (axis 0) or column (axis 1); 0 before the first."""
+    difference = np.abs(np.diff(colour, axis=axis)).max(-1)
+    total = np.where(difference > _CHANGE, difference, 0).sum(1 - axis)
+    return np.concatenate([[0], total]).astype(np.float32)
+
+
+def _offset(changes: Floats, side: int) -> int | None:
+    """Return where the first line of a grid is on which the changes lie; None if they do not."""
+    padded = np.pad(changes, (0, -len(changes) % side))
+    by_offset = padded.reshape(-1, side).sum(0)
+    offset = int(by_offset.argmax())
+    if by_offset[offset] < _ON_GRID * max(by_offset.sum(), 1e-6):
+        return None
+    lines = np.flatnonzero(changes[offset::side])
+    if len(lines) < _LEAST_LINES or len(lines) < _BUSY * (np.ptp(lines) + 1):
+        return None
+    return offset
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """The art pixels of a picture; those at its edges may be cut.
+
+    Args:
+        rows: first row of each.
+        columns: first column of each.
+        shape: (H, W) of the picture.
+    """
+
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    shape: tuple[int, int]
+
+    @classmethod
+    def of(cls, colour: Floats, side: int) -> "_Blocks":
+        """Return the blocks of this side that fit the changes of the colours (H, W, 3) best."""
+        starts = []
+        for axis in (0, 1):
+            changes = np.pad(_changes(colour, axis), (0, -colour.shape[axis] % side))
+            offset = int(changes.reshape(-1, side).sum(0).argmax())
+            starts.append(np.unique([0, *range(offset, colour.shape[axis], side)]))
+        return cls(starts[0], starts[1], (colour.shape[0], colour.shape[1]))
+
+    def mean(self, picture: Floats) -> Floats:
+        """Return the mean of each block of a picture (H, W) or (H, W, C)."""
+        total = np.add.reduceat(np.add.reduceat(picture, self.rows, axis=0), self.columns, axis=1)
+        count = np.multiply.outer(*self._sides()).astype(np.float32)
+        return np.asarray(total / (count if picture.ndim == 2 else count[..., None]), np.float32)
+
+    def back(self, blocks: NDArray[T]) -> NDArray[T]:
+        """Return a picture in which each pixel has the value of its block."""
+        rows, columns = self._sides()
+        return np.repeat(np.repeat(blocks, rows, axis=0), columns, axis=1)
+
+    def _sides(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        return np.diff(self.rows, append=self.shape[0]), np.diff(self.columns, append=self.shape[1])
