@@ -17,7 +17,7 @@ __all__ = ["HALVED", "SUFFIXES", "TOLERANCE", "build_parser", "export", "run"]
 
 SUFFIXES = {"onnx": ".onnx", "safetensors": ".safetensors", "torchscript": ".pt", "pt2": ".pt2"}
 HALVED = ("onnx", "safetensors")
-Opset = Literal[15, 16, 17, 18, 19, 20, 21]
+_Opset = Literal[15, 16, 17, 18, 19, 20, 21]
 """Versions of ONNX's operators that a model can be written with; ONNX converts none of ours below 15."""
 TOLERANCE = 1e-3
 """Largest difference to torch that is accepted."""
@@ -54,7 +54,7 @@ def build_parser() -> LightParser:
     parser.add_argument("--format", default="onnx", help=named)
     parser.add_argument(
         "--opset",
-        type=Opset | None,
+        type=_Opset | None,
         help="version of ONNX's operators, for older runtimes; null is 18",
     )
     parser.add_argument("--half", action="store_true", help="store the weights in 16 bits")
