@@ -144,7 +144,15 @@ def test_each_sprite_of_a_sheet_is_alone_and_turned_ones_are_upright() -> None:
 
     assert picture.alpha is not None
     both = NormalMap(
-        *(sheet(form.extended), sheet(form.mask.astype(np.float32)) > 0, sheet(form.alpha), form.seen, None, ""), cells=cells
+        *(
+            sheet(form.extended),
+            sheet(form.mask.astype(np.float32)) > 0,
+            sheet(form.alpha),
+            form.seen,
+            None,
+            "",
+        ),
+        cells=cells,
     )
     found = Sprite(detail=1)(both, Picture(sheet(picture.colour), sheet(picture.alpha)))
     assert np.allclose(found.extended, sheet(alone.extended), atol=1e-5)
