@@ -23,8 +23,10 @@ from normalgan.inference.outputs import (
     Height,
     Mask,
     ModelInput,
+    OcclusionRoughnessMetallic,
     Preview,
     Relief,
+    Roughness,
     Specular,
 )
 from normalgan.losses import (
@@ -139,10 +141,12 @@ OURS: list[tuple[Registry[Any], list[Any]]] = [
             Height(height_scale=20.0),
             Mask(),
             ModelInput(),
+            OcclusionRoughnessMetallic(),
             Preview(),
             Preview("gif"),
             Relief(faces=500),
             Relief("obj"),
+            Roughness(),
             Specular(),
         ],
     ),
