@@ -81,7 +81,7 @@ class Server:
         """Send it a signal."""
         self._process.send_signal(number)
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Forget all projects and unsaved work; start it, if a test has ended it."""
         for document in self._projects.rglob("*.normalgan"):
             document.unlink()

@@ -137,7 +137,7 @@ def test_tooltips_name_the_keys_and_the_help_begins_at_its_start(opened: "Browse
 
 
 def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: Server) -> None:
-    server.begin_anew()
+    server.reset()
     with open_studio(opened, server.url, width=390, height=844) as studio:
         studio.new()
         dent(studio)
@@ -186,7 +186,7 @@ def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width
 def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
     opened: "Browser", server: Server, width: int, height: int
 ) -> None:
-    server.begin_anew()
+    server.reset()
     with open_studio(opened, server.url, width=width, height=height) as studio:
         studio.new()
         with studio.repainting():

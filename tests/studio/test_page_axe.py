@@ -27,7 +27,7 @@ def axe() -> str:
 def test_axe_finds_nothing(
     opened: "Browser", server: Server, axe: str, width: int, height: int, theme: Literal["light", "dark"]
 ) -> None:
-    server.begin_anew()
+    server.reset()
     with open_studio(opened, server.url, width=width, height=height) as studio:
         page = studio.page
         page.emulate_media(color_scheme=theme, reduced_motion="reduce")  # no colour on its way to another

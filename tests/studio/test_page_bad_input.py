@@ -23,7 +23,7 @@ OFFLINE = "Can't reach the studio. Keep drawing"
 @pytest.fixture(name="server")
 def running_server(server: Server) -> Server:
     """The server of this module, running."""
-    server.begin_anew()
+    server.reset()
     return server
 
 

@@ -51,29 +51,29 @@ def restored(running: Firefox) -> None:
 def test_unsaved_work_with_a_picture_is_restored_in_firefox(
     server: Server, tmp_path: Path, size: int
 ) -> None:
-    server.begin_anew()
+    server.reset()
     write_noise(tmp_path / "noise.png", size)
     with firefox(tmp_path / "profile") as running:
         start(running, server)
         draw(running, tmp_path / "noise.png")
         running.go("about:blank")
-        server.begin_anew()  # what is restored is the browser's
+        server.reset()  # what is restored is the browser's
         start(running, server)
         restored(running)
-    server.begin_anew()
+    server.reset()
     with firefox(tmp_path / "profile") as running:
         start(running, server)
         restored(running)
 
 
 def test_unsaved_work_outlives_a_killed_firefox(server: Server, tmp_path: Path) -> None:
-    server.begin_anew()
+    server.reset()
     write_noise(tmp_path / "noise.png", 2 * MB)
     with firefox(tmp_path / "profile") as running:
         start(running, server)
         draw(running, tmp_path / "noise.png")
         running.kill()
-    server.begin_anew()
+    server.reset()
     with firefox(tmp_path / "profile") as running:
         start(running, server)
         restored(running)

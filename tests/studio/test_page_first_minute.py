@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to s
 @pytest.fixture(name="server")
 def empty_server(server: Server) -> Server:
     """The server of this module without projects."""
-    server.begin_anew()
+    server.reset()
     return server
 
 

@@ -42,7 +42,7 @@ STACK = [
 @pytest.fixture
 def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
     """An empty drawing, and the panel of layers."""
-    server.begin_anew()
+    server.reset()
     with open_studio(opened, server.url, tolerate=("status of 400",)) as page:
         page.page.locator("#layers-toggle").click()
         page.new()

@@ -19,7 +19,7 @@ MIDDLE = SIDE / 2
 @pytest.fixture
 def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
     """An empty drawing, the panel of layers, and how many bytes of which layers were sent to be painted."""
-    server.begin_anew()
+    server.reset()
     with open_studio(opened, server.url) as page:
         page.page.locator("#layers-toggle").click()
         page.new()
@@ -240,7 +240,7 @@ def test_beside_the_layers_every_control_has_its_room(
       }
       return found;
     }"""
-    server.begin_anew()
+    server.reset()
     with open_studio(opened, server.url, width=size[0], height=size[1]) as studio:
         page = studio.page
         if size[0] >= 1280:

@@ -27,7 +27,7 @@ SVG = (
 @pytest.fixture(name="server")
 def empty_server(server: Server) -> Server:
     """The server of this module without projects."""
-    server.begin_anew()
+    server.reset()
     return server
 
 

@@ -39,7 +39,7 @@ CHANGED = """version => new Promise((resolve, reject) => {
 @pytest.fixture(name="server")
 def empty_server(server: Server) -> Server:
     """The server of this module without projects and without unsaved work."""
-    server.begin_anew()
+    server.reset()
     return server
 
 
@@ -88,7 +88,7 @@ def test_unsaved_work_with_a_picture_is_restored(server: Server, tmp_path: Path,
             trace(studio, tmp_path / "noise.png")
             studio.line((20, 20), (200, 20))
             studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 3)
-        server.begin_anew()  # what is restored is the browser's
+        server.reset()  # what is restored is the browser's
         with begun(context, server) as studio:  # and in every later tab
             studio.restored()
     with profile(tmp_path / "profile") as context, begun(context, server) as studio:
@@ -127,7 +127,7 @@ def test_unsaved_work_outlives_a_killed_browser(server: Server, tmp_path: Path) 
         studio.line((20, 20), (200, 20))
         studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 3)
         kill(folder)
-    server.begin_anew()
+    server.reset()
     with profile(folder) as context, begun(context, server) as studio:
         studio.restored()
         assert studio.inked(100, 20)
@@ -146,7 +146,7 @@ def test_a_browser_that_is_killed_while_it_writes_keeps_what_was_there_before(
         studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 2)
         trace(studio, tmp_path / "noise.png")  # which is said once it is on show
         kill(folder)
-    server.begin_anew()
+    server.reset()
     with profile(folder) as context, begun(context, server) as studio:
         studio.restored()
         assert studio.inked(100, 20)
@@ -169,7 +169,7 @@ def test_work_on_a_full_disk_is_not_lost_and_it_is_said(server: Server, tmp_path
                 studio.page.locator("#download-project").click()
             waiting.value.save_as(tmp_path / "kept.normalgan")
             assert len(json.loads((tmp_path / "kept.normalgan").read_text())["pictures"]) == 1
-        server.begin_anew()
+        server.reset()
         with begun(
             context, server, room=MB
         ) as studio:  # what was kept before the disk was full is still there
@@ -191,7 +191,7 @@ def test_without_room_for_the_history_the_drawing_is_kept(server: Server, tmp_pa
             studio.line((20, 20), (200, 20))
             studio.line((20, 40), (200, 40))
             studio.wait_for_store(lambda kept: len(kept["doc"]["layers"][0]["strokes"]) == 2)
-        server.begin_anew()
+        server.reset()
         with begun(context, server) as studio:
             studio.restored()
             assert studio.inked(100, 20)
@@ -217,7 +217,7 @@ def test_what_a_damaged_disk_has_left_is_restored_and_the_rest_is_not_thrown_awa
         studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 3)
     damage(folder)
     for _ in range(2):  # it is there again the next time
-        server.begin_anew()
+        server.reset()
         with profile(folder) as context, begun(context, server) as studio:
             with studio.saying("1 lines or pictures couldn't be read"):
                 studio.page.locator("#restore-yes").click()

@@ -168,7 +168,7 @@ function finished(rough, inked, width, height) {
 /** @param {Uint8Array} body @param {Uint8Array} inked @param {Float32Array} share @param {number} width @param {number} height */
 function soft(body, inked, share, width, height) {
   const covered = softEdge(body, width, height);
-  const outside = thicker(opposite(body), width, height, 2.83);
+  const outside = thicker(opposite(body), width, height, 1); // beyond it a thin line's inner edge would be a hole
   const line = thicker(where(body, (value, i) => value > 0 && inked[i] > 0), width, height, 2.83);
   for (let i = 0; i < covered.length; i++) {
     if (body[i] ? inked[i] && outside[i] : !inked[i] && line[i]) covered[i] = share[i];

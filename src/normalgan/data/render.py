@@ -49,8 +49,8 @@ def render_samples(
             to try meshes once more that could not be rendered.
         per_shard: samples to a shard, if the data set is new: 32 suit reading in any order, more suit a store
             that counts objects.
-        later: splits whose samples are made when they are read, as `open_samples` says. Of these, shards are
-            made now until one holds a sample, so that a split without any is refused at once.
+        later: splits whose samples are made when they are first read; see `open_samples`. Only the first
+            usable shard of each is made now, so that a split without a usable sample is refused at once.
 
     Raises:
         InputError: if the request makes no sense, a split has no mesh that can be used, the renderer does
@@ -110,8 +110,8 @@ def open_samples(
         recipe: how they were made.
         local_cache: where shards of a distant store are kept after their first use; a folder on this machine
             needs none, and gets none.
-        later: splits whose missing and damaged samples are made when they are read. A mesh or pair that fails
-            keeps its place there, so that the order of the others does not depend on when it was found.
+        later: splits whose missing and damaged samples are made when they are first read. A mesh or pair that
+            fails keeps its index there, so the order of the others does not depend on when it failed.
 
     Raises:
         InputError: if some are missing.

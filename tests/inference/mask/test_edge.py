@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from skimage.morphology import reconstruction
 
 from normalgan.arrays import Floats
 from normalgan.inference.jobs.plan import OUTLINE
@@ -80,6 +81,17 @@ def test_the_edge_is_the_outer_edge_of_the_ink(shape: str, size: int) -> None:
     assert off.max() <= 0.5
     assert off.mean() <= 0.1
     assert np.array_equal(outline.mask, outline.coverage > 0.5)
+
+
+@pytest.mark.parametrize("shape", ["circle", "flower", "slanted square"])
+@pytest.mark.parametrize("width", [2.0, 3.0, 4.5])
+def test_nothing_inside_a_thin_outline_is_transparent(shape: str, width: float) -> None:
+    ink = drawn(closed_curve(shape) * 256, 256, width)
+    covered = fill_outline(ink).coverage
+    deepest = covered.copy()
+    deepest[1:-1, 1:-1] = 1
+    filled = reconstruction(deepest, covered, method="erosion")
+    assert np.abs(filled - covered).max() < 0.05
 
 
 @pytest.mark.slow  # the largest map has 16 million pixels

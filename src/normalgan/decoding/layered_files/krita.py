@@ -226,7 +226,7 @@ def _unpacked(packed: bytes, count: int) -> bytes:
     while at < len(packed) and len(out) < count:
         control = packed[at]
         at += 1
-        if control < 32:  # so many bytes as they are, and one
+        if control < 32:  # control + 1 literal bytes
             out += packed[at : at + control + 1]
             at += control + 1
             continue

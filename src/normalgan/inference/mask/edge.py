@@ -211,7 +211,7 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
 def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
     """Return how much of each pixel an object covers: as much as its ink does, or an edge of a pixel."""
     covered = soft_edge(body)
-    outside = cv2.dilate((~body).view(np.uint8), _WIDE) > 0
+    outside = cv2.dilate((~body).view(np.uint8), _CROSS) > 0  # no farther: a thin line's inner edge is inside
     line = cv2.dilate((body & inked).view(np.uint8), _WIDE) > 0
     rim = body & inked & outside
     covered[rim] = share[rim]
