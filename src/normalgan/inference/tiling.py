@@ -10,8 +10,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
 from normalgan.inference.jobs.plan import MODEL, READER
-from normalgan.inference.mask.decision import CLOSED
-from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.mask.decision import decide
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
@@ -137,8 +136,8 @@ def _frame_of(around: Floats, window: Window) -> Frame:
 def _outlined(ink: Floats, tile: Tile) -> BoolMask:
     """Return what the lines (H, W) of a repeated drawing enclose; everything, if much is open."""
     half = ink.shape[0] // 2, ink.shape[1] // 2
-    outline = fill_outline(wrapped(ink, tile, half))
-    if outline.guessed or outline.closed < CLOSED:
+    outline = decide(wrapped(ink, tile, half), None)
+    if not outline.by_lines:
         return np.ones(ink.shape, np.bool_)
     mask = middle(outline.mask, tile, half)
     # Cracks between what is enclosed are no air: stones lie on the ground of a texture.

@@ -10,7 +10,7 @@ from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
 from normalgan.inference.cleaning.polarity import is_light_on_dark
-from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.mask.decision import decide
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
 from pens import blob, outline, overlap
@@ -37,8 +37,8 @@ def assert_same_lines(ink: Floats, truth: Floats = INK) -> None:
     assert (ink[cv2.erode(drawn.astype(np.uint8), np.ones((2, 2))) > 0] > 0.3).mean() > 0.97
     near = cv2.dilate(drawn.astype(np.uint8), np.ones((5, 5))) > 0
     assert found[~near].sum() <= 2
-    assert fill_outline(ink).closed > 0.9
-    assert overlap(fill_outline(ink).mask, np.maximum(FILLED, truth > 0.5)) > 0.95
+    assert decide(ink, None).closed > 0.9
+    assert overlap(decide(ink, None).mask, np.maximum(FILLED, truth > 0.5)) > 0.95
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_a_cut_out_figure_has_its_silhouette_and_its_edge_as_a_line(paint: float
     cleaned = clean(Picture(colour, FILLED))
     assert cleaned.silhouette is not None
     assert (cleaned.silhouette == (FILLED > 0.5)).all()
-    assert overlap(fill_outline(cleaned.ink).mask, FILLED) > 0.95
+    assert overlap(decide(cleaned.ink, None).mask, FILLED) > 0.95
     inner = cv2.erode(FILLED, np.ones((9, 9))) > 0
     assert cleaned.ink[inner].max() == 0
 
@@ -94,7 +94,7 @@ def test_much_black_ink_on_nothing_is_no_silhouette() -> None:
 @pytest.mark.parametrize("paint", [0.05, 0.5, 0.7])
 def test_a_painted_shape_on_paper_becomes_its_outline(paint: float) -> None:
     ink = clean(Picture(grey(FILLED, 1, paint), None)).ink
-    assert overlap(fill_outline(ink).mask, FILLED) > 0.95
+    assert overlap(decide(ink, None).mask, FILLED) > 0.95
     assert ink[cv2.erode(FILLED, np.ones((13, 13))) > 0].max() < 0.3
 
 
@@ -134,7 +134,7 @@ def test_shared_sketches_are_all_seen(shared_sketches: list[Path]) -> None:
         cleaned = clean(read_picture(path))
         assert (cleaned.ink > 0.5).mean() > 0.002, path
         if "outline" in path.name:
-            assert fill_outline(cleaned.ink).closed > 0.9, path
+            assert decide(cleaned.ink, None).closed > 0.9, path
         if path.suffix == ".svg":
             assert cleaned.silhouette is not None, path
 

@@ -8,7 +8,7 @@ from skimage.morphology import reconstruction
 
 from normalgan.arrays import Floats
 from normalgan.inference.jobs.plan import OUTLINE
-from normalgan.inference.mask.outline_mask import fill_outline
+from normalgan.inference.mask.decision import decide
 from normalgan.inference.network.upsampling import enlarge
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import prepare
@@ -73,7 +73,7 @@ def distances(points: Points, corners: Points, *, closed: bool = True) -> NDArra
 @pytest.mark.parametrize("shape", ["circle", "flower", "slanted square"])
 def test_the_edge_is_the_outer_edge_of_the_ink(shape: str, size: int) -> None:
     corners, width = closed_curve(shape) * size, size / 170
-    outline = fill_outline(drawn(corners, size, width))
+    outline = decide(drawn(corners, size, width), None)
     found = edge_points(outline.coverage)
     found = found[:: max(len(found) // 1000, 1)]
     # From the line's middle to its outer edge it is half the line's width.
@@ -87,7 +87,7 @@ def test_the_edge_is_the_outer_edge_of_the_ink(shape: str, size: int) -> None:
 @pytest.mark.parametrize("width", [2.0, 3.0, 4.5])
 def test_nothing_inside_a_thin_outline_is_transparent(shape: str, width: float) -> None:
     ink = drawn(closed_curve(shape) * 256, 256, width)
-    covered = fill_outline(ink).coverage
+    covered = decide(ink, None).coverage
     deepest = covered.copy()
     deepest[1:-1, 1:-1] = 1
     filled = reconstruction(deepest, covered, method="erosion")
@@ -112,7 +112,7 @@ def test_the_edge_of_an_open_outline_stays_on_its_ink(size: int) -> None:
     corners, width = closed_curve("circle") * size, size / 170
     gap = 5  # of 180 corners: 0.07 of the side
     ink = drawn(np.roll(corners, -5, 0)[: len(corners) - gap], size, width, closed=False)
-    found = edge_points(fill_outline(ink).coverage)
+    found = edge_points(decide(ink, None).coverage)
     angle = np.abs(np.angle((found[:, 0] - size / 2) + 1j * (found[:, 1] - size / 2)))
     along = found[angle > 0.4]
     assert np.abs(distances(along, corners) - width / 2).max() <= 0.5
@@ -124,12 +124,12 @@ def test_a_narrow_slit_stays_open_and_lines_beside_the_object_do_not_join_it() -
         [[300, 200], [700, 200], [700, 800], [520, 800], [506, 330], [492, 800], [300, 800]], float
     )
     ink = drawn(corners, size, 4)
-    mask = fill_outline(ink).mask
+    mask = decide(ink, None).mask
     assert not mask[700:780, 505:508].any()
     assert mask[700, 400]
     assert mask[700, 600]
     beside = np.maximum(ink, drawn(corners[:1] - [9, 9] + [[0, 0], [0, 50]], size, 2, closed=False))
-    assert not fill_outline(beside).mask[195:240, 285:293].any()
+    assert not decide(beside, None).mask[195:240, 285:293].any()
 
 
 @pytest.mark.parametrize("size", [512, 1024, 2048])
@@ -148,7 +148,7 @@ def test_the_ink_of_thin_tips_is_object(size: int) -> None:
     ]
     corners = np.array([(0.8, 0.3), (0.2, 0.3), *legs]) * size
     ink = drawn(corners, size, size / 128)
-    covered = fill_outline(ink).coverage
+    covered = decide(ink, None).coverage
     outside = (ink > 0.5) & (covered <= 0.5)
     assert np.count_nonzero(outside) <= 0.001 * np.count_nonzero(ink > 0.5)
     # And nothing between the legs.

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.mask.outline_mask import fill_outline, snap_outline
+from normalgan.inference.mask.edge import snap
+from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.inference.mask.reader import Reading
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import fitted, resize
@@ -19,7 +20,9 @@ __all__ = ["CLOSED", "Decision", "decide"]
 CLOSED = 0.8
 """Share of the ink that must enclose something for the outline to be believed."""
 _SIDE = 512
-"""Longest side at which regions are voted on, and twice the shortest."""
+"""Longest side at which areas are filled and voted on, and twice the shortest; the ink gives their edge."""
+_OFF, _LEAST_OFF = 2.5, 2.0
+"""How far the edge found at that size may be off, in its pixels; and at least, in pixels of the drawing."""
 _INKED = 0.35
 """Least ink of a line."""
 _HOLE, _PART = 0.3, 0.75
@@ -115,12 +118,13 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         [1, 0]
     """
     shape = (ink.shape[0], ink.shape[1])
-    filled = fill_outline(ink)
+    # A small drawing's lines hang together only between its pixels.
     side = min(max(*shape, _SIDE // 2), _SIDE)
     size = shape if side == max(shape) else fitted(shape, side)
     small_ink = ink if size == shape else resize(ink, size)
-    outline: BoolMask = filled.mask if size == shape else resize(filled.mask.astype(np.float32), size) > 0.5
     inked = small_ink > _INKED
+    filled = fill_outline(inked)
+    outline = filled.mask
     presence = None if reading is None else reading.presence_at(size)
     count, found, measured, _ = cv2.connectedComponentsWithStats((~inked).astype(np.uint8), connectivity=4)
     regions, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
@@ -144,7 +148,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         settled[number] = True
     unsure = "" if presence is None else _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
     rough: BoolMask = small if size == shape else resize(_smooth(small), shape) > 0.5
-    coverage = snap_outline(rough, ink)
+    coverage = snap(rough, ink, max(_OFF * max(shape) / _SIDE, _LEAST_OFF))
     return Decision(
         ink=small_ink,
         outline=outline,
