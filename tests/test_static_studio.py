@@ -22,6 +22,7 @@ from chromium import browser, storage
 from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
+from normalgan.inference.jobs.plan import MODEL
 from normalgan.inference.network.onnx_backend import SHIPPED
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.preparation import prepare
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow  # downloads a package of npm
 ROOT = Path(__file__).parents[1]
-LARGEST = 22e6
+LARGEST = 40e6
 SIDE = 512
 ASK = """async ([grey, width, height, more, path = "/api/predict"]) => {
   const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));
@@ -109,6 +110,35 @@ def test_gaps_are_closed_as_python_closes_them(studio: "Page") -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
     grey[:, 120:128] = 255
     assert_alike(studio, grey, [])
+
+
+def mug() -> NDArray[np.uint8]:
+    """A mug (H, W) whose handle is a ring, with an eye, which is no hole, on its side."""
+    grey = np.full((300, 320), 255, np.uint8)
+    cv2.rectangle(grey, (50, 60), (190, 250), (0,), 3)
+    for radius in (40, 62):
+        cv2.ellipse(grey, (190, 155), (radius, radius), 0, -90, 90, (0,), 3, cv2.LINE_AA)
+    cv2.circle(grey, (110, 150), 7, (0,), 2, cv2.LINE_AA)
+    return grey
+
+
+def open_blob() -> NDArray[np.uint8]:
+    """A blob (H, W) whose outline has a gap that no thicker line closes."""
+    grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    grey[:, 112:142] = np.where(np.arange(len(grey))[:, None] > 128, 255, grey[:, 112:142])
+    return grey
+
+
+@pytest.mark.parametrize("drawn", [mug, open_blob])
+def test_the_reader_tells_the_object_as_in_python(studio: "Page", drawn: Any) -> None:
+    grey = drawn()
+    wanted = normalgan.load(SHIPPED)(grey)
+    found = studio.evaluate(ASK, [*encoded(grey), {}])
+    mask = decoded(found, grey.shape)[..., 3] > 127
+    assert np.count_nonzero(mask != wanted.mask) < 20
+    asked = studio.evaluate(ASK, [*encoded(grey), {"source": "outline"}])
+    lines = decoded(asked, grey.shape)[..., 3] > 127
+    assert np.count_nonzero(lines != mask) > 500  # or the lines alone would tell it
 
 
 def test_the_mask_brush_cuts_and_adds(studio: "Page") -> None:
@@ -300,12 +330,13 @@ def test_the_network_is_shown_what_python_shows_it(studio: "Page", kind: str, mo
     for widths in ((0.5, 5.0), (0.8, 1.9)) * 4:
         grey = random_drawing(kind, rng)
         colour = np.repeat((grey / np.float32(255))[..., None], 3, axis=2).astype(np.float32)
-        wanted = prepare(Picture(colour, None), 256, line_widths=widths)
+        wanted = prepare(Picture(colour, None), 256, source=MODEL, line_widths=widths)
         seen = studio.evaluate(
             """async ([grey, width, height, widths]) => {
               const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));
               const { prepare } = await import("./page/prepare.js");
-              const { seen } = prepare({ pixels, width, height, channels: 1 }, 256, null, null, widths);
+              const plane = { pixels, width, height, channels: 1 };
+              const { seen } = await prepare(plane, 256, "model", null, widths);
               return Array.from(seen);
             }""",
             [*encoded(grey), list(widths)],

@@ -26,7 +26,7 @@ PAGE = ROOT / "src" / "normalgan" / "studio" / "page"
 BACKEND = ROOT / "tools" / "static_studio"
 CLAY = ROOT / "src" / "normalgan" / "inference" / "outputs" / "clay.json"
 WEIGHTS = ROOT / "src" / "normalgan" / "weights"
-MODELS = (WEIGHTS / "ours.onnx", WEIGHTS / "refiner.onnx")
+MODELS = (WEIGHTS / "ours.onnx", WEIGHTS / "refiner.onnx", WEIGHTS / "reader.onnx")
 LOCK = ROOT / "examples" / "onnx_web" / "package-lock.json"
 """The example that paints in the browser takes the same version."""
 CACHE = ROOT / "build" / "npm"

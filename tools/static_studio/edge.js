@@ -1,18 +1,24 @@
 /** Edge: where an object ends, by the ink of its outline, as normalgan.inference.mask.edge does it in Python. */
 
 import { lineWidth } from "./prepare.js";
-import { blurred, boxOf, components, distance, extreme, opposite, part, resized, thicker, where } from "./raster.js";
+import { CROSS, SQUARE, WIDE, blurred, boxOf, components, dilated, distance, eroded, extreme, opposite, part, refitted, where } from "./raster.js";
 
 const [PALEST, ONE_SIDED, OWN, MERGED, TIP, TOUCHING, FINER, LARGE] = [0.35, 0.97, 0.6, 1.5, 0.25, 1.3, 1.25, 1024];
 
 /** Returns a mask as opacity: its staircase becomes an edge of a pixel. @param {Uint8Array} mask @param {number} width @param {number} height */
 export const softEdge = (mask, width, height) => blurred(mask, width, height, 1).map((value) => Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5)));
 
+/** How far the edge of a mask found at 512 pixels may be off, in pixels of that size, and of the drawing. */
+const [OFF, LEAST_OFF] = [2.5, 2];
+
+/** Returns how much of each pixel an object covers, whose mask was found at 512 pixels. @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height */
+export const snapOutline = (mask, ink, width, height) => snap(mask, ink, width, height, Math.max((OFF * Math.max(width, height)) / 512, LEAST_OFF));
+
 /**
  * Returns how much of each pixel an object covers, whose mask is known to a few pixels.
  * @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height @param {number} reach by how many
  */
-export function snap(mask, ink, width, height, reach) {
+function snap(mask, ink, width, height, reach) {
   const covered = new Float32Array(mask.length);
   const found = boxOf(mask, width, height);
   if (!found) return covered;
@@ -39,10 +45,10 @@ export function snap(mask, ink, width, height, reach) {
 function bodyOf(mask, ink, inked, width, height, reach) {
   if (Math.max(width, height) > LARGE) {
     const [wide, high] = [(width + 1) >> 1, (height + 1) >> 1];
-    const small = resized(ink, width, height, wide, high);
-    const half = where(resized(mask, width, height, wide, high), (value) => value > 0.5);
+    const small = refitted(ink, width, height, wide, high);
+    const half = where(refitted(mask, width, height, wide, high), (value) => value > 0.5);
     const rough = bodyOf(half, small, where(small, (value) => value > PALEST), wide, high, reach / 2);
-    return finished(where(resized(rough, wide, high, width, height), (value) => value > 0.5), inked, width, height);
+    return finished(where(refitted(rough, wide, high, width, height), (value) => value > 0.5), inked, width, height);
   }
   const { inside, narrow } = divided(mask, inked, width, height, reach);
   const outline = ownInk(mask, inside, inked, width, height);
@@ -86,16 +92,24 @@ function meet(one, other, free, width, rounds) {
 function divided(mask, inked, width, height, reach) {
   const free = opposite(inked);
   const { labels, boxes } = components(free, width, height, 4);
-  const depth = distance(free, width, height);
-  const held = counted(labels, boxes.length, (i) => mask[i] > 0);
-  const deep = counted(labels, boxes.length, (i) => depth[i] > reach);
+  const depth = distance(free, width, height, false, 3);
+  const within = distance(mask, width, height, false, 3);
+  const beyond = distance(opposite(mask), width, height, false, 3);
+  const [held, deep, inner, outer] = [0, 1, 2, 3].map(() => new Uint32Array(boxes.length));
+  for (let i = 0; i < labels.length; i++) {
+    const label = labels[i];
+    if (!label) continue;
+    if (mask[i]) held[label]++;
+    if (depth[i] > reach) deep[label]++;
+    // A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
+    if (within[i] > reach) inner[label]++;
+    if (beyond[i] > reach) outer[label]++;
+  }
   const among = boxes.map(({ area }, k) => held[k] / Math.max(area, 1));
-  const whole = boxes.map((_, k) => k > 0 && (among[k] >= ONE_SIDED || among[k] <= 1 - ONE_SIDED || !deep[k]));
+  const whole = boxes.map((_, k) => k > 0 && (!deep[k] || (among[k] >= ONE_SIDED && !outer[k]) || (among[k] <= 1 - ONE_SIDED && !inner[k])));
   const inside = where(labels, (label) => whole[label] && among[label] > 0.5);
   const mixed = where(labels, (label) => label > 0 && !whole[label]);
-  if (mixed.some(Boolean)) {
-    const within = distance(mask, width, height);
-    const beyond = distance(opposite(mask), width, height);
+  if (mixed.includes(1)) {
     /** @param {number} i */
     const sure = (i) => mixed[i] > 0 && (within[i] > reach || beyond[i] > reach || depth[i] > reach);
     const one = where(mixed, (_, i) => sure(i) && mask[i] > 0);
@@ -129,11 +143,11 @@ function ownInk(mask, inside, inked, width, height) {
     for (let i = 0; i < own.length; i++) if (inked[i] && around[i] < FINER ** (bin + 1)) own[i] = 1;
   }
   for (let round = 0; round < 2; round++) {
-    const grown = extreme(own, width, height, 1, 1);
+    const grown = dilated(own, width, height, SQUARE);
     own = where(inked, (value, i) => value > 0 && grown[i] > 0);
   }
   const { labels, boxes } = components(own, width, height, 8);
-  const near = extreme(inside, width, height, 1, 1);
+  const near = dilated(inside, width, height, SQUARE);
   const touching = counted(labels, boxes.length, (i) => near[i] > 0);
   const held = counted(labels, boxes.length, (i) => mask[i] > 0);
   return where(labels, (label) => label > 0 && (touching[label] > 0 || held[label] > OWN * boxes[label].area));
@@ -142,7 +156,7 @@ function ownInk(mask, inside, inked, width, height) {
 /** @param {Uint8Array} body @param {Uint8Array} inked @param {Uint8Array} slits @param {number} width @param {number} height @param {Uint8Array} mask */
 function tipsOf(body, inked, slits, width, height, mask) {
   const loose = where(inked, (value, i) => !body[i] && (value > 0 || slits[i] > 0));
-  const near = extreme(body, width, height, 1, 1);
+  const near = dilated(body, width, height, SQUARE);
   const none = new Uint8Array(body.length);
   const found = boxOf(mask, width, height);
   if (!found || !loose.some((value, i) => value > 0 && near[i] > 0)) return none;
@@ -159,7 +173,7 @@ function tipsOf(body, inked, slits, width, height, mask) {
 
 /** Returns an object whose edge was off by two pixels at most. @param {Uint8Array} rough @param {Uint8Array} inked @param {number} width @param {number} height */
 function finished(rough, inked, width, height) {
-  const [grown, shrunk] = [extreme(rough, width, height, 2, 1), extreme(rough, width, height, 2, -1)];
+  const [grown, shrunk] = [dilated(rough, width, height, WIDE), eroded(rough, width, height, WIDE)];
   const free = opposite(inked);
   const side = meet(where(shrunk, (value, i) => value > 0 && free[i] > 0), where(grown, (value, i) => !value && free[i] > 0), free, width, 6);
   return where(side, (value, i) => value === 1 || (inked[i] ? grown[i] > 0 : rough[i] > 0 && value !== 2));
@@ -168,8 +182,8 @@ function finished(rough, inked, width, height) {
 /** @param {Uint8Array} body @param {Uint8Array} inked @param {Float32Array} share @param {number} width @param {number} height */
 function soft(body, inked, share, width, height) {
   const covered = softEdge(body, width, height);
-  const outside = thicker(opposite(body), width, height, 1); // beyond it a thin line's inner edge would be a hole
-  const line = thicker(where(body, (value, i) => value > 0 && inked[i] > 0), width, height, 2.83);
+  const outside = dilated(opposite(body), width, height, CROSS); // no farther: a thin line's inner edge is inside
+  const line = dilated(where(body, (value, i) => value > 0 && inked[i] > 0), width, height, WIDE);
   for (let i = 0; i < covered.length; i++) {
     if (body[i] ? inked[i] && outside[i] : !inked[i] && line[i]) covered[i] = share[i];
     else if (body[i] && line[i]) covered[i] = 1;

@@ -2,7 +2,7 @@
 
 import { softEdge } from "./edge.js";
 import { Unpaintable, shrunk } from "./prepare.js";
-import { boxOf, distance, extreme, part, quantile, resized, where } from "./raster.js";
+import { WIDE, boxOf, dilated, distance, part, quantile, resized, where } from "./raster.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame */
 /** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
@@ -58,7 +58,7 @@ export async function finish(prepared, painted, refiner, hand = null) {
 function coveredBy({ covered, width, height }, mask) {
   const soft = softEdge(mask, width, height);
   if (!covered) return soft;
-  const changed = extreme(where(mask, (value, i) => (value > 0) !== (covered[i] > 0.5)), width, height, 2, 1);
+  const changed = dilated(where(mask, (value, i) => (value > 0) !== (covered[i] > 0.5)), width, height, WIDE);
   return soft.map((value, i) => (changed[i] ? value : covered[i]));
 }
 
@@ -66,9 +66,9 @@ function coveredBy({ covered, width, height }, mask) {
 const sum = (values) => values.reduce((total, value) => total + value, 0);
 
 /** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present */
-function chosen({ mask, closed, guessed }, present) {
+function chosen({ mask, closed, guessed, unsure }, present) {
   if (!mask) return { mask: present, said: "" };
-  if (closed >= CLOSED) return { mask, said: guessed ? "its outline has a wide gap, which was closed by a straight line; draw on there, or choose another Object, if the object goes on" : "" };
+  if (closed >= CLOSED) return { mask, said: guessed ? "its outline has a wide gap, which was closed by a straight line; draw on there, or choose another Object, if the object goes on" : unsure };
   return {
     mask: mask.map((value, i) => value | present[i]),
     said: `its outline is not closed, only ${Math.round(100 * closed)}% of its lines enclose anything; where they do not, the mask is the model's guess (close the gaps, or choose another Object)`,
@@ -82,7 +82,8 @@ function chosen({ mask, closed, guessed }, present) {
  */
 export function hintsOff(hints, scale, { mask, width, height }) {
   if (!hints.length) return "";
-  const near = extreme(Float32Array.from(mask), width, height, Math.max(Math.round(BESIDE * Math.max(width, height)), 1), 1);
+  const beside = Math.max(Math.round(BESIDE * Math.max(width, height)), 1);
+  const near = dilated(mask, width, height, Array.from({ length: 2 * beside + 1 }, () => beside));
   /** @param {number} value @param {number} most */
   const held = (value, most) => Math.min(Math.max(Math.floor((Math.floor(value) + 0.5) * scale), 0), most - 1);
   const off = hints.filter(({ x, y }) => !near[held(y, height) * width + held(x, width)]);

@@ -1,6 +1,6 @@
 /** Painted: what is wide and dark in a drawing is no line, as normalgan.inference's paper and painted areas have it for grey. */
 
-import { components, extreme, median, quantile, where } from "./raster.js";
+import { SQUARE, components, eroded, extreme, median, quantile, where } from "./raster.js";
 
 /** @typedef {{painted: Uint8Array, paper: Float32Array, step: Uint8Array}} Painted where it is painted, the paper, and where it gets darker within a few pixels */
 
@@ -8,8 +8,6 @@ import { components, extreme, median, quantile, where } from "./raster.js";
 const PAINTED = 0.8;
 /** How much darker a painted area is than what lies a few pixels beside it; and levels that are one paint. */
 const STEP = 0.12;
-/** Share of the picture's edge that a desk takes up. */
-const DESK = 0.2;
 const MOST = 12;
 
 /**
@@ -30,7 +28,7 @@ export function paintedAreas(dark, lightest, width, height, level) {
     .sort((one, other) => other.area - one.area).slice(0, MOST).filter(({ area }) => area > 16);
   for (const { label } of largest) {
     const own = where(labels, (value) => value === label);
-    const inner = extreme(own, width, height, 1, -1);
+    const inner = eroded(own, width, height, SQUARE);
     let [edge, sharp] = [0, 0];
     /** @type {number[]} */
     const colours = [];
@@ -58,13 +56,4 @@ export function sheetLevel(paper) {
   const [usual, lightest] = [quantile(paper), quantile(paper, 0.95)];
   // Where more than half is painted, the median is paint.
   return Math.fround(Math.max(usual < 0.7 * lightest ? lightest : usual, 0.04));
-}
-
-/** Returns the painted areas that take up much of the picture's edge, such as a desk. @param {Uint8Array} painted @param {number} width @param {number} height */
-export function surroundings(painted, width, height) {
-  const { labels, boxes } = components(painted, width, height, 4);
-  const counts = new Uint32Array(boxes.length);
-  for (let x = 0; x < width; x++) for (const y of [0, height - 1]) counts[labels[y * width + x]]++;
-  for (let y = 0; y < height; y++) for (const x of [0, width - 1]) counts[labels[y * width + x]]++;
-  return where(labels, (label) => label > 0 && counts[label] > DESK * 2 * (width + height));
 }

@@ -1,8 +1,9 @@
 /** Prepare: a drawing as far as it gets without the network, as normalgan.inference does it in Python. */
 
-import { fillOutline } from "./outline.js";
-import { paintedAreas, sheetLevel, surroundings } from "./painted.js";
-import { blurred, boxOf, components, distance, enclosedBy, extreme, filtered, median, opposite, part, quantile, resized, rint, thinned, where } from "./raster.js";
+import { decide } from "./decision.js";
+import { paintedAreas, sheetLevel } from "./painted.js";
+import { dropGround, linesAt, presenceAt, read } from "./reader.js";
+import { SQUARE, WIDE, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, extreme, filtered, median, opposite, part, quantile, refitted, resized, rint, thinned, where } from "./raster.js";
 
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
 /**
@@ -17,6 +18,7 @@ import { blurred, boxOf, components, distance, enclosedBy, extreme, filtered, me
  * @property {Float32Array} seen what the network is shown
  * @property {number} closed share of the ink that encloses something
  * @property {boolean} guessed whether a wide gap was closed
+ * @property {string} unsure what is to be said of regions of which the reader is unsure
  */
 
 /** Pixels of the network that lines are wide where they are drawn anew. */
@@ -30,38 +32,55 @@ const WINDOW = 0.07;
 /** The drawing cannot be painted. */
 export class Unpaintable extends Error {}
 
+/** A share of the picture that an object takes at least, and its ground, if no line tells it. */
+const SEEN = 0.01;
+
 /**
  * Prepares a drawing.
  * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane grey, or with opacity
  * @param {number} size side of the network's pictures
- * @param {null | "outline" | "model"} source where the mask comes from
+ * @param {null | "outline" | "model"} source where the mask comes from; null asks the reader
  * @param {number | null} longest longer side of the map; null is the drawing's
  * @param {[number, number]} widths of lines that the network is shown as they were drawn, in its pixels
- * @returns {Prepared}
+ * @param {import("./reader.js").Network} reader
+ * @returns {Promise<Prepared>}
  */
-export function prepare(plane, size, source, longest, widths) {
+export async function prepare(plane, size, source, longest, widths, reader) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
   const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, rint(side * scale)));
   const { dark, alpha } = brightness(plane, width, height);
   const cut = alpha && isSilhouette(alpha, width, height) ? alpha : null;
   const opaque = cut && where(cut, (value) => value > 0.5);
+  /** @type {Float32Array} */
   let ink = withoutSpecks(inkOnPaper(dark, width, height), width, height);
   if (opaque) {
     const line = contour(opaque, width, height);
     ink = ink.map((value, i) => (opaque[i] ? Math.max(value, line[i]) : 0));
   }
+  const blank = !ink.some((value) => value >= 0.3);
+  const reading = source || opaque || (blank && alpha) ? null : await read(plane, reader);
+  if (reading) ink = blank ? rimOf(reading, width, height) : dropGround(ink, width, height, reading);
   const box = boxOf(ink, width, height, 0.1);
-  if (!box || !ink.some((value) => value >= 0.3)) {
-    throw new Unpaintable("no line is seen in it; a sketch needs lines that differ from their paper.");
-  }
+  if (!box || (blank && !reading)) throw new Unpaintable(NO_LINE);
   const [left, top, right, bottom] = box;
   const side = Math.max(right - left, bottom - top) / (1 - 2 * MARGIN);
   const frame = { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
   const seen = shown(ink, width, height, frame, widths);
-  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, alpha: null, covered: null };
+  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, unsure: "", alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
-  return { ...rest, ...fillOutline(ink, width, height) };
+  return { ...rest, ...decide(ink, width, height, reading) };
+}
+
+const NO_LINE = "no line is seen in it; a sketch needs lines that differ from their paper.";
+
+/** Returns the rim of what the reader sees, with its lines, where no line was found. @param {import("./reader.js").Reading} reading @param {number} width @param {number} height */
+function rimOf(reading, width, height) {
+  const object = where(presenceAt(reading, width, height), (value) => value > 0.5);
+  const share = object.reduce((sum, value) => sum + value, 0) / object.length;
+  if (share < SEEN || share > 1 - SEEN) throw new Unpaintable(NO_LINE);
+  const [lines, rim] = [linesAt(reading, width, height), contour(object, width, height)];
+  return rim.map((value, i) => (object[i] ? Math.max(value, lines[i]) : 0));
 }
 
 /**
@@ -97,8 +116,9 @@ function brightness({ pixels, width: wide, height: high, channels }, width, heig
     if (alpha.every((value) => value === 1)) alpha = null;
   }
   if (width === wide && height === high) return { dark, alpha };
-  const other = alpha && resized(alpha, wide, high, width, height);
-  return { dark: resized(dark, wide, high, width, height), alpha: other };
+  /** @param {Float32Array} values */
+  const fitted = (values) => refitted(values, wide, high, width, height).map((value) => Math.max(0, Math.min(1, value)));
+  return { dark: fitted(dark), alpha: alpha && fitted(alpha) };
 }
 
 /** Returns the ink of a picture, lines about 1 and paper 0. @param {Float32Array} dark @param {number} width @param {number} height */
@@ -116,15 +136,10 @@ function inkOnPaper(dark, width, height) {
   const most = quantile(ink);
   ink = withoutGrain(ink.map((value) => Math.max(0, Math.min(1, value - most))));
   if (!painted.includes(1)) return ink;
-  const around = surroundings(painted, wide, high);
-  const within = extreme(where(painted, (value, i) => value > 0 && !around[i]), wide, high, 2, -1);
-  const rim = where(painted, (value, i) => value > 0 && !around[i] && !within[i] && step[i] > 0);
-  const line = scale < 1 ? resized(rim, wide, high, width, height, 1, true) : rim;
-  ink = ink.map((value, i) => Math.max(value, Math.max(0, Math.min(1, line[i]))));
-  if (!around.includes(1)) return ink;
-  const desk = extreme(around, wide, high, Math.max(rint((WINDOW * Math.max(wide, high)) / 4), 1), 1);
-  const cut = scale < 1 ? resized(desk, wide, high, width, height, 1, true) : desk;
-  return ink.map((value, i) => (cut[i] > 0.5 ? 0 : value));
+  const within = eroded(painted, wide, high, WIDE);
+  const rim = where(painted, (value, i) => value > 0 && !within[i] && step[i] > 0);
+  const line = scale < 1 ? refitted(rim, wide, high, width, height) : rim;
+  return ink.map((value, i) => Math.max(value, Math.max(0, Math.min(1, line[i]))));
 }
 
 /** Returns ink with the paper's grain at 0 and the lines brought to 1. @param {Float32Array} ink */
@@ -158,7 +173,7 @@ function isSilhouette(alpha, width, height) {
   if (!box || count > 0.995 * opaque.length) return false;
   if (count < 0.7 * enclosedBy(opaque, width, height).reduce((sum, value) => sum + value, 0)) return false;
   const extent = Math.max(box[2] - box[0], box[3] - box[1]);
-  return distance(opaque, width, height, true).some((depth) => depth > 0.04 * extent);
+  return distance(opaque, width, height, true, 3).some((depth) => depth > 0.04 * extent);
 }
 
 /** Returns a line just inside a silhouette. @param {Uint8Array} opaque @param {number} width @param {number} height */
@@ -257,7 +272,7 @@ function middle(inked, width, height, lines, thick) {
  * @param {Uint8Array} inked @param {Uint8Array} thick @param {number} width @param {number} height
  */
 function edge(inked, thick, width, height) {
-  const inner = extreme(thick, width, height, 1, -1);
-  const onto = extreme(where(inked, (value, i) => value > 0 && !thick[i]), width, height, 1, 1);
+  const inner = eroded(thick, width, height, SQUARE);
+  const onto = dilated(where(inked, (value, i) => value > 0 && !thick[i]), width, height, SQUARE);
   return where(thick, (value, i) => value > 0 && !inner[i] && !onto[i]);
 }

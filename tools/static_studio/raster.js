@@ -2,10 +2,13 @@
 
 /** @typedef {Uint8Array | Float32Array | Uint8ClampedArray} Plane */
 /** @typedef {[number, number, number, number]} Box left, top, right, bottom */
+/** @typedef {"lines" | "curves" | "points"} Way how a picture is enlarged: between two pixels, or four; it is reduced to means, by points between two as well */
 
 const FAR = 1e6;
 /** Lengths of steps to the side, across a corner, and of a knight (Borgefors 1986), to the 65536th to which OpenCV has them. */
-const FIVE = /** @type {[number, number, number]} */ ([1, 1.4, 2.1969].map((length) => Math.round(length * 65536) / 65536));
+const [SIDE, CORNER, KNIGHT] = [1, 1.4, 2.1969].map((length) => Math.round(length * 65536) / 65536);
+/** Those of 3 × 3, which knows no knight. */
+const [SIDE3, CORNER3] = [0.955, 1.3693].map((length) => Math.round(length * 65536) / 65536);
 
 /** Rounds halves to even, as NumPy does. @param {number} value */
 export function rint(value) {
@@ -14,37 +17,40 @@ export function rint(value) {
 }
 
 /**
- * Returns how far each pixel is from the nearest one that is 0, by chamfers, of 5 × 5 unless other lengths are given.
+ * Returns how far each pixel is from the nearest one that is 0, by chamfers of 5 × 5, or of 3 × 3.
  * @param {Plane} marked @param {number} width @param {number} height
- * @param {boolean} [bounded] whether what lies beyond the picture is 0 too
- * @param {[number, number, number]} [lengths] of steps to the side, across a corner, and of a knight
+ * @param {boolean} [bounded] whether what lies beyond the picture is 0 too @param {5 | 3} [mask]
  */
-export function distance(marked, width, height, bounded = false, lengths = FIVE) {
+export function distance(marked, width, height, bounded = false, mask = 5) {
   const stride = width + 4;
   const away = new Float32Array(stride * (height + 4)).fill(bounded ? 0 : FAR);
+  const [side, corner] = mask === 5 ? [SIDE, CORNER] : [SIDE3, CORNER3];
+  const knight = mask === 5 ? KNIGHT : FAR;
+  const [above, twice] = [stride, 2 * stride];
+  // One loop for each way and no function for a step: most of the time of a drawing is spent here.
   for (let y = 0; y < height; y++) {
     for (let x = 0, at = (y + 2) * stride + 2, from = y * width; x < width; x++, at++, from++) {
-      away[at] = marked[from] ? nearer(away, at, stride, 1, lengths) : 0;
+      if (!marked[from]) { away[at] = 0; continue; }
+      const beside = Math.min(away[at - 1], away[at - above]) + side;
+      const across = Math.min(away[at - above - 1], away[at - above + 1]) + corner;
+      const jump = Math.min(Math.min(away[at - above - 2], away[at - above + 2]), Math.min(away[at - twice - 1], away[at - twice + 1])) + knight;
+      away[at] = Math.min(Math.min(beside, across), jump);
     }
   }
   const out = new Float32Array(width * height);
   for (let y = height - 1; y >= 0; y--) {
     for (let x = width - 1, at = (y + 2) * stride + 2 + x, to = y * width + x; x >= 0; x--, at--, to--) {
       const found = away[at];
-      if (found > 0) away[at] = Math.min(found, nearer(away, at, stride, -1, lengths));
+      if (found > side) {
+        const beside = Math.min(away[at + 1], away[at + above]) + side;
+        const across = Math.min(away[at + above + 1], away[at + above - 1]) + corner;
+        const jump = Math.min(Math.min(away[at + above + 2], away[at + above - 2]), Math.min(away[at + twice + 1], away[at + twice - 1])) + knight;
+        away[at] = Math.min(found, Math.min(Math.min(beside, across), jump));
+      }
       out[to] = away[at];
     }
   }
   return out;
-}
-
-/** Returns the least way to a pixel past those before it, or after it. @param {Float32Array} away @param {number} at @param {number} stride @param {1 | -1} way @param {[number, number, number]} lengths */
-function nearer(away, at, stride, way, [side, corner, knight]) {
-  const [line, two, one] = [way * stride, way * 2, way];
-  const beside = Math.min(away[at - one], away[at - line]) + side;
-  const across = Math.min(away[at - line - one], away[at - line + one]) + corner;
-  const jump = Math.min(away[at - line - two], away[at - line + two], away[at - 2 * line - one], away[at - 2 * line + one]) + knight;
-  return Math.min(beside, across, jump);
 }
 
 /** Returns where a condition holds, 1 and 0. @param {Plane | Int32Array} values @param {(value: number, at: number) => boolean} holds */
@@ -57,11 +63,51 @@ export function where(values, holds) {
 /** Returns what is marked and all within a reach of it. @param {Uint8Array} marked @param {number} width @param {number} height @param {number} reach */
 export function thicker(marked, width, height, reach) {
   if (reach < 1) return marked;
+  if (reach < WINDOW) {
+    const rows = Math.floor(reach);
+    return dilated(marked, width, height, Array.from({ length: 2 * rows + 1 }, (_, i) => Math.floor(Math.sqrt(reach * reach - (i - rows) ** 2))));
+  }
   const away = distance(opposite(marked), width, height);
   const out = new Uint8Array(marked.length);
   for (let i = 0; i < out.length; i++) out[i] = away[i] <= reach ? 1 : 0;
   return out;
 }
+
+/** Up to so many pixels a disc is one; from there on, distances by chamfers. */
+const WINDOW = 7;
+export const CROSS = [0, 1, 0];
+export const SQUARE = [1, 1, 1];
+export const WIDE = [2, 2, 2, 2, 2];
+
+/** Returns the half widths of the rows of OpenCV's ellipse, of an odd number of pixels a side. @param {number} side */
+export function ellipse(side) {
+  const radius = side >> 1;
+  return Array.from({ length: side }, (_, i) => rint(radius * Math.sqrt((radius ** 2 - (i - radius) ** 2) / Math.max(radius ** 2, 1))));
+}
+
+/**
+ * Returns what is marked and all about it within a window, given by the half widths of its rows.
+ * @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves
+ */
+export function dilated(marked, width, height, halves) {
+  const rows = halves.length >> 1;
+  const beside = new Uint8Array(marked.length); // how far along the row something is marked
+  for (let y = 0; y < height; y++) {
+    const [first, last] = [y * width, (y + 1) * width];
+    for (let i = first, away = 255; i < last; i++) beside[i] = away = marked[i] ? 0 : Math.min(away + 1, 255);
+    for (let i = last - 1, away = 255; i >= first; i--) beside[i] = away = Math.min(beside[i], away + 1);
+  }
+  const out = new Uint8Array(marked.length);
+  for (let k = 0; k < halves.length; k++) {
+    const [half, shift] = [halves[k], (k - rows) * width];
+    const [first, last] = [Math.max(0, -shift), Math.min(out.length, out.length - shift)];
+    for (let i = first; i < last; i++) if (beside[i + shift] <= half) out[i] = 1;
+  }
+  return out;
+}
+
+/** Returns what is marked with all about it within a window. @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves as for `dilated` */
+export const eroded = (marked, width, height, halves) => opposite(dilated(opposite(marked), width, height, halves));
 
 /** Returns 1 where nothing is marked. @param {Plane} marked */
 export function opposite(marked) {
@@ -75,60 +121,55 @@ export function opposite(marked) {
  * @param {Uint8Array} marked @param {number} width @param {number} height @param {4 | 8} ways
  */
 export function components(marked, width, height, ways) {
-  const labels = new Int32Array(marked.length);
-  /** @type {{area: number, left: number, top: number, right: number, bottom: number}[]} */
-  const boxes = [{ area: 0, left: 0, top: 0, right: 0, bottom: 0 }];
-  const stack = [];
-  for (let first = 0; first < marked.length; first++) {
-    if (!marked[first] || labels[first]) continue;
-    const label = boxes.length;
-    const box = { area: 0, left: width, top: height, right: 0, bottom: 0 };
-    boxes.push(box);
-    labels[first] = label;
-    stack.push(first);
-    while (stack.length) {
-      const at = /** @type {number} */ (stack.pop());
-      const [x, y] = [at % width, Math.floor(at / width)];
-      box.area++;
-      box.left = Math.min(box.left, x);
-      box.right = Math.max(box.right, x + 1);
-      box.top = Math.min(box.top, y);
-      box.bottom = Math.max(box.bottom, y + 1);
-      for (let dy = -1; dy <= 1; dy++) {
-        for (let dx = -1; dx <= 1; dx++) {
-          if ((ways === 4 && dx && dy) || x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-          const next = at + dy * width + dx;
-          if (!marked[next] || labels[next]) continue;
-          labels[next] = label;
-          stack.push(next);
-        }
+  /** @type {number[][]} */
+  const [starts, ends, owners] = [[], [], []];
+  /** @param {number} run */
+  const root = (run) => {
+    while (owners[run] !== run) run = owners[run] = owners[owners[run]];
+    return run;
+  };
+  const corner = ways === 8 ? 1 : 0;
+  let before = 0; // the first run of the row above
+  for (let y = 0, first = 0; y < height; y++, before = first, first = starts.length) {
+    let above = before;
+    for (let i = y * width, last = i + width; i < last; i++) {
+      if (!marked[i]) continue;
+      const start = i;
+      while (i < last && marked[i]) i++;
+      const run = starts.push(start) - 1;
+      ends.push(i);
+      owners.push(run);
+      while (above < first && ends[above] + width + corner <= start) above++;
+      for (let other = above; other < first && starts[other] + width < i + corner; other++) {
+        const [one, two] = [root(other), root(run)];
+        if (one !== two) owners[Math.max(one, two)] = Math.min(one, two);
       }
     }
+  }
+  const labels = new Int32Array(marked.length);
+  const boxes = [{ area: 0, left: 0, top: 0, right: 0, bottom: 0 }];
+  const names = new Int32Array(starts.length);
+  for (let run = 0; run < starts.length; run++) {
+    const own = root(run);
+    if (own === run) names[run] = boxes.push({ area: 0, left: width, top: height, right: 0, bottom: 0 }) - 1;
+    names[run] = names[own];
+    const [y, box] = [Math.floor(starts[run] / width), boxes[names[run]]];
+    labels.fill(names[run], starts[run], ends[run]);
+    box.area += ends[run] - starts[run];
+    box.left = Math.min(box.left, starts[run] - y * width);
+    box.right = Math.max(box.right, ends[run] - y * width);
+    box.top = Math.min(box.top, y);
+    box.bottom = Math.max(box.bottom, y + 1);
   }
   return { labels, boxes };
 }
 
 /** Returns a barrier and all that cannot be reached past it from the picture's edge. @param {Uint8Array} barrier @param {number} width @param {number} height */
 export function enclosedBy(barrier, width, height) {
-  const inside = new Uint8Array(barrier.length).fill(1);
-  /** @type {number[]} */
-  const stack = [];
-  /** @param {number} at */
-  const reach = (at) => {
-    if (barrier[at] || !inside[at]) return;
-    inside[at] = 0;
-    stack.push(at);
-  };
-  for (let x = 0; x < width; x++) [x, (height - 1) * width + x].forEach(reach);
-  for (let y = 0; y < height; y++) [y * width, y * width + width - 1].forEach(reach);
-  while (stack.length) {
-    const at = /** @type {number} */ (stack.pop());
-    const x = at % width;
-    if (x > 0) reach(at - 1);
-    if (x < width - 1) reach(at + 1);
-    if (at >= width) reach(at - width);
-    if (at < barrier.length - width) reach(at + width);
-  }
+  const { labels, boxes } = components(opposite(barrier), width, height, 4);
+  const outside = boxes.map((box, label) => label > 0 && (!box.left || !box.top || box.right === width || box.bottom === height));
+  const inside = new Uint8Array(barrier.length);
+  for (let i = 0; i < inside.length; i++) inside[i] = outside[labels[i]] ? 0 : 1;
   return inside;
 }
 
@@ -137,31 +178,24 @@ export function enclosedBy(barrier, width, height) {
  * @param {Plane} values @param {number} width @param {number} height @param {number} radius @param {1 | -1} way
  */
 export function extreme(values, width, height, radius, way) {
-  const from = new Float32Array(values);
   const size = 2 * radius + 1;
-  const longest = Math.max(width, height) + 2 * radius + size;
-  const [line, ahead, back] = [new Float32Array(longest), new Float32Array(longest), new Float32Array(longest)];
-  for (const [count, length, step, stride] of [[height, width, 1, width], [width, height, width, 1]]) {
-    const padded = Math.ceil((length + 2 * radius) / size) * size;
-    for (let i = 0; i < count; i++) {
-      // In blocks of the window's size, the best from either end: two of them make any window (van Herk 1992).
-      line.fill(-way * FAR, 0, padded);
-      for (let k = 0, at = i * stride; k < length; k++, at += step) line[k + radius] = from[at];
-      for (let k = 0; k < padded; k++) {
-        const before = k % size ? ahead[k - 1] : line[k];
-        ahead[k] = way > 0 ? Math.max(before, line[k]) : Math.min(before, line[k]);
-      }
-      for (let k = padded - 1; k >= 0; k--) {
-        const after = (k + 1) % size ? back[k + 1] : line[k];
-        back[k] = way > 0 ? Math.max(after, line[k]) : Math.min(after, line[k]);
-      }
-      for (let k = 0, at = i * stride; k < length; k++, at += step) {
-        const [one, other] = [back[k], ahead[k + size - 1]];
-        from[at] = way > 0 ? Math.max(one, other) : Math.min(one, other);
-      }
+  const [wide, high] = [width + 2 * radius, height + 2 * radius];
+  const from = new Float32Array(wide * high).fill(-way * FAR);
+  for (let y = 0; y < height; y++) from.set(values.subarray(y * width, (y + 1) * width), (y + radius) * wide + radius);
+  for (const step of [1, wide]) {
+    // Windows of twice the size are made of two, until they are as large as wanted.
+    for (let done = 1; done < size;) {
+      const more = Math.min(done, size - done);
+      const ahead = more * step;
+      const last = from.length - ahead;
+      if (way > 0) for (let i = 0; i < last; i++) from[i] = Math.max(from[i], from[i + ahead]);
+      else for (let i = 0; i < last; i++) from[i] = Math.min(from[i], from[i + ahead]);
+      done += more;
     }
   }
-  return from;
+  const out = new Float32Array(width * height);
+  for (let y = 0; y < height; y++) out.set(from.subarray(y * wide, y * wide + width), y * width);
+  return out;
 }
 
 /** Returns a picture blurred by a Gaussian. @param {Plane} values @param {number} width @param {number} height @param {number} sigma */
@@ -199,13 +233,13 @@ export function filtered(values, width, height, kernel) {
 
 /**
  * Returns what each of `to` places along a line is made of, of `from`: first place and weights.
- * @param {number} from @param {number} to @param {boolean} cubic @returns {[number, number[]][]}
+ * @param {number} from @param {number} to @param {Way} way @returns {[number, number[]][]}
  */
-function mixture(from, to, cubic) {
+function mixture(from, to, way) {
   const scale = from / to;
-  if (cubic && scale < 1) return curve(from, to);
+  if (way === "curves" && scale < 1) return curve(from, to);
   return Array.from({ length: to }, (_, i) => {
-    if (scale > 1) { // the mean over an area
+    if (scale > 1 && way !== "points") { // the mean over an area
       const [start, end] = [i * scale, Math.min((i + 1) * scale, from)];
       const first = Math.floor(start + 1e-6);
       const count = Math.min(Math.ceil(end - 1e-6), from) - first;
@@ -242,11 +276,11 @@ function curve(from, to) {
 /**
  * Returns a picture of another size: averaged over areas, or interpolated.
  * @param {Plane} values @param {number} width @param {number} height
- * @param {number} wide @param {number} high @param {number} [channels] @param {boolean} [cubic] whether by cubic curves, not lines
+ * @param {number} wide @param {number} high @param {number} [channels] @param {Way} [way]
  */
-export function resized(values, width, height, wide, high, channels = 1, cubic = false) {
-  const across = mixture(width, wide, cubic);
-  const down = mixture(height, high, cubic);
+export function resized(values, width, height, wide, high, channels = 1, way = "lines") {
+  const across = mixture(width, wide, way);
+  const down = mixture(height, high, way);
   const rows = new Float32Array(wide * height * channels);
   for (let y = 0; y < height; y++) {
     for (let x = 0; x < wide; x++) {
@@ -269,6 +303,9 @@ export function resized(values, width, height, wide, high, channels = 1, cubic =
   }
   return out;
 }
+
+/** Returns a picture of another size as normalgan.inference has it: means over areas, or curves through four pixels. @param {Plane} values @param {number} width @param {number} height @param {number} wide @param {number} high */
+export const refitted = (values, width, height, wide, high) => resized(values, width, height, wide, high, 1, "curves");
 
 /** Returns the value that a share of the values do not exceed; NaN if there are none. @param {number[] | Float32Array} values @param {number} [share] */
 export function quantile(values, share = 0.5) {

@@ -4,8 +4,6 @@ import { blurred, boxOf, distance, resized, where } from "./raster.js";
 
 const SIDE = 256;
 const RIM = 0.02;
-/** Lengths of steps to the side and across a corner, in squares of 3 × 3 (Borgefors 1986). */
-const THREE = /** @type {[number, number, number]} */ ([0.955, 1.3693, Infinity]);
 
 /** @typedef {{x: number, y: number, normal: [number, number, number], gain: number}} Point in pixels of the map; gain: 0 to 1 */
 
@@ -105,7 +103,7 @@ function depthOf(mask, width, height) {
   const [left, top, right, bottom] = boxOf(mask, width, height) ?? [0, 0, 1, 1];
   const extent = Math.max(right - left, bottom - top);
   const rim = Math.max(RIM * extent, 1.5);
-  return distance(mask, width, height, true, THREE).map((value) => value / rim);
+  return distance(mask, width, height, true, 3).map((value) => value / rim);
 }
 
 /** Returns a point of the map, moved onto the object if it lies beside. @param {number} x @param {number} y @param {Float32Array} normals @param {Uint8Array} mask @param {number} width @param {number} height */

@@ -41,7 +41,7 @@ const painted = new Map();
 let turn = Promise.resolve();
 
 async function load() {
-  const [session, second, notes] = await Promise.all([network("ours.onnx"), network("refiner.onnx"), file("model.json")]);
+  const [session, second, third, notes] = await Promise.all([network("ours.onnx"), network("refiner.onnx"), network("reader.onnx"), file("model.json")]);
   /** @type {{line_widths: [number, number]}} */
   const { line_widths: widths } = await notes.json();
   /** @type {import("./finish.js").Refiner} */
@@ -49,7 +49,12 @@ async function load() {
     const { normal } = await second.run({ planes: new ort.Tensor("float32", planes, [1, 6, height, width]) });
     return normal.data;
   };
-  return { session, refiner, widths, size: Number(session.inputMetadata[0].shape[3]) };
+  /** @type {import("./reader.js").Network} */
+  const reader = async (picture, width, height) => {
+    const { read } = await third.run({ picture: new ort.Tensor("float32", picture, [1, 3, height, width]) });
+    return read.data;
+  };
+  return { session, refiner, reader, widths, size: Number(session.inputMetadata[0].shape[3]) };
 }
 
 /** @param {string} name */
@@ -92,10 +97,10 @@ async function recalled(kept, key, make) {
 
 /** @param {Layer} layer @param {number | null} longest @returns {Promise<Painted>} */
 async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
-  const { session, refiner, widths, size } = await ready;
+  const { session, refiner, reader, widths, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
   return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
-    const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest, widths));
+    const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader));
     const { width, height, frame } = lines;
     const scale = width / ink.width;
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);

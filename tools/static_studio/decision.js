@@ -1,0 +1,127 @@
+/** Decision: the object in a drawing, from its lines and the reader's presence, as normalgan.inference.mask.decision finds it in Python. */
+
+import { snapOutline } from "./edge.js";
+import { INKED, decided, enlarged, fillOutline } from "./filling.js";
+import { lineWidth } from "./prepare.js";
+import { SQUARE, components, dilated, distance, ellipse, eroded, refitted, rint, where } from "./raster.js";
+import { presenceAt } from "./reader.js";
+
+const [HOLE, PART, EYE, ADDED, SURE, SPECK] = [0.3, 0.75, 0.004, 0.6, 0.72, 0.002];
+/** Mean presence between which the reader is unsure of a region, and the least share of the object to warn. */
+const [LOW, HIGH, SHARE] = [0.15, 0.7, 0.02];
+
+/** @typedef {{mask: Uint8Array, covered: Float32Array, closed: number, guessed: boolean, unsure: string}} Decision
+ *   the object, how much of each pixel it covers, the share of the lines in it or at it, whether a wide gap was closed, and what is to be said */
+
+/**
+ * Returns the object that lines and the reader's presence tell together.
+ * @param {Float32Array} ink @param {number} width @param {number} height
+ * @param {import("./reader.js").Reading | null} reading null leaves it to the lines
+ * @returns {Decision}
+ */
+export function decide(ink, width, height, reading) {
+  const filled = fillOutline(ink, width, height);
+  const [wide, high] = decided(width, height);
+  const same = wide === width && high === height;
+  const small = same ? ink : refitted(ink, width, height, wide, high);
+  const outline = same ? filled.mask : where(refitted(filled.mask, width, height, wide, high), (value) => value > 0.5);
+  const inked = where(small, (value) => value > INKED);
+  let { closed } = filled;
+  let mask = outline;
+  let unsure = "";
+  if (reading) {
+    const presence = presenceAt(reading, wide, high);
+    const { labels, boxes } = components(where(inked, (value) => !value), wide, high, 4);
+    const enclosed = boxes.map((box, k) => k > 0 && box.left > 0 && box.top > 0 && box.right < wide && box.bottom < high);
+    mask = voted({ inked, labels, enclosed, outline, presence, wide, high });
+    if (!mask.includes(1)) mask = outline;
+    closed = shareAt(inked, mask, wide, high);
+    unsure = doubts({ labels, boxes, enclosed, presence, wide, high }, mask, width / wide);
+  }
+  const covered = snapOutline(same ? mask : enlarged(mask, wide, high, width, height), ink, width, height);
+  return { mask: where(covered, (value) => value > 0.5), covered, closed, guessed: !reading && filled.guessed, unsure };
+}
+
+/**
+ * @typedef {object} Regions
+ * @property {Int32Array} labels the region between lines that each pixel lies in; 0 on lines
+ * @property {boolean[]} enclosed
+ * @property {Float32Array} presence
+ * @property {number} wide
+ * @property {number} high
+ */
+
+/** Returns regions by their votes, with the lines about them. @param {Regions & {inked: Uint8Array, outline: Uint8Array}} drawn */
+function voted({ inked, labels, enclosed, outline, presence, wide, high }) {
+  // A cell is a part of a region that the outline treats alike.
+  const count = 2 * enclosed.length;
+  const [size, sum] = [new Uint32Array(count), new Float64Array(count)];
+  let object = 0;
+  for (let i = 0; i < labels.length; i++) {
+    object += outline[i];
+    if (inked[i]) continue;
+    size[2 * labels[i] + outline[i]]++;
+    sum[2 * labels[i] + outline[i]] += presence[i];
+  }
+  const [kept, mixed] = [new Uint8Array(count), new Uint8Array(count)];
+  for (let cell = 2; cell < count; cell++) {
+    const [mean, inside, within] = [sum[cell] / Math.max(size[cell], 1), enclosed[cell >> 1], cell % 2 === 1];
+    kept[cell] = (within ? mean >= HOLE || (inside && size[cell] < EYE * object) : inside && mean > ADDED) ? 1 : 0;
+    mixed[cell] = !inside && (!within || mean < PART) && size[cell] ? 1 : 0;
+  }
+  let solid = where(labels, (label, i) => {
+    const cell = 2 * label + outline[i];
+    return !inked[i] && (mixed[cell] ? presence[i] > 0.5 : kept[cell] > 0);
+  });
+  if (mixed.includes(1)) solid = withoutGuesses(solid, outline, presence, wide, high);
+  const near = dilated(solid, wide, high, ellipse(reachOf(inked, wide, high)));
+  const mask = where(solid, (value, i) => value > 0 || (inked[i] > 0 && (near[i] ? outline[i] > 0 || presence[i] > 0.15 : presence[i] > 0.4)));
+  // Between a line and what it bounds there is no gap of a pixel.
+  const closed = eroded(dilated(mask, wide, high, SQUARE), wide, high, SQUARE);
+  return where(mask, (value, i) => value > 0 || (closed[i] > 0 && (outline[i] > 0 || presence[i] > 0.3) && !(outline[i] && labels[i] && !kept[2 * labels[i] + 1])));
+}
+
+/** Returns the object without areas off the outline that are specks, or of which the reader is unsure. @param {Uint8Array} solid @param {Uint8Array} outline @param {Float32Array} presence @param {number} wide @param {number} high */
+function withoutGuesses(solid, outline, presence, wide, high) {
+  const { labels, boxes } = components(where(solid, (value, i) => value > 0 && !outline[i]), wide, high, 4);
+  const sum = new Float64Array(boxes.length);
+  for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
+  const least = SPECK * Math.max(solid.reduce((total, value) => total + value, 0), 1);
+  const kept = boxes.map(({ area }, k) => k === 0 || (sum[k] >= SURE * area && area >= least));
+  return where(solid, (value, i) => value > 0 && kept[labels[i]]);
+}
+
+/** Returns how wide a window about a line is that reaches what it bounds. @param {Uint8Array} inked @param {number} wide @param {number} high */
+const reachOf = (inked, wide, high) => 2 * rint(lineWidth(inked, wide, high) + 1.5) + 1;
+
+/** Returns the share of lines in or at the object. @param {Uint8Array} inked @param {Uint8Array} mask @param {number} wide @param {number} high */
+function shareAt(inked, mask, wide, high) {
+  const reach = reachOf(inked, wide, high);
+  const near = dilated(mask, wide, high, Array.from({ length: reach }, () => reach >> 1));
+  let [held, all] = [0, 0];
+  for (let i = 0; i < inked.length; i++) {
+    all += inked[i];
+    held += inked[i] & near[i];
+  }
+  return held / Math.max(all, 1);
+}
+
+/**
+ * Returns what is to be said of regions of which the reader is unsure.
+ * @param {Regions & {boxes: {area: number}[]}} regions @param {Uint8Array} mask @param {number} scale pixels of the drawing for one of these
+ */
+function doubts({ labels, boxes, enclosed, presence, wide, high }, mask, scale) {
+  const sum = new Float64Array(boxes.length);
+  for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
+  const least = SHARE * Math.max(mask.reduce((total, value) => total + value, 0), 1);
+  const numbers = boxes.map(({ area }, k) => ({ k, area, vote: sum[k] / Math.max(area, 1) }))
+    .filter(({ k, area, vote }) => enclosed[k] && vote > LOW && vote < HIGH && area > least).sort((one, other) => other.area - one.area);
+  if (!numbers.length) return "";
+  const places = numbers.slice(0, 3).map(({ k }) => {
+    const depth = distance(where(labels, (label) => label === k), wide, high, true, 3);
+    const at = depth.indexOf(depth.reduce((most, value) => Math.max(most, value), 0));
+    return `x ${rint((at % wide) * scale)}, y ${rint(Math.floor(at / wide) * scale)}`;
+  });
+  const what = numbers.length === 1 ? "a region" : `${numbers.length} regions`;
+  return `${what} may be object or hole, at ${places.join("; ")}; cut or paint it with the mask brush if it is wrong`;
+}
