@@ -20,12 +20,12 @@ const [LOW, HIGH, SHARE] = [0.15, 0.7, 0.02];
  * @returns {Decision}
  */
 export function decide(ink, width, height, reading) {
-  const filled = fillOutline(ink, width, height);
   const [wide, high] = decided(width, height);
   const same = wide === width && high === height;
   const small = same ? ink : refitted(ink, width, height, wide, high);
-  const outline = same ? filled.mask : where(refitted(filled.mask, width, height, wide, high), (value) => value > 0.5);
   const inked = where(small, (value) => value > INKED);
+  const filled = fillOutline(inked, wide, high);
+  const outline = filled.mask;
   let { closed } = filled;
   let mask = outline;
   let unsure = "";

@@ -1,6 +1,5 @@
 /** Filling: what the lines of a drawing enclose, with small gaps closed, as normalgan.inference.mask.filling and outline_mask do it in Python. */
 
-import { snapOutline } from "./edge.js";
 import { lineWidth } from "./prepare.js";
 import { blurred, boxOf, enclosedBy, refitted, rint, thicker, where } from "./raster.js";
 
@@ -25,30 +24,24 @@ export function enlarged(mask, wide, high, width, height) {
 
 /**
  * Returns the mask of what lines enclose, how much of the ink encloses anything, and whether a wide gap was closed.
- * @param {Float32Array} ink @param {number} width @param {number} height
+ * @param {Uint8Array} lines @param {number} width @param {number} height
  */
-export function fillOutline(ink, width, height) {
-  const [wide, high] = decided(width, height);
-  const small = wide === width && high === height ? ink : refitted(ink, width, height, wide, high);
-  const box = boxOf(small, wide, high, INKED);
-  if (!box) return { mask: new Uint8Array(width * height), closed: 0, guessed: false };
+export function fillOutline(lines, width, height) {
+  const box = boxOf(lines, width, height, 0);
+  if (!box) return { mask: new Uint8Array(lines.length), closed: 0, guessed: false };
   const span = Math.max(box[2] - box[0], box[3] - box[1]);
   const margin = Math.floor(MARGIN * span) + 2;
-  const [padded, rows] = [wide + 2 * margin, high + 2 * margin];
+  const [padded, rows] = [width + 2 * margin, height + 2 * margin];
   const inked = new Uint8Array(padded * rows);
-  for (let y = 0; y < high; y++) {
-    for (let x = 0; x < wide; x++) inked[(y + margin) * padded + x + margin] = small[y * wide + x] > INKED ? 1 : 0;
-  }
+  for (let y = 0; y < height; y++) inked.set(lines.subarray(y * width, (y + 1) * width), (y + margin) * padded + margin);
   const filling = new Filling(inked, padded, rows, span);
   filling.take(SMALL);
   const before = filling.closed;
   if (before < FAILED) filling.take(LARGE);
   const filled = filling.mask();
-  let mask = new Uint8Array(wide * high);
-  for (let y = 0; y < high; y++) mask.set(filled.subarray((y + margin) * padded + margin, (y + margin) * padded + margin + wide), y * wide);
-  if (small !== ink) mask = enlarged(mask, wide, high, width, height);
-  const covered = snapOutline(mask, ink, width, height);
-  return { mask: where(covered, (value) => value > 0.5), closed: filling.closed, guessed: filling.closed > before };
+  const mask = new Uint8Array(lines.length);
+  for (let y = 0; y < height; y++) mask.set(filled.subarray((y + margin) * padded + margin, (y + margin) * padded + margin + width), y * width);
+  return { mask, closed: filling.closed, guessed: filling.closed > before };
 }
 
 /** An inside that grows while gaps are closed. */
