@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from skimage.morphology import reconstruction
 
 from normalgan.arrays import Floats
-from normalgan.inference.jobs.plan import OUTLINE
+from normalgan.inference.mask.masks import OUTLINE
 from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.inference.network.upsampling import enlarge
 from normalgan.inference.pipeline import finish
@@ -99,7 +99,7 @@ def test_nothing_inside_a_thin_outline_is_transparent(shape: str, width: float) 
 def test_the_opacity_of_a_map_ends_where_the_ink_ends(size: int) -> None:
     corners, width = closed_curve("flower") * size, size / 170
     paper = np.repeat(1 - drawn(corners, size, width)[..., None], 3, -1)
-    prepared = prepare(Picture(paper, None), 64, source=OUTLINE)
+    prepared = prepare(Picture(paper, None), 64, mask=OUTLINE)
     facing = np.zeros((64, 64, 3), np.float32)
     facing[..., 2] = 1
     found = edge_points(finish(prepared, facing, None, enlarge).alpha)
