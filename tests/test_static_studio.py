@@ -29,7 +29,7 @@ from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import Bits
-from normalgan.studio.drawing import Drawing
+from normalgan.studio.drawing_request import DrawingRequest
 from pens import blob, outline
 from web_folder import serve
 
@@ -179,7 +179,7 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
 def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", area: dict[str, Any]) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
     predicted = normalgan.load(SHIPPED)(grey)
-    edited = Drawing(grey[..., None], [], None, None, [area]).edit(
+    edited = DrawingRequest(grey[..., None], [], None, [area]).edit(
         predicted.extended, predicted.mask, grey.shape
     )
     turned = np.abs(edited - predicted.extended).max(-1) > 0.1

@@ -503,28 +503,10 @@ def rendering() -> list[str]:
     ]
 
 
-def waiting() -> list[str]:
-    """Return the section on how long training waits for its samples."""
-    found = read("waiting")
-    lines = [
-        "",
-        "## Waiting for samples",
-        "",
-        f"Training at the quickstart's scale on two cores of an {found['cpu']}:",
-        *("", "```sh", "python benchmarks/waiting.py -o docs/results/waiting.json", "```", ""),
-        "| samples from | mean step | share spent waiting | samples a second |",
-        "| --- | ---: | ---: | ---: |",
-    ]
-    return lines + [
-        f"| {row['data']} | {row['step_ms']:.0f} ms | {row['waiting']:.1%} | {row['samples_per_s']:.1f} |"
-        for row in found["rows"]
-    ]
-
-
 def page() -> str:
     """Return the whole page."""
     parts: tuple[Callable[[], list[str]], ...] = (comparison, larger, folds, placement, critic, ablation)
-    parts += (drawings, people, shipped, speedrun, rendering, waiting)
+    parts += (drawings, people, shipped, speedrun, rendering)
     return INTRODUCTION + "\n".join(line for part in parts for line in part()) + "\n"
 
 

@@ -279,7 +279,7 @@ def project() -> Read:
 
     with instrumented():
         from normalgan.studio.documents import check_document
-        from normalgan.studio.drawing import read_areas, take_drawing
+        from normalgan.studio.drawing_request import read_areas, take_drawing
         from normalgan.studio.fields import parse_fields
     picture = np.full((32, 32, 1), 255, np.uint8)
 

@@ -46,7 +46,7 @@ def lay_out_seeds(folder: Path, target: str) -> list[Path]:
 
 def _pictures(target: str) -> Iterable[tuple[str, bytes]]:
     """Return sound and hostile pictures; those that must be ended by the clock are for a child alone."""
-    from seeds_of_mutants import sound
+    from sound_files import sound
 
     from hostile_pictures import SLOW, hostile
 
@@ -58,7 +58,7 @@ def _pictures(target: str) -> Iterable[tuple[str, bytes]]:
 
 def _meshes(_: str) -> Iterable[tuple[str, bytes | str]]:
     from hostile import MESHES
-    from seeds_of_mutants import sound
+    from sound_files import sound
 
     yield from sound()["mesh"].items()
     for name, (content, _words) in MESHES.items():
@@ -108,7 +108,7 @@ def _animations(_: str) -> Iterable[tuple[str, bytes]]:
 def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
     if target == "checkpoint":
         from attacked_checkpoints import FILES, MODEL, sound
-        from seeds_of_mutants import sound_checkpoint
+        from sound_files import sound_checkpoint
         from torch import save
 
         yield "sound.ckpt", sound_checkpoint()
@@ -127,7 +127,7 @@ def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
         yield from {"sound": content, "cut": content[:-9], "header": b"\xff" * 8 + content[8:]}.items()
     elif target == "configuration":
         from hostile import CLUSTERS, CONFIGURATIONS, PLANS
-        from seeds_of_mutants import sound
+        from sound_files import sound
 
         for reader, files in (("configuration", CONFIGURATIONS), ("plan", PLANS), ("cluster", CLUSTERS)):
             yield from sound()[reader].items()
@@ -137,7 +137,7 @@ def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
         yield from {"project.json": json.dumps(PROJECT), "request.json": json.dumps(REQUEST)}.items()
         yield from {"deep.json": "[" * 200_000, "digits.json": '{"width": ' + "1" * 10_000 + "}"}.items()
     elif target == "model":
-        from seeds_of_mutants import sound
+        from sound_files import sound
 
         yield from sound()["model"].items()
     else:

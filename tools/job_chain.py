@@ -15,7 +15,7 @@ from typing import Any
 
 import normalgan
 
-CARRIERS = {"Job", "DrawingFiles", "Drawing", "Picture", "Prepared", "Member", "Given"}
+CARRIERS = {"Job", "DrawingFiles", "Drawing", "DrawingRequest", "Picture", "Prepared", "Member"}
 """Classes that hold a drawing, or what is known of it, on the way to its map."""
 STARTS = {
     "generate": ("normalgan/inference/predict_job.py", "JobPredictor.__call__"),
@@ -59,10 +59,10 @@ def follow(what: str, drawing: Path) -> Chain:
                 main(["generate", str(drawing), "-o", folder])
         else:
             from normalgan.inference.network.onnx_backend import SHIPPED
-            from normalgan.studio.layers import Drawing
+            from normalgan.studio.drawing_request import DrawingRequest
             from normalgan.studio.predictor import Predictor
 
-            Predictor(SHIPPED).predict(Drawing(drawing.read_bytes(), [], None, None), None, lambda: None)
+            Predictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes(), [], None), None, lambda: None)
     finally:
         sys.setprofile(None)
         threading.setprofile(None)  # type: ignore[arg-type]

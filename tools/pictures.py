@@ -1,7 +1,10 @@
-"""Makes the pictures of the documentation from embedded animals and a sphere: tools/pictures.py FOLDER."""
+"""Makes the pictures of the documentation from embedded animals and a sphere: tools/pictures.py FOLDER.
+
+With names of `PICTURES` behind the folder, it makes these alone; all of them take some minutes.
+"""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from pathlib import Path
 
@@ -11,24 +14,38 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
+from PIL import Image
 
 from normalgan.animals import GROUPS, Animal
 from normalgan.files.writing import write_bytes
 from normalgan.hints import CurvatureHints
+from normalgan.inference.reading.drawings import read_drawing
+from normalgan.inference.reading.picture import resize
 from normalgan.normals import encode, flip_green, paint_flat
-from normalgan.rendering import EmbreeRenderer, Maps
-from normalgan.rendering.lines import LineDrawing, SuggestiveContours
+from normalgan.rendering import EmbreeRenderer, Maps, MeshSource
+from normalgan.rendering.hand import Hand
+from normalgan.rendering.lines import (
+    Brush,
+    LineDrawing,
+    ObjectSpaceSuggestive,
+    OccludingContours,
+    RidgesAndValleys,
+    Silhouette,
+    SuggestiveContours,
+)
 from normalgan.rendering.strokes import rasterise
+from normalgan.rendering.variation import Variation, Varied
 from normalgan.rendering.view import View
 from normalgan.rendering.views import framed, look_at_origin
 
 Picture = NDArray[np.floating]
 DPI = 100
+SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 
 
-def look(animal: Animal, size: int, azimuth: float = 25.0, elevation: float = 10.0) -> View:
+def look(source: MeshSource, size: int, azimuth: float = 25.0, elevation: float = 10.0) -> View:
     """Return a view of an animal, orthographic, ``size`` pixels a side."""
-    mesh = animal.load()
+    mesh = source.load()
     camera = framed(mesh.vertices, look_at_origin(azimuth, elevation, 0.0), None, 0.04)
     return View(mesh, camera, EmbreeRenderer(), size)
 
@@ -124,6 +141,69 @@ def curvature() -> bytes:
     return panels([pictures], [titles], size)
 
 
+def hand() -> bytes:
+    """Return animals drawn by hands of growing strength, and last the normals of the last drawing."""
+    strengths, size, rows = (0.0, 0.25, 0.5, 1.0, 1.0, 1.0), 140, []
+    seen = ((("horse", 2), 30.0), (("lion", 3), -50.0), (("elephant", 1), -35.0), (("cat", 1), 100.0))
+    for (species, seed), azimuth in seen:
+        view = look(Animal(species, seed), size, azimuth, 8.0)
+        strokes = SuggestiveContours().trace(view, np.random.default_rng(0))
+        row: list[Picture] = []
+        for number, strength in enumerate(strengths):
+            person = Hand(strength=(strength, strength))
+            drawn, maps = person.draw(strokes, view.maps(), np.random.default_rng(number))
+            row.append(1 - rasterise(drawn, size).astype(np.float64))
+        rows.append([*row, colours(maps)])
+    titles = ["strength 0", *(f"{strength:g}" for strength in strengths[1:]), "the last one's normals"]
+    return panels(rows, [titles, *([""] * len(titles) for _ in rows[1:])], size)
+
+
+def styles() -> bytes:
+    """Return animals in rows, drawn in every style, and below them drawings by people."""
+    kinds: tuple[type[LineDrawing], ...] = (Silhouette, OccludingContours, SuggestiveContours)
+    kinds += (ObjectSpaceSuggestive, RidgesAndValleys, Brush)
+    seen = ((("lion", 3), 25.0), (("horse", 2), -30.0), (("elephant", 1), 20.0), (("cat", 1), 60.0))
+    size = 224
+    rows = [[draw(Animal(*animal), kind(), size, azimuth) for kind in kinds] for animal, azimuth in seen]
+    people = [1 - resize(read_drawing(path), (size, size)) for path in sorted(SKETCHES.glob("*.png"))]
+    rows.append([*people, *[np.ones((size, size))] * (len(kinds) - len(people))])
+    blank = [""] * len(kinds)
+    below = ["by people, to compare:", *blank[1:]]
+    picture = panels(rows, [[kind.__name__ for kind in kinds], blank, blank, blank, below], size)
+    grey = BytesIO()
+    # Sixteen greys: a third of the bytes, and nothing to see of it.
+    Image.open(BytesIO(picture)).convert("L").quantize(16).save(grey, format="png", optimize=True)
+    return grey.getvalue()
+
+
+def kinds() -> bytes:
+    """Return 64 species, as many of each group as of any other while they last, in the groups' order."""
+    rounds = max(len(names) for names in GROUPS.values())
+    dealt = [name for i in range(rounds) for names in GROUPS.values() for name in names[i : i + 1]][:64]
+    animals = [Animal(name, 1) for names in GROUPS.values() for name in names if name in dealt]
+    return contact_sheet(animals, 88, azimuth=32.0, elevation=16.0)
+
+
+def variation() -> bytes:
+    """Return two rows of each of four animals: the animal itself, and varied individuals."""
+    found: list[MeshSource] = []
+    for species in ("horse", "cat", "elephant", "stag"):
+        animal = Animal(species, 1)
+        found += [animal, *(Varied(animal, Variation(), number) for number in range(15))]
+    return contact_sheet(found, 120, azimuth=25.0, elevation=12.0)
+
+
+def contact_sheet(found: Sequence[MeshSource], side: int, azimuth: float, elevation: float) -> bytes:
+    """Return the normal maps of meshes as a PNG in few colours, eight in a row."""
+    maps = [look(source, side, azimuth, elevation).maps() for source in found]
+    tiles = [encode(paint_flat(each.normal, each.mask)) for each in maps]
+    rows = [np.concatenate(tiles[i : i + 8], axis=1) for i in range(0, len(tiles), 8)]
+    buffer = BytesIO()
+    picture = Image.fromarray(np.concatenate(rows, axis=0).astype(np.uint8))
+    picture.quantize(224).save(buffer, format="png", optimize=True)
+    return buffer.getvalue()
+
+
 def conventions() -> bytes:
     """Return a sphere's normal map with axes and colours, its channels, and its green-flipped twin."""
     figure = Figure(figsize=(11.0, 3.9), dpi=DPI)
@@ -175,10 +255,14 @@ def _axes(axes: Axes) -> None:
         )
 
 
+PICTURES: tuple[Callable[[], bytes], ...] = (herd, curvature, conventions, hand, styles, kinds, variation)
+
 if __name__ == "__main__":
     torch.set_num_threads(1)
-    folder = Path(sys.argv[1]) if len(sys.argv) == 2 else sys.exit("usage: tools/pictures.py FOLDER")
-    for make in (herd, curvature, conventions):
-        path = folder / f"{make.__name__}.png"
-        write_bytes(path, make())
-        print(path, f"{path.stat().st_size // 1024} kB")
+    if len(sys.argv) < 2:
+        sys.exit("usage: tools/pictures.py FOLDER [NAME ...]")
+    for make in PICTURES:
+        if make.__name__ in sys.argv[2:] or len(sys.argv) == 2:
+            path = Path(sys.argv[1]) / f"{make.__name__}.png"
+            write_bytes(path, make())
+            print(path, f"{path.stat().st_size // 1024} kB")

@@ -131,15 +131,6 @@ def test_a_sheared_drawing_keeps_its_outline_on_the_rim() -> None:
     assert moved["normal"][:, 2][rim].mean() < 0.35
 
 
-def test_normals_stay_of_unit_length_and_on_the_object() -> None:
-    moved = Augmentation()(sphere(), seed=0)
-    length = moved["normal"].norm(dim=1, keepdim=True)
-    torch.testing.assert_close(length, moved["mask"], atol=1e-4, rtol=0)
-    assert set(moved["mask"].unique().tolist()) == {0.0, 1.0}
-    assert moved["sketch"].min() >= 0
-    assert moved["sketch"].max() <= 1
-
-
 def test_scale_and_translation_move_sketch_and_mask_together() -> None:
     batch = sphere()
     batch["sketch"] = batch["mask"].clone()
@@ -147,17 +138,6 @@ def test_scale_and_translation_move_sketch_and_mask_together() -> None:
     moved = Augmentation(**settings)(batch, seed=0)  # type: ignore[arg-type]
     assert (moved["sketch"] - moved["mask"]).abs().mean() < 0.01
     assert not torch.equal(moved["mask"], batch["mask"])
-
-
-def test_seed_decides_and_global_state_is_left_alone() -> None:
-    batch = sphere()
-    torch.manual_seed(5)
-    expected = torch.rand(3)
-    torch.manual_seed(5)
-    first, again, other = (Augmentation()(batch, seed)["sketch"] for seed in (1, 1, 2))
-    assert torch.equal(torch.rand(3), expected)
-    assert torch.equal(first, again)
-    assert not torch.equal(first, other)
 
 
 @pytest.mark.skipif(torch.cuda.is_available(), reason="CUDA is there, and is seeded at once")

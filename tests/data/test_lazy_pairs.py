@@ -67,6 +67,7 @@ def test_training_begins_before_all_pairs_are_prepared(pairs: Path, tmp_path: Pa
     assert finished(tmp_path, "train") == 48 / PER_SHARD
 
 
+@pytest.mark.slow
 def test_batches_of_workers_are_those_of_a_finished_cache(pairs: Path, tmp_path: Path) -> None:
     all_of_them = (1.0, 0.0, 0.0)
     few = {"limit_train_batches": 10, "limit_val_batches": 0}

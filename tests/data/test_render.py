@@ -75,6 +75,7 @@ def test_workers_write_the_same_bytes_as_this_process(rendered: Path, tmp_path: 
     assert len(contents(alone)) == 1 + 1 + 2 * 4 + 3 * 4  # manifest, groups and arrays, objects and markers
 
 
+@pytest.mark.slow
 def test_real_plug_ins_write_the_same_bytes_in_workers(tmp_path: Path) -> None:
     real = Recipe(Views(), EmbreeRenderer(), OccludingContours(), 32)
     sources = {"train": [Octahedron("a")], "test": [Octahedron("b", 0.3)]}
@@ -152,6 +153,7 @@ def test_a_manifest_of_an_older_version_is_believed(folder: Path, tmp_path: Path
     assert json.loads(path.read_text()) == content
 
 
+@pytest.mark.slow
 def test_a_killed_run_is_taken_up_and_leaves_no_workers_behind(tmp_path: Path) -> None:
     code = (
         "import sys; from pathlib import Path; from test_render import render\n"

@@ -160,6 +160,7 @@ except OSError as error:
     assert done.stdout.split(maxsplit=2) == ["True", "False", "Too many open files\n"]
 
 
+@pytest.mark.slow
 def test_a_small_file_of_a_large_picture_takes_little_memory() -> None:
     content = white_tiff(8192, channels=4)
     assert len(content) < 400_000

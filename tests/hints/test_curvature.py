@@ -8,7 +8,7 @@ from scipy import ndimage
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.hints import HINT_SAMPLERS, CurvatureHints
+from normalgan.hints import CurvatureHints
 
 Scene = tuple[Tensor, Tensor]
 
@@ -32,10 +32,6 @@ def level_map(normal: Tensor, gain: float) -> np.ndarray[Any, Any]:
         green = (ny[r - 1, c] - ny[r + 1, c]) / 2
         levels[row, column] = int(np.clip(np.floor(255 * (0.5 + gain * (red + green)) + 0.5), 0, 255))
     return levels
-
-
-def test_is_registered() -> None:
-    assert {"CurvatureHints", "NoHints", "UniformHints"} <= set(HINT_SAMPLERS.names())
 
 
 @pytest.mark.parametrize("gain", [0.05, 1.0])
@@ -132,34 +128,6 @@ def test_dropout_keeps_a_twentieth() -> None:
     assert abs(kept - expected) < 4 * deviation
 
 
-def test_seed_decides_and_every_kept_point_was_selected(quadruped: Scene) -> None:
-    normal, mask = quadruped
-    sampler = CurvatureHints(dropout=0.5)
-    first = sampler.sample(normal, mask, seeded(1))
-    assert torch.equal(first, sampler.sample(normal, mask, seeded(1)))
-    assert not torch.equal(first, sampler.sample(normal, mask, seeded(2)))
-    assert not (first.bool() & ~sampler.select(normal, mask)).any()
-
-
-def test_sample_does_not_depend_on_its_neighbours_content(quadruped: Scene) -> None:
-    normal, mask = quadruped
-    nothing = torch.zeros_like(normal)
-    for sampler in (CurvatureHints(dropout=0.5), CurvatureHints(dropout=0.5, normalisation="minmax")):
-        beside_itself = sampler.sample(torch.cat([normal, normal]), torch.cat([mask, mask]), seeded())
-        beside_nothing = sampler.sample(torch.cat([nothing, normal]), torch.cat([0 * mask, mask]), seeded())
-        assert torch.equal(beside_itself[1], beside_nothing[1])
-        assert beside_nothing[0].sum() == 0
-
-
-@pytest.mark.parametrize("dtype", [torch.float32, torch.float64, torch.bfloat16])
-def test_keeps_shape_and_type(dtype: torch.dtype) -> None:
-    normal, mask = beast(32)
-    where = CurvatureHints(dropout=0.0).sample(normal.to(dtype), mask.bool(), seeded())
-    assert where.shape == mask.shape
-    assert where.dtype == dtype
-    assert set(where.unique().tolist()) <= {0.0, 1.0}
-
-
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -180,7 +148,3 @@ def test_keeps_shape_and_type(dtype: torch.dtype) -> None:
 def test_bad_setting_says_what_would_be_right(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         CurvatureHints(**settings)
-
-
-def test_equal_settings_are_equal() -> None:
-    assert CurvatureHints(gain=0.1) == CurvatureHints(gain=0.1) != CurvatureHints()

@@ -55,29 +55,6 @@ def test_zero_hints_are_legal() -> None:
     assert UniformHints(0, 0).sample(normal, mask, seeded()).sum() == 0
 
 
-def test_seed_decides() -> None:
-    normal, mask = sphere(32, radius=12)
-    first = UniformHints().sample(normal, mask, seeded(1))
-    assert torch.equal(first, UniformHints().sample(normal, mask, seeded(1)))
-    assert not torch.equal(first, UniformHints().sample(normal, mask, seeded(2)))
-
-
-def test_sample_does_not_depend_on_its_neighbours_content() -> None:
-    normal, mask = sphere(32, radius=12)
-    _, small = sphere(32, radius=1)
-    beside_itself = UniformHints().sample(normal.expand(2, -1, -1, -1), torch.cat([mask, mask]), seeded())
-    beside_small = UniformHints().sample(normal.expand(2, -1, -1, -1), torch.cat([small, mask]), seeded())
-    assert torch.equal(beside_itself[1], beside_small[1])
-
-
-@pytest.mark.parametrize("dtype", [torch.float32, torch.float64, torch.bfloat16])
-def test_keeps_shape_and_type(dtype: torch.dtype) -> None:
-    normal, mask = sphere(16, radius=6)
-    for sampler in (UniformHints(4, 4), NoHints()):
-        where = sampler.sample(normal.to(dtype), mask.bool(), seeded())
-        assert (where.shape, where.dtype) == (mask.shape, dtype)
-
-
 @pytest.mark.parametrize(("minimum", "maximum"), [(5, 4), (-1, 4)])
 def test_bad_bounds_say_what_would_be_right(minimum: int, maximum: int) -> None:
     with pytest.raises(

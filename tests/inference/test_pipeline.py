@@ -6,7 +6,7 @@ import pytest
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.jobs.plan import MODEL, OUTLINE
+from normalgan.inference.mask.masks import MODEL, OUTLINE
 from normalgan.inference.network.extension import extend
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
@@ -156,7 +156,7 @@ def test_a_mask_given_wins_and_is_filled_whatever_the_model_thinks(tmp_path: Pat
 
 def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:
     picture, _ = drawn()
-    whole = predict(OnnxBackend(write_model(tmp_path / "all.onnx")), prepare(picture, 64, source=MODEL))
+    whole = predict(OnnxBackend(write_model(tmp_path / "all.onnx")), prepare(picture, 64, mask=MODEL))
     frame = prepare(picture, 64).frame
     assert whole.mask.sum() == pytest.approx(
         frame.side * 200, rel=0.2
@@ -164,9 +164,7 @@ def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the model sees no object in it"):
         predict(OnnxBackend(write_model(tmp_path / "none.onnx", length=0.01)), prepare(picture, 64))
     with pytest.raises(InputError, match="the model sees no object in it"):
-        predict(
-            OnnxBackend(write_model(tmp_path / "few.onnx", length=0.3)), prepare(picture, 64, source=MODEL)
-        )
+        predict(OnnxBackend(write_model(tmp_path / "few.onnx", length=0.3)), prepare(picture, 64, mask=MODEL))
 
 
 def test_an_open_outline_is_told(model: Path) -> None:
@@ -175,7 +173,7 @@ def test_an_open_outline_is_told(model: Path) -> None:
     line[100, 40:260] = 1
     for ink, sentence in ((open_one, "a wide gap, which was closed"), (line, "its outline is not closed")):
         picture = Picture(np.repeat(1 - ink[..., None], 3, -1), None)
-        predicted = predict(OnnxBackend(model), prepare(picture, 64, source=OUTLINE))
+        predicted = predict(OnnxBackend(model), prepare(picture, 64, mask=OUTLINE))
         assert sentence in predicted.warning
 
 

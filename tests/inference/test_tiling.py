@@ -78,6 +78,7 @@ def test_a_drawing_and_one_that_is_rolled_by_half_are_painted_alike(
     assert steps(alone.extended, 1)[0] > 2 * steps(predicted.extended, 1)[0]
 
 
+@pytest.mark.slow
 def test_where_the_edges_are_makes_little_difference(predictor: Predictor, predicted: NormalMap) -> None:
     other = predictor(rolled(stones(), 41, 23), tile="both")
     assert angles(predicted.extended, back(other, 41, 23)).mean() < 6

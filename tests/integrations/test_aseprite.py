@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 from add_ons import FOX, install, own_command, painted_by_hand, program, start
 from PIL import Image
 
@@ -81,6 +82,7 @@ def run(home: Path, frames: int = 1, drawing: Path = FOX, state: str = "", **env
     return [line for line in done.stdout.splitlines() if line.startswith(told)]
 
 
+@pytest.mark.slow
 def test_each_frame_gets_a_cel_of_normals(tmp_path: Path) -> None:
     *cels, hidden = run(tmp_path, frames=2)
     assert hidden.split() == ["HIDDEN", "true"]  # an earlier map is no part of the drawing

@@ -94,6 +94,7 @@ def test_without_normalgan_one_sentence_says_what_to_do(inkscape: str, tmp_path:
     )
 
 
+@pytest.mark.slow
 def test_what_the_command_says_is_shown(inkscape: str, tmp_path: Path) -> None:
     empty = '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="240"/>'
     (tmp_path / "cup.svg").write_text(empty, encoding="utf-8")

@@ -12,12 +12,7 @@ from normalgan.losses import (
     hint_loss,
     l1_loss,
 )
-from normalgan.losses.base import mean_over_heads
 from normalgan.models import UNetDiscriminator
-
-
-def test_heads_count_equally() -> None:
-    assert mean_over_heads((torch.ones(2, 1, 8, 8), torch.full((2, 1), 3.0))) == 2
 
 
 @pytest.mark.parametrize("objective", [Wasserstein(), WassersteinGradientPenalty()])
@@ -31,12 +26,6 @@ def test_cross_entropy_at_chance_is_log_two() -> None:
     zero = (torch.zeros(2, 1, 4, 4),)
     assert CrossEntropy().discriminator_loss(zero, zero).item() == pytest.approx(math.log(2))
     assert CrossEntropy().generator_loss(zero).item() == pytest.approx(math.log(2))
-
-
-def test_cross_entropy_falls_where_it_should() -> None:
-    high, low = (torch.full((1, 1), 2.0),), (torch.full((1, 1), -2.0),)
-    assert CrossEntropy().discriminator_loss(high, low) < CrossEntropy().discriminator_loss(low, high)
-    assert CrossEntropy().generator_loss(high) < CrossEntropy().generator_loss(low)
 
 
 def test_clipping_reaches_every_parameter_of_norms_too() -> None:

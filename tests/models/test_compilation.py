@@ -26,6 +26,7 @@ def fit(model: LightningModule, meshes: Path, cache: Path, folder: Path) -> Path
     return folder / "m.ckpt"
 
 
+@pytest.mark.slow  # compiles
 def test_compile_trains_to_the_same_weights(meshes: Path, cache: Path, tmp_path: Path) -> None:
     plain = fit(gan(), meshes, cache, tmp_path / "plain")
     compiled = fit(gan(compile="eager"), meshes, cache, tmp_path / "compiled")
@@ -36,6 +37,7 @@ def test_compile_trains_to_the_same_weights(meshes: Path, cache: Path, tmp_path:
     assert "compile" not in b["hyper_parameters"]
 
 
+@pytest.mark.slow  # compiles
 def test_the_generator_is_compiled(meshes: Path, cache: Path, tmp_path: Path) -> None:
     traced: list[int] = []
 
@@ -50,6 +52,7 @@ def test_the_generator_is_compiled(meshes: Path, cache: Path, tmp_path: Path) ->
     assert sum(traced) > 20
 
 
+@pytest.mark.slow  # compiles
 def test_a_generator_that_is_wrapped_leaves_a_checkpoint_that_loads(
     meshes: Path, cache: Path, tmp_path: Path
 ) -> None:
@@ -69,6 +72,7 @@ def test_a_generator_that_is_wrapped_leaves_a_checkpoint_that_loads(
     assert read_checkpoint(tmp_path / "older.ckpt").weights(32).generator()
 
 
+@pytest.mark.slow  # compiles
 def test_a_model_that_is_wrapped_as_a_whole_trains_and_loads(
     meshes: Path, cache: Path, tmp_path: Path
 ) -> None:

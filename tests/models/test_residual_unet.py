@@ -91,22 +91,6 @@ def test_with_mirror_a_mirror_image_gets_the_mirror_image_of_the_map() -> None:
     torch.testing.assert_close(trained.direction, before.direction)  # as fast as without, and as it learns
 
 
-@pytest.mark.parametrize("patch", [1, 2, 4])
-def test_it_paints_vectors_no_longer_than_1_and_a_positive_confidence(patch: int) -> None:
-    predicted = generator(patch)(condition()).detach()
-    assert predicted.shape == (2, 4, 32, 32)
-    length = predicted[:, :3].norm(dim=1)
-    assert float(length.max()) <= 1 + 1e-6
-    assert float(length.min()) > 0
-    assert float(predicted[:, 3].min()) > 0
-
-
-@pytest.mark.parametrize("norm", ["none", "batch"])
-def test_a_picture_is_painted_alike_whatever_the_others_of_its_batch(norm: Norm) -> None:
-    network, given = generator(norm=norm).eval(), condition(count=3)
-    torch.testing.assert_close(network(given)[1:2], network(given[1:2]), atol=1e-5, rtol=1e-5)
-
-
 def test_loaded_weights_keep_the_layout_that_convolutions_are_fastest_in() -> None:
     network = generator()
     saved = {name: value.contiguous() + 1 for name, value in network.state_dict().items()}

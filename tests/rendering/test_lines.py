@@ -7,7 +7,7 @@ from scenes import EYE, bumps, cube, ink, look, plane, sphere, still, view
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, OccludingContours, SuggestiveContours
+from normalgan.rendering.lines import LineDrawing, OccludingContours, SuggestiveContours
 from normalgan.rendering.maps import Maps
 
 WAVY = bumps(0.03)
@@ -31,10 +31,6 @@ def nothing(side: int = 512) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return the normal, depth and mask of an empty frame."""
     shape = (side, side)
     return np.zeros((*shape, 3), np.float32), np.full(shape, np.inf, np.float32), np.zeros(shape, bool)
-
-
-def test_both_styles_are_registered() -> None:
-    assert {"OccludingContours", "SuggestiveContours"} <= set(LINE_DRAWINGS.names())
 
 
 @both_styles
@@ -143,13 +139,6 @@ def test_an_object_cut_by_the_frame_has_no_line_along_the_frame(style: LineDrawi
 
 
 @both_styles
-def test_no_object_is_blank_paper(style: LineDrawing) -> None:
-    seen = still(Maps(*nothing()), 16)
-    assert style.trace(seen, np.random.default_rng(0)) == []
-    np.testing.assert_array_equal(ink(style, seen), np.zeros((16, 16), np.float32))
-
-
-@both_styles
 def test_a_single_pixel_is_no_error(style: LineDrawing) -> None:
     normal, depth, mask = nothing()
     normal[0, 5, 2], depth[0, 5], mask[0, 5] = 1, 2, True
@@ -160,15 +149,6 @@ def test_a_single_pixel_is_no_error(style: LineDrawing) -> None:
 def test_specks_are_left_out(style: LineDrawing) -> None:
     scene, speck = sphere(0.3, 0, 0, 0.4), sphere(-0.7, 0, 0, 0.004)
     np.testing.assert_array_equal(ink(style, view(scene, speck)), ink(style, view(scene)))
-
-
-@both_styles
-def test_drawing_twice_gives_the_same_and_leaves_the_maps_alone(style: LineDrawing) -> None:
-    maps = look(WAVY)
-    before = [a.copy() for a in (maps.normal, maps.depth, maps.mask)]
-    np.testing.assert_array_equal(ink(style, still(maps, 64)), ink(style, still(maps, 64)))
-    for now, then in zip((maps.normal, maps.depth, maps.mask), before, strict=True):
-        np.testing.assert_array_equal(now, then)
 
 
 def test_bad_settings_say_what_would_be_right() -> None:

@@ -91,6 +91,7 @@ def test_the_map_is_shown_as_it_is_on_a_checker(viewer: Viewer) -> None:
     assert (np.abs(shown[:8, 8:16] - half_grey) <= 2).all()
 
 
+@pytest.mark.slow
 def test_a_large_map_is_shaded_whole_when_the_light_rests(viewer: Viewer) -> None:
     # More pixels than are shaded at once while the light moves, where there is no WebGL.
     rgba = references.ball(1024)

@@ -18,7 +18,7 @@ from pierced import drawings
 from shapes import Views
 
 from normalgan.errors import InputError
-from normalgan.inference.jobs.plan import OUTLINE
+from normalgan.inference.mask.masks import OUTLINE
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 
@@ -40,7 +40,7 @@ class Measured:
         for name, source in SOURCES.items():
             start = time.perf_counter()
             try:
-                prepared = prepare(picture, 256, source=source)
+                prepared = prepare(picture, 256, mask=source)
             except InputError:
                 found[name] = None
                 continue

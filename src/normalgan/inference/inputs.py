@@ -1,7 +1,6 @@
 """Inputs: a drawing, its mask and its hints as files, arrays or images of Pillow, each checked first."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
 from normalgan.decoding.worker import plain, reduced, turned_upright
 from normalgan.errors import InputError, brief
-from normalgan.inference.jobs.plan import MODEL, OUTLINE, READER
-from normalgan.inference.mask.masks import load_mask, mask_of
+from normalgan.inference.mask.masks import MODEL, OUTLINE, READER, MaskOrSource, load_mask, mask_of
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST
 from normalgan.inference.reading.hint_files import Hints, load_hints, parse_hints
@@ -26,7 +24,6 @@ __all__ = [
     "AnyHints",
     "AnyMask",
     "AnyPicture",
-    "Given",
     "as_hints",
     "as_mask",
     "as_picture",
@@ -71,42 +68,23 @@ def prepare_any(
     Raises:
         InputError: if something cannot be used.
     """
-    given = check_any(image, hints, mask, size)
-    return prepare(
-        *(given.picture, network_size, given.mask, given.hints, size, given.source),
-        line_widths=line_widths,
-        flips=flips,
-    )
+    picture, where, points = check_any(image, hints, mask, size)
+    return prepare(picture, network_size, where, points, size, line_widths=line_widths, flips=flips)
 
 
-@dataclass(frozen=True)
-class Given:
-    """A drawing with its optional mask and hints.
-
-    Args:
-        picture: the drawing.
-        mask: (H, W), the object, or None.
-        hints: in pixels of the drawing, or None.
-        source: where the mask comes from if it is not given, as `preparation.prepare` has it.
-    """
-
-    picture: Picture
-    mask: BoolMask | None
-    hints: Hints | None
-    source: str | None
-
-
-def check_any(image: AnyPicture, hints: AnyHints, mask: AnyMask, size: int | None) -> Given:
-    """Return a drawing with its hints and its mask in any form, as `prepare_any` takes them.
+def check_any(
+    image: AnyPicture, hints: AnyHints, mask: AnyMask, size: int | None
+) -> tuple[Picture, MaskOrSource, Hints | None]:
+    """Return a drawing, its mask and its hints, each of which is given in any form, as `prepare` takes them.
 
     Raises:
         InputError: if something cannot be used.
     """
     check_size(size)
     picture = as_picture(image, size)
-    source = mask if isinstance(mask, str) and mask in {OUTLINE, MODEL, READER} else None
-    where = None if source is not None else as_mask(mask, picture.shape)
-    return Given(picture, where, as_hints(hints, picture.shape), source)
+    if isinstance(mask, str) and mask in {OUTLINE, MODEL, READER}:
+        return picture, mask, as_hints(hints, picture.shape)
+    return picture, as_mask(mask, picture.shape), as_hints(hints, picture.shape)
 
 
 def check_size(size: int | None) -> None:

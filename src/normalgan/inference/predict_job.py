@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import BoolMask
 from normalgan.decoding.worker import is_svg
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of
@@ -22,9 +21,9 @@ from normalgan.inference.composites.series import Member, flat_map, left_flat, p
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.drawing import Drawing
 from normalgan.inference.inputs import as_hints, prepare_any
-from normalgan.inference.jobs.plan import READER, DrawingFiles, Job
+from normalgan.inference.jobs.plan import DrawingFiles, Job
 from normalgan.inference.jobs.writing import Held, Writer
-from normalgan.inference.mask.masks import load_mask
+from normalgan.inference.mask.masks import READER, MaskOrSource, load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.explanation import write_explanation
@@ -204,17 +203,16 @@ class JobPredictor:
         self, files: DrawingFiles, drawing: Drawing, picture: Picture, cells: Sequence[Cell]
     ) -> NormalMap:
         """Return the map of a page, each of whose figures is predicted separately."""
-        hints = as_hints(files.hints, picture.shape)
+        hints, mask = as_hints(files.hints, picture.shape), _mask(files, picture.shape)
         if self.size is None:
-            sheet = drawing.pixels()
-            return predict_sheet(self.predictor, sheet, cells, hints, _source(files), False, self.holes)
+            return predict_sheet(self.predictor, drawing.pixels(), cells, hints, mask, False, self.holes)
         shape = fitted(picture.shape, self.size)
         scale = shape[1] / picture.shape[1]
         if hints is not None:
             hints = Hints(hints.points * np.float32(scale), hints.normals)
         holes = [(x * scale, y * scale) for x, y in self.holes]
         sheet = to_pixels(picture.resized(shape))
-        return predict_sheet(self.predictor, sheet, cells, hints, _source(files), False, holes)
+        return predict_sheet(self.predictor, sheet, cells, hints, mask, False, holes)
 
     def _sheet(self, files: DrawingFiles, drawing: Drawing) -> NormalMap:
         content = drawing.content
@@ -328,11 +326,6 @@ def _moves(outputs: Outputs) -> bool:
     return outputs.normal.plain
 
 
-def _source(files: DrawingFiles) -> str | None:
-    """Return how the masks of a page's figures are found."""
-    return files.mask if isinstance(files.mask, str) else None
-
-
 def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
     """Return a map with the warning about its drawing's file added."""
     warning = "; ".join(filter(None, [picture.note, preds.warning]))
@@ -346,7 +339,7 @@ def _blank(picture: Picture) -> bool:
     return bool((picture.colour == picture.colour[:1, :1]).all())
 
 
-def _mask(files: DrawingFiles, shape: tuple[int, int]) -> BoolMask | str | None:
+def _mask(files: DrawingFiles, shape: tuple[int, int]) -> MaskOrSource:
     """Return a drawing's mask (H, W), or how it is to be found."""
     if not isinstance(files.mask, Path):
         return files.mask

@@ -56,17 +56,8 @@ class Predictor:
         """
         if tile is not None:
             check_tile(tile)
-            given = check_any(image, hints, mask, size)
-            return predict_tile(
-                self.backend,
-                given.picture,
-                tile,
-                given.mask,
-                given.hints,
-                size,
-                given.source,
-                self.upsample,
-            )
+            picture, found_mask, found_hints = check_any(image, hints, mask, size)
+            return predict_tile(self.backend, picture, tile, found_mask, found_hints, size, self.upsample)
         return predict(
             self.backend,
             prepare_any(image, self.size, hints, mask, size, self.backend.line_widths),

@@ -11,8 +11,8 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import Cleaned, clean
 from normalgan.inference.cleaning.silhouette import contour
-from normalgan.inference.jobs.plan import MODEL, READER
 from normalgan.inference.mask.decision import Decision, decide
+from normalgan.inference.mask.masks import MODEL, READER, MaskOrSource
 from normalgan.inference.mask.reader import Reading, drop_ground, lines_of, read
 from normalgan.inference.network.framing import Bounds, Frame
 from normalgan.inference.network.line_width import render_model_input
@@ -74,10 +74,9 @@ class Prepared:
 def prepare(
     picture: Picture,
     size: int,
-    mask: BoolMask | None = None,
+    mask: MaskOrSource = None,
     hints: Hints | None = None,
     longest: int | None = None,
-    source: str | None = None,
     painted: NDArray[np.int8] | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
     flips: Sequence[tuple[float, float]] = (),
@@ -87,12 +86,11 @@ def prepare(
     Args:
         picture: the drawing.
         size: side of the model's pictures.
-        mask: (h, w), the object, of any size; None finds it in the drawing.
+        mask: (h, w), the object, of any size; or where it comes from: `OUTLINE` fills what lines enclose,
+            `MODEL` leaves it to the model, `READER` lets the reader vote on what lines enclose; None is the
+            drawing's opacity if that tells, else the reader.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
-        source: where the mask comes from if it is not given: `OUTLINE` fills what lines enclose, `MODEL`
-            leaves it to the model, `READER` lets the reader vote on what lines enclose; None is the drawing's
-            opacity if that tells, else the reader.
         painted: (H, W) of any size, 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere.
             What was added closes the gaps that it covers in an outline.
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
@@ -104,28 +102,29 @@ def prepare(
     """
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
-    asked = mask is None and source in {None, READER}
+    source = mask if isinstance(mask, str) else None
+    asked = mask is None or source == READER
     cleaned, reading = _clean_and_read(picture, picture.resized(worked), asked, source == READER)
-    alpha, decision = None, None
+    found, alpha, decision = None, None, None
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
     walls = cleaned.ink if painted is None else np.maximum(cleaned.ink, (painted > 0).astype(np.float32))
     frame = Frame.around(walls, size)
-    if mask is not None:
-        mask = resize(mask.astype(np.float32), worked) > 0.5
-    elif source is None and cleaned.silhouette is not None:
-        mask, alpha = cleaned.silhouette, picture.alpha
+    if isinstance(mask, np.ndarray):
+        found = resize(mask.astype(np.float32), worked) > 0.5
+    elif mask is None and cleaned.silhouette is not None:
+        found, alpha = cleaned.silhouette, picture.alpha
     elif source != MODEL:
         scale = worked[1] / picture.shape[1]
         decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
-        mask = decision.mask
+        found = decision.mask
     if flips and decision is None:
         raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     prepared = Prepared(
         shape=shape,
         ink=cleaned.ink,
-        mask=mask,
+        mask=found,
         alpha=alpha,
         frame=frame,
         seen=render_model_input(cleaned.ink, frame, line_widths),

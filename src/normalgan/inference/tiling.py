@@ -9,8 +9,8 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
-from normalgan.inference.jobs.plan import MODEL, READER
 from normalgan.inference.mask.decision import decide
+from normalgan.inference.mask.masks import MODEL, READER, MaskOrSource
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
@@ -42,10 +42,9 @@ def predict_tile(
     backend: Backend,
     picture: Picture,
     tile: Tile,
-    mask: BoolMask | None = None,
+    mask: MaskOrSource = None,
     hints: Hints | None = None,
     longest: int | None = None,
-    source: str | None = None,
     upsample: Upsampler | None = None,
 ) -> NormalMap:
     """Predict the normal map of a drawing that repeats; the map repeats in the same directions.
@@ -59,11 +58,11 @@ def predict_tile(
         backend: the network.
         picture: the drawing.
         tile: the ways in which it is repeated.
-        mask: (h, w), the object, of any size; None takes the drawing's opacity if that tells, else what the
-            lines of the repeated drawing enclose; if they leave much open, all of the drawing.
+        mask: (h, w), the object, of any size; `OUTLINE` or `MODEL`, as `preparation.prepare` has them; None
+            takes the drawing's opacity if that tells, else what the lines of the repeated drawing enclose; if
+            they leave much open, all of the drawing.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
-        source: where the mask comes from if it is not given, as `preparation.prepare` has it.
         upsample: replaces the network's own step to the drawing's size.
 
     Raises:
@@ -71,19 +70,19 @@ def predict_tile(
     """
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_TILED else fitted(shape, MOST_TILED)
-    if source == READER:
+    if isinstance(mask, str) and mask == READER:
         raise InputError("a tile takes no mask from the reader; use a file, outline or model for its mask.")
     page = picture.resized(worked, partial(resize_tile, tile=tile))
     room = (round(_BESIDE * max(worked)),) * 2
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
     cleaned = clean(Picture(wrapped(page.colour, tile, room), opacity))
-    ink, alpha = middle(cleaned.ink, tile, room), None
-    if mask is not None:
-        mask = resize(mask.astype(np.float32), worked) > 0.5
-    elif source is None and cleaned.silhouette is not None:
-        mask, alpha = middle(cleaned.silhouette, tile, room), opacity
-    elif source != MODEL:
-        mask = _outlined(ink, tile)
+    ink, found, alpha = middle(cleaned.ink, tile, room), None, None
+    if isinstance(mask, np.ndarray):
+        found = resize(mask.astype(np.float32), worked) > 0.5
+    elif mask is None and cleaned.silhouette is not None:
+        found, alpha = middle(cleaned.silhouette, tile, room), opacity
+    elif mask != MODEL:
+        found = _outlined(ink, tile)
     shown = windows(ink, tile, backend.size)
     around = wrapped(ink, tile, room)
     origin = (around.shape[0] - ink.shape[0]) // 2, (around.shape[1] - ink.shape[1]) // 2
@@ -98,7 +97,7 @@ def predict_tile(
     prepared = Prepared(
         shape=(around.shape[0], around.shape[1]),
         ink=around,
-        mask=None if mask is None else wrapped(mask, tile, room),
+        mask=None if found is None else wrapped(found, tile, room),
         alpha=alpha,
         frame=frame,
         seen=render_model_input(around, frame, backend.line_widths),

@@ -20,7 +20,7 @@ from normalgan.inference.outputs.lighting import CLAY_FILE
 from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore
-from normalgan.studio.drawing import MOST_HINTS, MOST_SIDE
+from normalgan.studio.drawing_request import MOST_HINTS, MOST_SIDE
 from normalgan.studio.exports import with_export_menu
 from normalgan.studio.fields import take_choice
 from normalgan.studio.guard import Guard

@@ -1,7 +1,7 @@
 """Documents: check that a document is a project of the studio."""
 
 from normalgan.errors import InputError
-from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE
+from normalgan.studio.drawing_request import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.fields import Fields, parse_fields, take_integer
 
 __all__ = ["FORMAT", "VERSION", "check_document"]

@@ -22,7 +22,7 @@ from normalgan.inference.outputs import (
     Specular,
 )
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
-from normalgan.studio.drawing import LEAST_SIDE, MOST_SIDE, read_png
+from normalgan.studio.drawing_request import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
 

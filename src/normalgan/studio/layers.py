@@ -7,7 +7,7 @@ from normalgan.errors import InputError, RunError
 from normalgan.inference.composites.composition import compose
 from normalgan.inference.normal_map import NormalMap
 from normalgan.studio.bodies import MOST_BYTES
-from normalgan.studio.drawing import Drawing, take_drawing
+from normalgan.studio.drawing_request import DrawingRequest, take_drawing
 from normalgan.studio.fields import Fields, take_integer, take_text
 from normalgan.studio.planes import KeptPlanes
 from normalgan.studio.refusals import RefusedError
@@ -30,7 +30,7 @@ class Layer:
     """
 
     name: str
-    drawing: Drawing
+    drawing: DrawingRequest
 
 
 def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> list[Layer]:
@@ -79,7 +79,7 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
     return found
 
 
-def predict_layers(layers: Sequence[Layer], predict: Callable[[Drawing], NormalMap]) -> NormalMap:
+def predict_layers(layers: Sequence[Layer], predict: Callable[[DrawingRequest], NormalMap]) -> NormalMap:
     """Return the map of all layers; what one of several lacks to be predicted is in its warning.
 
     Args:

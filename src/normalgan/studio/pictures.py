@@ -12,7 +12,7 @@ from normalgan.decoding import Decoded
 from normalgan.errors import InputError
 from normalgan.inference.composites.layers import is_plain, layered_kind, read_layers
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, to_picture
-from normalgan.studio.drawing import MOST_SIDE, check_sides
+from normalgan.studio.drawing_request import MOST_SIDE, check_sides
 from normalgan.studio.layers import LONGEST_NAME, MOST_LAYERS
 
 __all__ = ["Imported", "import_layers", "import_picture"]

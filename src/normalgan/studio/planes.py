@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.studio.drawing import check_sides
+from normalgan.studio.drawing_request import check_sides
 from normalgan.studio.fields import Fields, parse_fields, take_choice, take_integer
 from normalgan.studio.refusals import BehindError
 

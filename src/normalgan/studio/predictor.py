@@ -18,7 +18,7 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import predict
 from normalgan.inference.preparation import Prepared, hinted, prepare
 from normalgan.inference.reading.picture import Picture, resize
-from normalgan.studio.drawing import Drawing
+from normalgan.studio.drawing_request import DrawingRequest
 
 __all__ = ["Predictor"]
 
@@ -77,7 +77,7 @@ class Predictor:
         self._closed: OrderedDict[str, _Closed] = OrderedDict()
         self._count = 0
 
-    def predict(self, drawing: Drawing, longest: int | None, check: Callable[[], None]) -> NormalMap:
+    def predict(self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None]) -> NormalMap:
         """Return the normal map of a drawing; it may be called by several threads.
 
         Args:
@@ -105,7 +105,7 @@ class Predictor:
             self._remember(self._predicted, key, predicted, _size_of_map)
         return predicted
 
-    def _prepare(self, drawing: Drawing, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
+    def _prepare(self, drawing: DrawingRequest, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
         """Return a drawing without its hints as `prepare` gives it, and its own (H, W)."""
         key = drawing.lines_digest(), longest, self._version(drawing.tab)
         found = self._recalled(self._prepared, key)
@@ -113,7 +113,7 @@ class Predictor:
             picture, mask = drawing.read_lines()
             by_hand = drawing.read_mask(picture)
             prepared = prepare(
-                *(picture, self.model.size, mask, None, longest, drawing.source, by_hand),
+                *(picture, self.model.size, mask, None, longest, by_hand),
                 line_widths=self.model.line_widths,
             )
             if drawing.tab:

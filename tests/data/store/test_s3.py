@@ -50,6 +50,7 @@ def render(cache: str, cluster: str | None = None, **settings: object) -> None:
     render_samples(cache, SOURCES, VIEWS, recipe(), progress=False, cluster=cluster, **settings)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_store_holds_the_same_bytes_and_is_read_from_every_process(bucket: str, tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -77,6 +78,7 @@ def test_a_cluster_renders_into_it(bucket: str, tmp_path: Path, monkeypatch: pyt
     assert download(f"{bucket}/cache", tmp_path / "copy") == contents(tmp_path / "disk")
 
 
+@pytest.mark.slow
 def test_what_is_lost_or_damaged_there_is_found(bucket: str) -> None:
     render(bucket)
     store = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
@@ -204,6 +206,7 @@ def test_the_limits_are_the_users_to_change(monkeypatch: pytest.MonkeyPatch) -> 
     assert "config_kwargs" not in options("s3://b")
 
 
+@pytest.mark.slow
 def test_a_cache_nearby_saves_the_way(bucket: str, tmp_path: Path) -> None:
     render(bucket)
     direct = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.jobs.plan import OUTLINE
+from normalgan.inference.mask.masks import OUTLINE
 from normalgan.inference.mask.reader import drop_ground, read
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
@@ -60,7 +60,7 @@ def test_a_closed_outline_is_its_inside_as_without_the_reader() -> None:
     page, solid = figure()
     read_mask = prepare(picture_of(page), SIDE).mask
     assert iou(read_mask, solid) > 0.95
-    plain = prepare(picture_of(page), SIDE, source=OUTLINE).mask
+    plain = prepare(picture_of(page), SIDE, mask=OUTLINE).mask
     assert plain is not None
     assert iou(read_mask, plain) > 0.99
 
@@ -114,7 +114,7 @@ def test_a_given_mask_and_the_outline_are_not_voted_on() -> None:
     kept = prepare(picture_of(page), SIDE, given).mask
     assert kept is not None
     assert np.array_equal(kept, given)
-    by_outline = prepare(picture_of(page), SIDE, source=OUTLINE).mask
+    by_outline = prepare(picture_of(page), SIDE, mask=OUTLINE).mask
     assert by_outline is not None
     assert by_outline[hole].mean() > 0.9
 

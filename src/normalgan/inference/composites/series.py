@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from normalgan.arrays import BoolMask, Floats
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.jobs.plan import MODEL, OUTLINE, READER
+from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.network.framing import bounds_of, united
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import stream
@@ -40,13 +40,13 @@ class Member:
     Args:
         picture: the drawing.
         hints: in pixels of the drawing, or None.
-        mask: (H, W), the object; `OUTLINE`, `MODEL` or `READER`; or None, as `Predictor` has it.
+        mask: as `prepare` has it.
         flips: x and y of points whose regions are flipped, as `prepare` has them.
     """
 
     picture: Picture
     hints: Hints | None = None
-    mask: BoolMask | str | None = None
+    mask: MaskOrSource = None
     flips: Sequence[tuple[float, float]] = ()
 
 
@@ -159,11 +159,8 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
 
 
 def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepared:
-    source = member.mask if isinstance(member.mask, str) else None
-    assert source in {None, OUTLINE, MODEL, READER}
-    mask = None if isinstance(member.mask, str) else member.mask
     widths = predictor.backend.line_widths
-    given = member.picture, predictor.size, mask, None, size, source
+    given = member.picture, predictor.size, member.mask, None, size
     return prepare(*given, line_widths=widths, flips=member.flips)
 
 

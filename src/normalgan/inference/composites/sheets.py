@@ -14,6 +14,7 @@ from normalgan.errors import InputError
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.composition import tiled
 from normalgan.inference.composites.series import Member, left_flat, predict_series
+from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import SMALLEST
@@ -75,7 +76,7 @@ def predict_sheet(
     sheet: Decoded,
     cells: Sequence[Cell],
     hints: Hints | None = None,
-    mask: BoolMask | str | None = None,
+    mask: MaskOrSource = None,
     shared: bool = False,
     flips: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
@@ -87,7 +88,7 @@ def predict_sheet(
         sheet: its pixels, not reduced.
         cells: where its drawings are. One in which nothing is drawn is left flat, and so is a tiny one.
         hints: in pixels of the sheet.
-        mask: (H, W) the objects; or how they are found, as `Predictor` has it.
+        mask: (H, W) the objects; or where they come from, as `prepare` has it.
         shared: whether the network is shown the same square of all cells, which are then of one size.
         flips: x and y in pixels of the sheet, as `prepare` has them.
         said: what is to be said of the sheet besides, parts of a sentence.
@@ -114,7 +115,7 @@ def _member(
     cell: Cell,
     pixels: Pixels,
     hints: Hints | None,
-    mask: BoolMask | str | None,
+    mask: MaskOrSource,
     flips: Sequence[tuple[float, float]],
 ) -> Member | None:
     """Return what is drawn in a cell; None if nothing is."""

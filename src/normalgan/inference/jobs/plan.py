@@ -9,15 +9,13 @@ from typing import Literal
 from normalgan.errors import InputError, unwritable
 from normalgan.inference.jobs.folders import search
 from normalgan.inference.mask.masks import ENDINGS as MASK_ENDINGS
+from normalgan.inference.mask.masks import MODEL, OUTLINE, READER
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.reading.drawings import SUFFIXES, find_companion, find_drawings
 from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS
 
 __all__ = [
     "FILES",
-    "MODEL",
-    "OUTLINE",
-    "READER",
     "STDIN",
     "STDOUT",
     "DrawingFiles",
@@ -43,8 +41,6 @@ _NO_MAPS = {
     *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
 }
 """What no folder's name ends in: who names such an output wants a file that is not written."""
-OUTLINE, MODEL, READER = "outline", "model", "reader"
-"""What a mask may be in place of a file."""
 
 
 @dataclass(frozen=True)

@@ -2,19 +2,22 @@
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from normalgan.arrays import BoolMask
 from normalgan.errors import InputError
 from normalgan.inference.reading.picture import Picture, read_picture
 
-__all__ = ["ENDINGS", "load_mask", "mask_of"]
+__all__ = ["ENDINGS", "MODEL", "OUTLINE", "READER", "MaskOrSource", "load_mask", "mask_of"]
+
+OUTLINE, MODEL, READER = "outline", "model", "reader"
+"""Where a mask may come from: what lines enclose, the network of normals, or the reader's vote."""
+MaskOrSource = BoolMask | str | None
+"""The object (h, w), or where it comes from; None is the opacity if that tells, else the reader."""
 
 ENDINGS = ("_mask.png", ".png")
 """What the mask of a drawing is named, after its stem, in the order in which they are looked for."""
 
 
-def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") -> NDArray[np.bool_]:
+def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") -> BoolMask:
     """Return the object (H, W) that a picture shows: what is opaque on nothing, else what is white on black.
 
     Where something is transparent, the opacity alone tells, whatever the colour of what is opaque.
@@ -38,7 +41,7 @@ def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") ->
             f"{name} is {picture.shape[1]} × {picture.shape[0]} pixels, "
             f"but its sketch {shape[1]} × {shape[0]}."
         )
-    mask: NDArray[np.bool_] = picture.colour.mean(-1) > 0.5
+    mask: BoolMask = picture.colour.mean(-1) > 0.5
     if picture.alpha is not None and (picture.alpha <= 0.5).any():
         mask = picture.alpha > 0.5
     if not mask.any():
@@ -46,7 +49,7 @@ def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") ->
     return mask
 
 
-def load_mask(path: Path, shape: tuple[int, int]) -> NDArray[np.bool_]:
+def load_mask(path: Path, shape: tuple[int, int]) -> BoolMask:
     """Read the mask (h, w) of a drawing of (H, W) pixels; see `mask_of`.
 
     Of a larger one than is worked on it is a reduced one.

@@ -1,4 +1,4 @@
-"""Drawing: the content of a request: a picture, hints, and the object's mask."""
+"""DrawingRequest: a picture, hints and the object's mask as a request holds them."""
 
 import hashlib
 import json
@@ -24,8 +24,7 @@ from normalgan.inference.edits import (
     stroke,
     tilt,
 )
-from normalgan.inference.jobs.plan import MODEL, OUTLINE
-from normalgan.inference.mask.masks import mask_of
+from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, parse_hints
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.normals import LEAST_Z
@@ -39,7 +38,7 @@ __all__ = [
     "MOST_POINTS",
     "MOST_SIDE",
     "Area",
-    "Drawing",
+    "DrawingRequest",
     "check_sides",
     "read_areas",
     "read_png",
@@ -62,14 +61,14 @@ _PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @dataclass(frozen=True)
-class Drawing:
+class DrawingRequest:
     """A drawing as it came, not decoded yet.
 
     Args:
         picture: PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
         hints: list of x, y and normal.
-        mask: PNG, white on the object; None if there is none.
-        source: where the mask comes from if there is none, as for `normalgan.inference.preparation.prepare`.
+        mask: PNG, white on the object; or where it comes from, as for
+            `normalgan.inference.preparation.prepare`.
         areas: list of what is turned as a whole or brushed, as `read_areas` takes it.
         mask_strokes: list of strokes that add to the object or cut from it, as `read_mask` takes them.
         tab: who draws; while its outline is open, the object stays as it was. Empty for nobody.
@@ -77,8 +76,7 @@ class Drawing:
 
     picture: bytes | NDArray[np.uint8]
     hints: Any
-    mask: bytes | None
-    source: str | None
+    mask: bytes | str | None
     areas: Any = ()
     mask_strokes: Any = ()
     tab: str = ""
@@ -99,14 +97,15 @@ class Drawing:
             parts: tuple[bytes | memoryview, ...] = (b"PNG", self.picture)
         else:
             parts = (str(self.picture.shape).encode(), np.ascontiguousarray(self.picture).data.cast("B"))
+        given = (self.mask, b"") if isinstance(self.mask, bytes) else (b"", str(self.mask).encode())
         by_hand = json.dumps(self.mask_strokes).encode()
-        for part in (*parts, self.mask or b"", str(self.source).encode(), by_hand):
+        for part in (*parts, *given, by_hand):
             whole.update(len(part).to_bytes(8, "little"))
             whole.update(part)
         return whole.digest()
 
-    def read_lines(self) -> tuple[Picture, NDArray[np.bool_] | None]:
-        """Return the picture and the mask (H, W).
+    def read_lines(self) -> tuple[Picture, MaskOrSource]:
+        """Return the picture, and the mask (H, W) or where it comes from.
 
         Raises:
             InputError: if they cannot be used or do not go together.
@@ -114,8 +113,8 @@ class Drawing:
         picture = (
             read_png("picture", self.picture) if isinstance(self.picture, bytes) else to_picture(self.picture)
         )
-        if self.mask is None:
-            return picture, None
+        if not isinstance(self.mask, bytes):
+            return picture, self.mask
         return picture, mask_of(read_png("mask", self.mask), picture.shape)
 
     def read_mask(self, picture: Picture) -> NDArray[np.int8] | None:
@@ -245,7 +244,7 @@ def _number(value: Any, usual: float, most: float) -> float:
     return float(value)
 
 
-def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Drawing:
+def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> DrawingRequest:
     """Return the drawing in a request.
 
     Args:
@@ -266,11 +265,11 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
     strokes = fields.get("mask_strokes", [])
     if not isinstance(strokes, list) or len(strokes) > MOST_MASK_STROKES:
         raise InputError(f"mask_strokes are to be a list of at most {MOST_MASK_STROKES}.")
-    return Drawing(
+    source = take_choice(fields, "source", (None, OUTLINE, MODEL))
+    return DrawingRequest(
         take_bytes(fields, "picture") if picture is None else picture,
         hints,
-        None if fields.get("mask") is None else take_bytes(fields, "mask"),
-        take_choice(fields, "source", (None, OUTLINE, MODEL)),
+        source if fields.get("mask") is None else take_bytes(fields, "mask"),
         areas,
         strokes,
         "" if fields.get("tab") is None else take_text(fields, "tab", 64),

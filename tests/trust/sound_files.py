@@ -1,4 +1,4 @@
-"""Sound files of every kind that is read: what the mutator starts from."""
+"""Sound files of every kind that is read."""
 
 import io
 import json
@@ -92,7 +92,7 @@ def _picture(pixels: "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]", kind: st
 
 
 def lay_out(folder: Path, content: bytes, name: str, number: int) -> Path:
-    """Write a mutant beside the buffer that a glTF refers to."""
+    """Write a file beside the buffer that a glTF refers to."""
     if not (folder / "triangle.bin").exists():
         (folder / "triangle.bin").write_bytes(TRIANGLE)
     path = folder / f"{number:05d}-{name}"
