@@ -99,14 +99,14 @@ def test_what_was_not_painted_here_has_no_speed() -> None:
     assert line(text, "What it costs", "the mean")[2] == "–"
 
 
-def test_that_the_test_is_drawn_otherwise_is_said() -> None:
+def test_that_the_test_split_has_other_data_is_said() -> None:
     results = {"mean": [result(None, 30.0)]}
     otherwise = replace(PLAN, test_data={"lines": {"class_path": "RidgesAndValleys"}})
     said = (
-        'The test split is drawn otherwise than the training split: lines={"class_path": "RidgesAndValleys"}.'
+        'The test split has other data than the training split: lines={"class_path": "RidgesAndValleys"}.'
     )
     assert said in markdown(otherwise, Scale("cpu"), results).splitlines()
-    assert "drawn otherwise" not in markdown(PLAN, Scale("cpu"), results)
+    assert "other data" not in markdown(PLAN, Scale("cpu"), results)
 
 
 def test_every_line_of_a_table_has_as_many_cells() -> None:

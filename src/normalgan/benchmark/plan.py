@@ -18,8 +18,10 @@ from normalgan.files.shipped_configs import find_config
 __all__ = ["PLACEMENTS", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
 
 Settings = dict[str, Any]
-_TEST_DATA = ("hand", "lines", "medium")
-"""Settings of the data that may be others for the test split: how it is drawn, not what."""
+_DRAWN = ("hand", "lines", "medium")
+_MESHES = ("meshes", "split_file", "orientation", "fractions", "poses", "crease_angle", "test_views")
+_TEST_DATA = (*_DRAWN, *_MESHES)
+"""Settings of the data that may be others for the test split; its size is that of the networks."""
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
 """See `normalgan.benchmark.placements`, which needs torch."""
 Part = TypeVar("Part", "Plan", "Row")
@@ -70,7 +72,7 @@ class Plan:
         images: how many each generator learns from, repetitions counted.
         rows: what is compared.
         data: settings of the data that all rows share.
-        test_data: of these, what the test split alone has otherwise: its lines, hand or medium.
+        test_data: of these, what the test split alone has otherwise: how it is drawn, or other meshes.
         seeds: of initialisation, training hints and dropout; a run for each.
         hints: how many hints table 1 gives.
         hint_counts: of the curve; 0 and ``hints`` are always measured.

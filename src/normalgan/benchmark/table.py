@@ -103,7 +103,7 @@ def markdown(
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
     if plan.test_data:
         told = ", ".join(f"{name}={json.dumps(value)}" for name, value in plan.test_data.items())
-        lines.append(f"The test split is drawn otherwise than the training split: {told}.")
+        lines.append(f"The test split has other data than the training split: {told}.")
     lines += [
         f"Seeds: {_seeds(results)}. Test split, pixels on the object; hinted pixels do not count. What takes "
         "no hints is given none."
