@@ -22,7 +22,7 @@ from chromium import browser, storage
 from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
-from normalgan.inference.jobs.plan import MODEL
+from normalgan.inference.mask.masks import MODEL
 from normalgan.inference.network.onnx_backend import SHIPPED
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.preparation import prepare
@@ -330,7 +330,7 @@ def test_the_network_is_shown_what_python_shows_it(studio: "Page", kind: str, mo
     for widths in ((0.5, 5.0), (0.8, 1.9)) * 4:
         grey = random_drawing(kind, rng)
         colour = np.repeat((grey / np.float32(255))[..., None], 3, axis=2).astype(np.float32)
-        wanted = prepare(Picture(colour, None), 256, source=MODEL, line_widths=widths)
+        wanted = prepare(Picture(colour, None), 256, MODEL, line_widths=widths)
         seen = studio.evaluate(
             """async ([grey, width, height, widths]) => {
               const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));

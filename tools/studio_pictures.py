@@ -101,6 +101,7 @@ def film(page: Page, path: Path) -> None:
     shot()
     page.keyboard.press("Escape")
     page.keyboard.press("m")
+    page.keyboard.press("x")  # the brush
     stroke((0.85, 0), (1.25, -0.3), (1.3, -0.6))
     stroke((-0.85, 0), (-1.25, -0.3), (-1.3, -0.6))
     shot()

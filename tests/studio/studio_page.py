@@ -135,6 +135,8 @@ class Studio:
 
     def new(self, width: int = SIDE, height: int = SIDE) -> None:
         """Begin with an empty drawing; there must be nothing unsaved."""
+        if self.page.locator("#menu-toggle").is_visible():
+            self.page.locator("#menu-toggle").click()
         self.page.locator("#new").click()
         self.page.locator("#new-width").fill(str(width))
         self.page.locator("#new-height").fill(str(height))
@@ -279,16 +281,18 @@ class Studio:
         return bool(self.screen()[round(row), round(column)].max() < 128)
 
     def status(self) -> str:
-        """Return what the status says."""
-        return self.page.locator("#status").inner_text()
+        """Return what the status says, or the toast of what went wrong."""
+        said = self.page.locator("#problem-words, #status").all_text_contents()
+        return " ".join(words for words in said if words)
 
     @contextmanager
     def saying(self, words: str) -> Iterator[None]:
-        """Wait, after what is done inside, until the status says something; what it said before is gone."""
-        self.page.evaluate("() => { document.getElementById('status').textContent = ''; }")
+        """Wait, after what is done inside, until the page says something; what it said before is gone."""
+        said = "['status', 'problem-words'].map((each) => document.getElementById(each))"
+        self.page.evaluate(f"() => {{ for (const each of {said}) each.textContent = ''; }}")
         yield
         self.page.wait_for_function(
-            "words => document.getElementById('status').textContent.includes(words)", arg=words
+            f"words => {said}.some((each) => each.textContent.includes(words))", arg=words
         )
 
 

@@ -147,12 +147,8 @@ def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: S
         small = page.evaluate(
             """() => [...document.querySelectorAll("button, summary, select, input")]
               .filter((each) => each.checkVisibility())
-              // Rows that hold much are as high, and less wide.
-              .map((each) => [
-                each.id || each.textContent, each.offsetWidth, each.offsetHeight,
-                each.closest(".bar, #tools") ? 32 : 44,
-              ])
-              .filter(([, width, height, least]) => width < least || height < 44)"""
+              .map((each) => [each.id || each.textContent, each.offsetWidth, each.offsetHeight])
+              .filter(([, width, height]) => width < 44 || height < 44)"""
         )
         assert small == []
         card, pane = page.locator("#point").bounding_box(), page.locator("#board").bounding_box()
@@ -163,11 +159,38 @@ def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: S
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
+def test_on_a_telephone_a_thumb_switches_between_two_full_canvases(opened: "Browser", server: Server) -> None:
+    server.reset()
+    with open_studio(opened, server.url, width=390, height=844) as studio:
+        page = studio.page
+        assert page.locator("#samples").is_visible()  # whichever canvas is on show
+        studio.new()
+        dent(studio)
+        switch = page.locator("#layout").bounding_box()
+        assert switch is not None
+        assert switch["y"] > 750
+        for shown, name in (("#board", "drawing"), ("#viewer", "result")):
+            page.locator(f"#layout-{name}").click()
+            box = page.locator(shown).bounding_box()
+            assert box is not None
+            assert box["height"] > 500
+        page.locator("#layers-toggle").click()
+        page.locator("#layers-toggle").click()
+        page.locator("#tools-toggle").click()
+        page.locator("#tool-region").click()
+        assert page.locator("#tool-region").is_hidden()
+        page.locator("#menu-toggle").click()
+        page.keyboard.press("Escape")
+        assert page.locator("#help").is_hidden()
+        assert page.evaluate("document.activeElement.id") == "menu-toggle"
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])
 def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width: int, height: int) -> None:
     with open_studio(opened, server.url, width=width, height=height) as studio:
         studio.new()
         dent(studio)
+        studio.page.locator("#layout-both").click()
         drawing = studio.page.locator("#board").bounding_box()
         result = studio.page.locator("#viewer").bounding_box()
         assert drawing is not None
@@ -192,22 +215,19 @@ def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
         with studio.repainting():
             studio.circle()
         page = studio.page
-        drawing, result, footer = (
-            page.locator(each).bounding_box() for each in ("#board", "#viewer", "footer")
-        )
+        page.locator("#layout-both").click()
+        drawing, result = (page.locator(each).bounding_box() for each in ("#board", "#viewer"))
         assert drawing is not None
         assert result is not None
-        assert footer is not None
         assert drawing["x"] + drawing["width"] <= result["x"]
-        assert min(drawing["height"], result["height"]) > 100
-        assert drawing["y"] + drawing["height"] <= footer["y"]
-        assert footer["y"] + footer["height"] <= height
-        tools = page.locator("#tools > :visible")
+        assert min(drawing["height"], result["height"]) > 240
+        assert drawing["y"] + drawing["height"] <= height
+        tools = page.locator("#tools > :not(.sheet):visible, #more-tools > :visible")
         assert tools.count() == 11
         for tool in tools.all():
             box = tool.bounding_box()
             assert box is not None
-            assert box["y"] + box["height"] <= footer["y"]
+            assert box["y"] + box["height"] <= height
         for control in page.locator("header :is(button, summary, a, input, h1):visible").all():
             box = control.bounding_box()
             assert box is not None

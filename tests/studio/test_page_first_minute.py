@@ -53,17 +53,17 @@ def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server:
         studio.new()
         for y in (40, 80, 120):
             with studio.repainting():
-                studio.line((40, y), (200, y))
+                studio.line((40, y), (240, y))
         page.keyboard.press("e")
         with studio.repainting():
-            studio.line((100, 20), (100, 140))
+            studio.line((200, 20), (200, 140))
         rows = page.locator("#history-list button")
         page.locator("#history summary").click()
         rows.nth(4).wait_for()
         assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Erased"]
         rows.nth(2).click()
-        assert studio.inked(60, 80)
-        assert not studio.inked(60, 120)
+        assert studio.inked(225, 80)
+        assert not studio.inked(225, 120)
         studio.wait_for_store(lambda kept: kept["history"]["at"] == 2)
         page.reload()
         page.wait_for_selector("html[data-ready]")
@@ -73,12 +73,12 @@ def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server:
         rows.nth(4).wait_for()
         assert rows.all_inner_texts() == ["Beginning", "Line", "Line", "Line", "Erased"]
         assert rows.nth(2).get_attribute("aria-current") == "step"
-        assert not studio.inked(60, 120)
+        assert not studio.inked(225, 120)
         rows.nth(4).click()
-        assert studio.inked(60, 120)
-        assert not studio.inked(100, 80)
+        assert studio.inked(225, 120)
+        assert not studio.inked(200, 80)
         page.locator("#undo").click()
-        assert studio.inked(100, 80)
+        assert studio.inked(200, 80)
         for _ in range(3):
             page.locator("#undo").click()
         assert page.locator("#undo").is_disabled()

@@ -28,6 +28,7 @@ def test_the_brush_adds_and_cuts_and_that_is_undone(opened: "Browser", server: S
         beyond, within = (MIDDLE + 98, MIDDLE), (MIDDLE - 40, MIDDLE - 30)
         assert not is_object(studio, *beyond)
         page.keyboard.press("m")
+        page.keyboard.press("x")  # the brush
         with studio.repainting():
             studio.line((MIDDLE + 80, MIDDLE), beyond)
         assert is_object(studio, *beyond)
@@ -66,6 +67,7 @@ def test_an_open_outline_keeps_its_object_and_is_settled_by_a_dab(opened: "Brows
             studio.line(ear[0], (MIDDLE - 10, 30), (MIDDLE + 10, 24))  # half of an ear
         assert all(is_object(studio, *point) for point in inside)
         page.keyboard.press("m")
+        page.keyboard.press("x")  # the brush
         with studio.repainting():
             studio.line((MIDDLE + 80, MIDDLE - 14), (MIDDLE + 80, MIDDLE + 14))
         assert page.locator("#warning").is_hidden()

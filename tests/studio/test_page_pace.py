@@ -169,7 +169,7 @@ def test_a_sentence_about_an_early_line_does_not_stay(studio: Studio) -> None:
     with studio.repainting():
         studio.circle()
     assert studio.page.locator("#warning").is_hidden()
-    assert studio.page.locator("#status").get_attribute("data-kind") != "error", studio.status()
+    assert studio.page.locator("#problem").is_hidden(), studio.status()
 
 
 def test_a_server_that_is_away_is_told_of_by_whatever_asks_it(opened: "Browser", server: Server) -> None:

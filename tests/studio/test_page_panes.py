@@ -141,7 +141,7 @@ def test_a_large_result_is_drawn_on_and_its_lines_are_seen(studio: Studio) -> No
     assert studio.screen()[row, column].max() < 100
     page.keyboard.press("f")
     assert studio.inked(60, 20)
-    page.locator("#drawing-large").click()
+    page.locator("#layout-drawing").click()
     assert page.locator("#overlay").is_hidden()
     assert studio.inked(60, 20)
 

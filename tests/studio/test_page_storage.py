@@ -276,7 +276,7 @@ def test_a_store_that_never_answers_keeps_no_page_from_starting(server: Server, 
         with sending_nothing_late(page):
             page.clock.run_for(10_000)
             page.wait_for_selector("html[data-ready]")
-            assert "doesn't answer" in page.locator("#status").inner_text()
+            assert "doesn't answer" in page.locator("#problem-words").inner_text()
             assert "Unsaved work" in page.locator("#restore-words").inner_text()
 
 

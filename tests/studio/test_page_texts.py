@@ -98,6 +98,6 @@ def test_the_browsers_language_is_chosen(
             assert tools is not None
             assert drawing is not None
             assert (tools["x"] < drawing["x"]) == (direction == "ltr")
-            large = page.locator("#result-large").bounding_box()
-            assert large is not None
-            assert 0 <= large["x"] <= 1200 - large["width"]
+            doubt = page.locator("#doubt").bounding_box()
+            assert doubt is not None
+            assert 0 <= doubt["x"] <= 1200 - doubt["width"]

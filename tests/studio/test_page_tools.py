@@ -178,6 +178,7 @@ def test_points_regions_mask_and_what_was_erased_move_with_the_lines_around_them
     page.keyboard.press("r")
     studio.line((40, 40), (55, 40), (55, 55), (40, 55), (40, 41))
     page.keyboard.press("m")
+    page.keyboard.press("x")  # the brush
     studio.line((50, 70), (70, 70))
     page.keyboard.press("s")
 

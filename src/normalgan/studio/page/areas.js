@@ -7,8 +7,12 @@ import { inkAt } from "./ink.js";
 const SIDE = 512;
 /** How opaque a line is at least that parts one area from another, 0 to 255. */
 const INKED = 90;
+const OBJECT = [91, 98, 224, 115];
+const HOLE = [208, 52, 44, 90];
 
-/** @typedef {{shows: (x: number, y: number) => boolean, open: boolean, picture: HTMLCanvasElement}} Area of the drawing; open: it reaches the paper's edge */
+/** @typedef {{shows: (x: number, y: number) => boolean, open: boolean, pictures: Record<"object" | "hole", HTMLCanvasElement>}} Area of the
+ *   drawing; open: it reaches the paper's edge; pictures: its tint */
+/** @typedef {{area: Area, object: boolean}} Vote object: whether most of the area is */
 
 export class Areas {
   constructor() {
@@ -58,18 +62,18 @@ export class Areas {
         stack.push(to);
       }
     }
-    const found = { shows: (/** @type {number} */ right, /** @type {number} */ down) => area[place(right, down)] > 0, open, picture: pictureOf(area, wide, high) };
+    const found = { shows: (/** @type {number} */ right, /** @type {number} */ down) => area[place(right, down)] > 0, open, pictures: { object: pictureOf(area, wide, high, OBJECT), hole: pictureOf(area, wide, high, HOLE) } };
     this.last = { lines, area, found };
     return found;
   }
 }
 
-/** @param {Uint8Array} area @param {number} width @param {number} height */
-function pictureOf(area, width, height) {
+/** @param {Uint8Array} area @param {number} width @param {number} height @param {number[]} colour */
+function pictureOf(area, width, height, colour) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width, height];
   const image = new ImageData(width, height);
-  for (let i = 0; i < area.length; i++) if (area[i]) image.data[4 * i + 3] = 255;
+  for (let i = 0; i < area.length; i++) if (area[i]) image.data.set(colour, 4 * i);
   context2d(canvas).putImageData(image, 0, 0);
   return canvas;
 }

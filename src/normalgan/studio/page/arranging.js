@@ -41,7 +41,7 @@ function beside(parts, by, doc) {
 }
 
 export class Arranging {
-  /** @param {import("./editor.js").Editor} editor @param {(words: string) => void} announce */
+  /** @param {import("./editor.js").Editor} editor @param {import("./status.js").Announce} announce */
   constructor(editor, announce) {
     this.editor = editor;
     this.announce = announce;
@@ -116,7 +116,7 @@ export class Arranging {
     const left = changedLayer(editor.doc, layer.id, partsOf(layer, strokes, false));
     const doc = target === "new" ? withNewLayer(left) : { ...left, active: Number(target) };
     const onto = withParts(activeLayer(doc), parts);
-    if (!onto) return this.announce(text.noRoom);
+    if (!onto) return this.announce(text.noRoom, "warning");
     editor.commit(withActive(doc, onto));
     this.#choose(onto, parts);
     return this.announce(say("broughtTo", { name: onto.name }));
@@ -167,7 +167,7 @@ export class Arranging {
     const { editor } = this;
     const layer = withParts(editor.layer, parts);
     if (!layer) {
-      this.announce(text.noRoom);
+      this.announce(text.noRoom, "warning");
       return;
     }
     editor.set({ tool: "select" });

@@ -2,7 +2,7 @@
 
 import { clear, context2d } from "./canvas.js";
 import { Camera } from "./camera.js";
-import { drawArea, drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions } from "./marks.js";
+import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions, drawVote } from "./marks.js";
 import { drawSelection } from "./selecting.js";
 import { Sheet } from "./sheet.js";
 
@@ -39,8 +39,8 @@ export class Board {
     this.cursor = null;
     /** @type {Point | null} where the pointer is, in the drawing */
     this.pointer = null;
-    /** Returns the area between lines about a point. @type {(at: Point) => import("./areas.js").Area | null} */
-    this.areaAt = () => null;
+    /** Returns the area between lines about a point, and what it is. @type {(at: Point) => import("./areas.js").Vote | null} */
+    this.voteAt = () => null;
     /** Whether points are on show. @type {() => boolean} */
     this.marked = () => true;
     /** Called after each picture, for what floats above. @type {() => void} */
@@ -106,7 +106,7 @@ export class Board {
     context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
     if (this.marked()) drawGuides(context, camera, editor);
     const over = this.cursor ?? this.pointer;
-    if (editor.tool === "mask" && editor.fills && over) drawArea(context, camera, this.areaAt(over));
+    if (editor.tool === "mask" && editor.fills && over) drawVote(context, camera, this.voteAt(over), over);
     drawMaskStroke(context, camera, editor);
     drawAreas(context, camera, editor);
     drawSuggestions(context, camera, editor);

@@ -30,8 +30,8 @@ export class Editor extends EventTarget {
     this.widths = { pen: 6, eraser: 24, brush: 48, mask: 48 };
     /** Whether the mask brush adds to the object, or cuts from it. */
     this.adds = true;
-    /** Whether the mask tool takes whole areas instead of brushing. */
-    this.fills = false;
+    /** Whether a click of the mask tool turns an area over; else it brushes. */
+    this.fills = true;
     /** @type {import("./document.js").MaskStroke | null} what the mask brush is drawing */
     this.maskStroke = null;
     /** @type {import("./document.js").Normal | null} what the brush paints; null takes what is under it */

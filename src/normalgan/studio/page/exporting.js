@@ -63,7 +63,7 @@ export class Exporting {
   /** Asks what to export, and hands it to the browser's downloads or to the clipboard. */
   async ask() {
     if (!drawnLayers(this.editor.doc).length) {
-      this.status.say(text.exportEmpty);
+      this.status.say(text.exportEmpty, "warning");
       return;
     }
     field("export-name").value = this.editor.doc.settings.name;

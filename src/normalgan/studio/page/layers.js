@@ -135,9 +135,6 @@ export function followLayers(editor, inks, announce) {
     $("layers").hidden = !open;
     $("layers-toggle").setAttribute("aria-expanded", String(open));
     $("layers-toggle").setAttribute("aria-pressed", String(open));
-    // It is the layer's: it stands with the layers where they are on show, and the bar has more room.
-    if (open) $("layer-list").after($("object"));
-    else $("result-large").before($("object"));
     remember(KEY, open);
     fill();
   };

@@ -26,6 +26,7 @@ import { Projects } from "./projects.js";
 import { Result, VIEWS } from "./result.js";
 import { offerSamples } from "./samples.js";
 import { NOTHING, SelectTool } from "./selecting.js";
+import { followSheets } from "./sheets.js";
 import { begin } from "./start.js";
 import { SHOWN, followKeys } from "./shortcuts.js";
 import { Status } from "./status.js";
@@ -37,6 +38,7 @@ import { AreaTool, HintTool, LightTool, LineTool, MaskTool } from "./tools.js";
 
 fill();
 followTheme($("theme"));
+followSheets();
 const tab = await claimTab();
 const connection = new Connection();
 const status = new Status(connection);
@@ -64,13 +66,15 @@ const importing = new Importing(editor, view, status, projects);
 const exporting = new Exporting(editor, predictor, status, (map) =>
   result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));
 const lines = new LineTool(editor, inks);
-const pins = new HintTool(editor, () => predictor.painted, (words) => status.say(words));
-const areas = new AreaTool(editor, () => predictor.painted, (words) => status.say(words));
+/** @type {import("./status.js").Announce} */
+const announce = (words, kind) => status.say(words, kind);
+const pins = new HintTool(editor, () => predictor.painted, announce);
+const areas = new AreaTool(editor, () => predictor.painted, announce);
 const points = new Points([board, overlay], pins, predictor, status);
-const mask = new MaskTool(editor, () => predictor.painted, (words) => status.say(words));
-for (const each of [board, overlay]) each.areaAt = (at) => mask.areaAt(at);
+const mask = new MaskTool(editor, () => predictor.painted, announce);
+for (const each of [board, overlay]) each.voteAt = (at) => mask.voteAt(at);
 const select = new SelectTool(editor);
-const arranging = new Arranging(editor, (words) => status.say(words));
+const arranging = new Arranging(editor, announce);
 const light = new LightTool((x, y) => lights.move(x, y));
 /** @type {Record<string, import("./tools.js").Tool | null>} */
 const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null };
@@ -93,9 +97,9 @@ followTools(editor, inks);
 offerSamples((doc, name) => {
   projects.load(doc, null, false).then((shown) => shown && status.say(say("opened", { name }))).catch((error) => status.fail(error));
 });
-followHistory(editor, (words) => status.say(words));
+followHistory(editor, announce);
 followPaper(editor, importing);
-const stepLayer = followLayers(editor, inks, (words) => status.say(words));
+const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
 const drop = () => pointers.forEach((each) => each.cancel());
@@ -162,7 +166,7 @@ followKeys({
   "ctrl+s": clicks.save, "ctrl+o": clicks.open, "ctrl+i": clicks.import, "ctrl+e": clicks.export,
   "+": clicks["zoom-in"], "=": clicks["zoom-in"], "-": clicks["zoom-out"], 0: clicks["zoom-fit"],
   f: () => panes.enlarge("result"), "shift+f": () => panes.enlarge("drawing"), c: () => panes.compare(), o: () => panes.overlay(),
-  x: () => editor.set({ adds: !editor.adds, fills: false }),
+  x: () => editor.set(editor.fills ? { fills: false } : { adds: !editor.adds }),
   a: () => editor.set({ tool: "mask", fills: true }),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),

@@ -3,6 +3,7 @@
 import { anchorOf } from "./document.js";
 import { colourOf } from "./normal.js";
 import { sidesOf } from "./strokes.js";
+import { text } from "./text.js";
 
 /** @typedef {import("./camera.js").Camera} Camera @typedef {import("./editor.js").Editor} Editor */
 
@@ -144,16 +145,29 @@ export function drawMaskStroke(context, camera, editor) {
 }
 
 /**
- * Tints the area between lines that a click would change; one that lies open to the paper's edge has no tint.
- * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("./areas.js").Area | null} area
+ * Tints the area between lines that a click would turn over, and says what it is; one that lies open to the paper's edge
+ * has no tint.
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("./areas.js").Vote | null} vote
+ * @param {{x: number, y: number}} at where the pointer is, in the drawing
  */
-export function drawArea(context, camera, area) {
-  if (!area || area.open) return;
+export function drawVote(context, camera, vote, at) {
+  if (!vote || vote.area.open) return;
   context.save();
   context.transform(...camera.transform());
-  context.globalAlpha = 0.25;
-  context.drawImage(area.picture, 0, 0, camera.doc.width, camera.doc.height);
+  context.drawImage(vote.area.pictures[vote.object ? "object" : "hole"], 0, 0, camera.doc.width, camera.doc.height);
   context.restore();
+  const words = vote.object ? text.isObject : text.isHole;
+  const { x, y } = camera.toPane(at.x, at.y);
+  context.font = "13px system-ui, sans-serif";
+  const width = context.measureText(words).width + 16;
+  const left = Math.max(4, Math.min(camera.pane.width - width - 4, x - width / 2));
+  const top = y > 60 ? y - 46 : y + 24;
+  context.fillStyle = vote.object ? ACCENT : CUT;
+  context.beginPath();
+  context.roundRect(left, top, width, 26, 8);
+  context.fill();
+  [context.fillStyle, context.textBaseline] = ["#fff", "middle"];
+  context.fillText(words, left + 8, top + 13);
 }
 
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */

@@ -7,6 +7,11 @@ import { text } from "./text.js";
 const STEP = 0.05;
 const AMBER = [255, 140, 0];
 const OBJECT = [91, 98, 224];
+/** @typedef {"drawing" | "result" | "both"} Layout */
+/** @type {Layout[]} */
+const LAYOUTS = ["drawing", "result", "both"];
+/** Windows in which each of two panes would be too small. */
+const SMALL = "(max-width: 560px), (max-height: 430px)";
 
 /**
  * Returns a picture in one colour.
@@ -46,15 +51,17 @@ export class Panes {
     this.result = result;
     this.predictor = predictor;
     this.status = status;
-    /** @type {"both" | "drawing" | "result"} */
-    this.layout = "both";
+    const small = matchMedia(SMALL);
+    /** @returns {Layout} */
+    const usual = () => (small.matches ? "drawing" : "both");
+    this.layout = usual();
+    small.addEventListener("change", () => this.show(usual()));
     /** @type {number | null} share of the result's width where the drawing ends; null does not compare */
     this.divider = null;
     this.lines = false;
     /** @type {import("./predictor.js").Predictor["doubt"]} what the veil shows */
     this.doubted = null;
-    $("drawing-large").addEventListener("click", () => this.enlarge("drawing"));
-    $("result-large").addEventListener("click", () => this.enlarge("result"));
+    for (const layout of LAYOUTS) $(`layout-${layout}`).addEventListener("click", () => this.show(layout));
     $("compare").addEventListener("click", () => this.compare());
     $("lines").addEventListener("click", () => this.overlay());
     $("doubt").addEventListener("click", () => predictor.wantDoubt(!predictor.wantsDoubt));
@@ -70,10 +77,15 @@ export class Panes {
     this.#show();
   }
 
+  /** @param {Layout} layout */
+  show(layout) {
+    this.layout = layout;
+    this.#show();
+  }
+
   /** Gives one pane all the room, or takes it back. @param {"drawing" | "result"} pane */
   enlarge(pane) {
-    this.layout = this.layout === pane ? "both" : pane;
-    this.#show();
+    this.show(this.layout === pane ? "both" : pane);
   }
 
   /** Shows the drawing beside a divider in the result, or ends that. */
@@ -94,6 +106,7 @@ export class Panes {
     const { sheet } = this.drawing;
     const { painted } = this.predictor;
     const veil = this.drawing.editor.tool === "mask" && painted ? objectOf(painted) : null;
+    if (veil) for (const board of [this.drawing, this.result]) board.redraw(); // they say what the area under the pointer is
     if (veil === sheet.veil) return;
     sheet.veil = veil;
     sheet.redraw();
@@ -102,7 +115,9 @@ export class Panes {
   #show() {
     const { layout, divider, lines, predictor } = this;
     /** @type {HTMLElement} */ (document.querySelector("main")).dataset.layout = layout;
-    for (const pane of ["drawing", "result"]) $(`${pane}-large`).setAttribute("aria-pressed", String(layout === pane));
+    for (const each of LAYOUTS) $(`layout-${each}`).setAttribute("aria-pressed", String(each === layout));
+    // Samples are offered where one looks.
+    $(layout === "drawing" ? "empty-board" : "empty-result").append($("offer"));
     $("compare").setAttribute("aria-pressed", String(divider !== null));
     $("lines").setAttribute("aria-pressed", String(lines));
     $("doubt").setAttribute("aria-pressed", String(predictor.wantsDoubt));

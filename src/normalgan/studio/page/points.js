@@ -109,7 +109,8 @@ export class Points {
       // What was asked for an older drawing may lie beside the object.
       if (layer.strokes !== editor.layer.strokes) return;
       editor.set({ suggestions: points, tool: "hint", chosen: -1 });
-      status.say(points.length ? say("suggested", { count: points.length }) : text.suggestedNone);
+      if (points.length) status.say(say("suggested", { count: points.length }));
+      else status.say(text.suggestedNone, "warning");
     } catch (error) {
       status.fail(error);
     }

@@ -1,30 +1,47 @@
-/** Status: one calm line that screen readers hear. */
+/** Status: one calm line of what was done, and a toast near the act for what went wrong. Screen readers hear both. */
 
 import { Away, Refused } from "./api.js";
 import { $ } from "./dom.js";
 import { say, sentence, text } from "./text.js";
 
-/** Milliseconds after which a line is old news, but for what is wrong or goes on. */
-const STAYS = 20_000;
+/** Milliseconds after which what was done is old news. */
+const STAYS = 6000;
+/** Milliseconds that a problem stays; longer while the pointer or the focus is on it. */
+const PROBLEM_STAYS = 15_000;
+/** Pixels between a problem and what it is about. */
+const GAP = 10;
+
+/** @typedef {"" | "warning" | "error" | "away"} Kind @typedef {(words: string, kind?: Kind) => void} Announce */
 
 export class Status {
   /** @param {import("./connection.js").Connection} connection */
   constructor(connection) {
     this.connection = connection;
     this.line = $("status");
+    this.problem = $("problem");
     this.timer = 0;
+    this.problemTimer = 0;
+    /** @type {Element | null} what was pressed last */
+    this.act = null;
+    for (const name of ["pointerdown", "keydown"]) {
+      addEventListener(name, ({ target }) => { this.act = target instanceof Element ? target : null; }, { capture: true });
+    }
+    $("problem-close").addEventListener("click", () => this.#settle());
     connection.addEventListener("away", () => this.say(text.offline, "away"));
-    connection.addEventListener("back", () => this.say(text.online));
+    connection.addEventListener("back", () => {
+      this.#settle();
+      this.say(text.online);
+    });
     this.say(text.loading);
   }
 
-  /** @param {string} words @param {"" | "warning" | "error" | "away"} [kind] */
+  /** @param {string} words @param {Kind} [kind] away stays until the server is back */
   say(words, kind = "") {
-    this.line.textContent = words;
-    this.line.dataset.kind = kind;
-    this.line.title = words; // where it is too long for the window
     clearTimeout(this.timer);
-    if (!kind && words !== text.loading) this.timer = setTimeout(() => { this.say(""); }, STAYS);
+    this.line.textContent = kind ? "" : words;
+    this.line.title = this.line.textContent; // where it is too long for the window
+    if (kind) this.#warn(words, kind);
+    else if (words !== text.loading) this.timer = setTimeout(() => { this.line.textContent = ""; }, STAYS);
   }
 
   /** Says that the model is there, unless something else was said meanwhile. */
@@ -48,5 +65,43 @@ export class Status {
     const said = error instanceof Refused || (error instanceof Error && error.constructor === Error);
     const reason = error instanceof Error ? error.message : String(error);
     this.say(said ? sentence(reason) : say("broken", { reason }), "error");
+  }
+
+  /** @param {string} words @param {string} kind */
+  #warn(words, kind) {
+    const { problem } = this;
+    // What lies behind an open dialog can be neither seen nor pressed.
+    (document.querySelector("dialog[open] form") ?? document.body).append(problem);
+    problem.dataset.kind = kind;
+    problem.hidden = false;
+    $("problem-words").textContent = words;
+    this.#place();
+    clearTimeout(this.problemTimer);
+    const wait = () => {
+      this.problemTimer = setTimeout(() => (problem.matches(":hover, :focus-within") ? wait() : this.#settle()), PROBLEM_STAYS);
+    };
+    if (kind !== "away") wait();
+  }
+
+  /** Takes a problem away; that the server is away is said as long as it is. */
+  #settle() {
+    clearTimeout(this.problemTimer);
+    this.problem.hidden = true;
+    document.body.append(this.problem);
+  }
+
+  /** Puts the problem beside what was pressed last, or at the foot of the pane. */
+  #place() {
+    const { problem, act } = this;
+    const near = act?.isConnected ? act.closest(".pane, button, summary, label") : null;
+    const box = (near?.getClientRects().length ? near : document.querySelector("main > section"))?.getBoundingClientRect();
+    if (!box) return;
+    const { offsetWidth: width, offsetHeight: height } = problem;
+    const middle = (box.left + box.right) / 2 - width / 2;
+    const inside = box.height > 3 * height;
+    const below = box.top < innerHeight / 2;
+    const top = inside ? box.bottom - height - 4 * GAP : below ? box.bottom + GAP : box.top - height - GAP;
+    problem.style.left = `${Math.max(GAP, Math.min(innerWidth - width - GAP, middle))}px`;
+    problem.style.top = `${Math.max(GAP, Math.min(innerHeight - height - GAP, top))}px`;
   }
 }

@@ -1,7 +1,7 @@
 /** Toolbar: which tool, how wide, how smooth; shows what the editor holds. */
 
 import { withActive } from "./document.js";
-import { $, enable, field, label } from "./dom.js";
+import { $, enable, field } from "./dom.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
@@ -45,17 +45,11 @@ export function followTools(editor, inks) {
   const size = $("size");
   /** @type {HTMLInputElement} */
   const smoothing = $("smoothing");
-  /** @type {HTMLSelectElement} */
-  const source = $("source");
   size.max = String(WIDTHS.length - 1);
   size.addEventListener("input", () => {
     editor.set({ widths: { ...editor.widths, [editor.tool]: WIDTHS[size.valueAsNumber] } });
   });
   smoothing.addEventListener("input", () => editor.set({ smoothing: smoothing.valueAsNumber / 100 }));
-  source.addEventListener("change", () => {
-    const chosen = /** @type {"outline" | "model" | ""} */ (source.value);
-    editor.commit(withActive(editor.doc, { source: chosen || null }));
-  });
   for (const [id, adds] of /** @type {[string, boolean][]} */ ([["mask-add", true], ["mask-cut", false]])) $(id).addEventListener("click", () => editor.set({ adds, fills: false }));
   $("mask-area").addEventListener("click", () => editor.set({ fills: true }));
   const colour = field("colour");
@@ -63,13 +57,14 @@ export function followTools(editor, inks) {
   for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
   recallBrushes(editor);
   editor.addEventListener("state", () => keepBrushes(editor));
-  $("mask-clear").addEventListener("click", () => editor.commit(withActive(editor.doc, { mask: [] })));
+  $("mask-clear").addEventListener("click", () => editor.commit(withActive(editor.doc, { mask: [], source: null })));
   const show = () => {
     const { tool, doc, layer } = editor;
     for (const each of TOOLS) $(`tool-${each}`).setAttribute("aria-pressed", String(each === tool));
     for (const each of document.querySelectorAll("#board, #overlay")) /** @type {HTMLElement} */ (each).dataset.tool = tool;
     const width = editor.widths[tool];
-    $("line-options").hidden = !width;
+    $("line-options").hidden = !width || (tool === "mask" && editor.fills);
+    $("mask-help").hidden = !editor.fills;
     $("hint-options").hidden = tool !== "hint";
     $("region-options").hidden = tool !== "region";
     $("hand-options").hidden = tool !== "hand";
@@ -84,7 +79,7 @@ export function followTools(editor, inks) {
     $("mask-add").setAttribute("aria-pressed", String(editor.adds && !editor.fills));
     $("mask-cut").setAttribute("aria-pressed", String(!editor.adds && !editor.fills));
     $("mask-area").setAttribute("aria-pressed", String(editor.fills));
-    enable("mask-clear", layer.mask.length > 0);
+    enable("mask-clear", layer.mask.length > 0 || layer.source !== null);
     $("light-options").hidden = tool !== "light";
     if (width) {
       size.value = String(WIDTHS.findIndex((each) => each >= width));
@@ -93,8 +88,6 @@ export function followTools(editor, inks) {
     }
     smoothing.value = String(editor.smoothing * 100);
     $("smoothing-label").hidden = tool !== "pen";
-    source.value = layer.source ?? "";
-    label(source, doc.layers.length > 1 ? say("objectOf", { name: layer.name }) : text.objectHelp);
     enable("undo", editor.history.canUndo);
     enable("redo", editor.history.canRedo);
     enable("suggest", layer.visible && layer.strokes.length > 0);

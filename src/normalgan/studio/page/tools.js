@@ -25,6 +25,8 @@ import { text } from "./text.js";
 /** Radians within which a straight line is level, upright or diagonal. */
 const SNAP = 0.06;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
+/** Places that are asked along each side of the paper whether they are object. */
+const VOICES = 64;
 /** @param {number} value */
 const round = (value) => Math.round(value * 100) / 100;
 
@@ -113,7 +115,7 @@ export class HintTool {
   /**
    * @param {import("./editor.js").Editor} editor
    * @param {() => import("./predictor.js").Painted | null} map what was painted last
-   * @param {(words: string) => void} announce
+   * @param {import("./status.js").Announce} announce
    */
   constructor(editor, map, announce) {
     this.editor = editor;
@@ -176,7 +178,7 @@ export class HintTool {
     const { doc: { width, height }, layer: { hints } } = editor;
     if (at.x < 0 || at.y < 0 || at.x >= width || at.y >= height) return false;
     if (hints.length >= MOST_HINTS) {
-      this.announce(text.tooMany);
+      this.announce(text.tooMany, "warning");
       return false;
     }
     editor.commit(withHint(editor.doc, { ...this.#inside(at), normal }));
@@ -198,7 +200,7 @@ export class AreaTool {
   /**
    * @param {import("./editor.js").Editor} editor
    * @param {() => import("./predictor.js").Painted | null} map what was painted last
-   * @param {(words: string) => void} announce
+   * @param {import("./status.js").Announce} announce
    */
   constructor(editor, map, announce) {
     this.editor = editor;
@@ -220,7 +222,7 @@ export class AreaTool {
       return;
     }
     if (editor.layer.areas.length >= MOST_AREAS) {
-      this.announce(text.tooManyAreas);
+      this.announce(text.tooManyAreas, "warning");
       return;
     }
     this.points = [];
@@ -266,7 +268,7 @@ export class MaskTool {
   /**
    * @param {import("./editor.js").Editor} editor
    * @param {() => import("./predictor.js").Painted | null} map what was painted last
-   * @param {(words: string) => void} announce
+   * @param {import("./status.js").Announce} announce
    */
   constructor(editor, map, announce) {
     this.editor = editor;
@@ -280,7 +282,7 @@ export class MaskTool {
   down(touch) {
     const { editor } = this;
     if (editor.layer.mask.length >= MOST_MASK_STROKES) {
-      this.announce(text.tooManyMaskStrokes);
+      this.announce(text.tooManyMaskStrokes, "warning");
       return;
     }
     if (editor.fills) {
@@ -313,33 +315,53 @@ export class MaskTool {
     this.editor.mark();
   }
 
-  /** Returns the area that a click would change. @param {{x: number, y: number}} at @returns {import("./areas.js").Area | null} */
-  areaAt({ x, y }) {
-    return this.areas.at(this.editor.doc, this.editor.layer, x, y);
+  /**
+   * Returns the area about a point, and whether most of it is object: a click turns that over.
+   * @param {{x: number, y: number}} at
+   * @returns {import("./areas.js").Vote | null}
+   */
+  voteAt({ x, y }) {
+    const { doc, layer } = this.editor;
+    const area = this.areas.at(doc, layer, x, y);
+    return area && { area, object: this.#isObject(area, x, y) };
   }
 
   /** Makes an area object, or a hole if it was one. @param {Touch} touch */
   #toggle({ x, y }) {
     const { editor } = this;
-    const area = this.areaAt({ x, y });
-    if (!area) return;
-    if (area.open) {
-      this.announce(text.areaOpen);
+    const vote = this.voteAt({ x, y });
+    if (!vote) return;
+    if (vote.area.open) {
+      this.announce(text.areaOpen, "warning");
       return;
     }
-    const adds = !this.#isObject(x, y);
+    const adds = !vote.object;
     editor.commit(withMaskStroke(editor.doc, { adds, size: 1, points: [round(x), round(y)], fills: true }));
     this.announce(adds ? text.areaObject : text.areaHole);
   }
 
-  /** Whether the map on show has the object at a point. @param {number} x @param {number} y */
-  #isObject(x, y) {
+  /**
+   * Whether the map on show has more of an area as object than not.
+   * @param {import("./areas.js").Area} area @param {number} x @param {number} y of a point in it
+   */
+  #isObject(area, x, y) {
     const map = this.map();
     if (!map) return false;
-    const { doc } = this.editor;
-    const column = Math.min(map.width - 1, Math.floor((x / doc.width) * map.width));
-    const row = Math.min(map.height - 1, Math.floor((y / doc.height) * map.height));
-    return map.rgba[4 * (row * map.width + column) + 3] > 127;
+    const { width, height } = this.editor.doc;
+    /** @param {number} right @param {number} down */
+    const voice = (right, down) => {
+      const column = Math.min(map.width - 1, Math.floor((right / width) * map.width));
+      const row = Math.min(map.height - 1, Math.floor((down / height) * map.height));
+      return map.rgba[4 * (row * map.width + column) + 3] > 127 ? 1 : -1;
+    };
+    let sum = 0;
+    for (let i = 0; i < VOICES; i++) {
+      for (let j = 0; j < VOICES; j++) {
+        const [right, down] = [((i + 0.5) / VOICES) * width, ((j + 0.5) / VOICES) * height];
+        if (area.shows(right, down)) sum += voice(right, down);
+      }
+    }
+    return (sum || voice(x, y)) > 0; // a narrow area may lie between them all
   }
 }
 
