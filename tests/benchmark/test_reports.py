@@ -102,9 +102,7 @@ def test_what_was_not_painted_here_has_no_speed() -> None:
 def test_that_the_test_split_has_other_data_is_said() -> None:
     results = {"mean": [result(None, 30.0)]}
     otherwise = replace(PLAN, test_data={"lines": {"class_path": "RidgesAndValleys"}})
-    said = (
-        'The test split has other data than the training split: lines={"class_path": "RidgesAndValleys"}.'
-    )
+    said = 'The test split has other data than the training split: lines={"class_path": "RidgesAndValleys"}.'
     assert said in markdown(otherwise, Scale("cpu"), results).splitlines()
     assert "other data" not in markdown(PLAN, Scale("cpu"), results)
 
