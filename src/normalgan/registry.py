@@ -181,10 +181,6 @@ class Registry(Generic[T]):
         known = self._registered(name)
         return known if known is not None or "." not in name else find_imported(name, self.base)
 
-    def knows(self, name: str) -> bool:
-        """Return whether a name, short or with its place in dots, is that of a registered class."""
-        return self._registered(name) is not None
-
     def _registered(self, name: str) -> type[T] | None:
         short = name.rpartition(".")[2]
         if short not in self._classes:

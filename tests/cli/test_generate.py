@@ -254,7 +254,7 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
         (["fox.png", "-o", ".", "--suffix", ""], "fox.png is read and would be written over"),
         (["fox.png", "--suffix", "_input", "--show-input"], "fox_input.png would be written twice"),
         (["fox.png", "--suffix", "a/b"], "the suffix 'a/b' is no part of a file's name"),
-        (["fox.png", "--size", "3"], "size is 3; a map has 8 to 8192 pixels a side."),
+        (["fox.png", "--size", "3"], 'argument "size": 3 is out of range; it must be >= 8 and <= 8192.'),
         (["fox.png", "--bits", "16", "--format", "exr"], "bits are of a PNG; a map as exr"),
         (["fox.png", "--bits", "12"], "expected one of"),
         (["fox.png", "--y", "left"], "expected one of"),

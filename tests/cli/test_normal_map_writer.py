@@ -216,5 +216,3 @@ def test_shading_strength_and_one_scale_of_heights_are_those_of_generate(tmp_pat
     assert flat is not None
     assert not (plain == plain[0, 0]).all()
     assert (flat == flat[0, 0]).all()
-    with pytest.raises(InputError, match="strength is -1"):
-        NormalMapWriter(strength=-1)

@@ -6,6 +6,7 @@ from typing import Literal
 from jsonargparse import Namespace
 
 from normalgan.cli.light_parser import LightParser
+from normalgan.cli.ranges import Strength
 from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail
@@ -42,7 +43,7 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("--y", type=Green, default="up", help="green to write; down is DirectX")
     parser.add_argument("--bits", type=Bits, default=8, help="of each channel of a normal map as PNG")
-    parser.add_argument("--strength", type=float, default=1.0, help="factor of the slopes")
+    parser.add_argument("--strength", type=Strength, default=1.0, help="factor of the slopes")
     parser.add_argument(
         "--scale", type=float | None, help="pixels from black to white of a height map; null for all of them"
     )

@@ -13,8 +13,6 @@ from normalgan import decoding
 from normalgan.cli.generate_parser import as_shell_means, build_parser, engine_of
 from normalgan.errors import InputError, RunError, one_line, unwritable, with_subject
 from normalgan.inference.composites.packing import Packing
-from normalgan.inference.composites.series import flat_map
-from normalgan.inference.inputs import check_size
 from normalgan.inference.jobs.clashes import without_clashes, without_twins
 from normalgan.inference.jobs.plan import (
     STDIN,
@@ -66,7 +64,6 @@ def generate(settings: Namespace) -> int:
     packing = _packing(settings)
     _check_explained(settings, packing)
     outputs = _outputs(settings)
-    flat_map((8, 8)).stronger(settings.strength)  # refuses what is none
     piped = _Piped() if settings.output == STDOUT else None
     content = (
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
@@ -110,7 +107,6 @@ def _packing(settings: Namespace) -> Packing:
     Raises:
         InputError: if the settings of it do not go together.
     """
-    check_size(settings.size)
     if settings.tile and (settings.sheet or settings.split or settings.atlas or settings.layers):
         raise InputError("--tile repeats a whole drawing; leave --sheet, --split, --atlas and --layers out.")
     if settings.tile and settings.frame == "shared":

@@ -9,6 +9,7 @@ from jsonargparse.typing import ClosedUnitInterval
 
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.output_options import add_output_options
+from normalgan.cli.ranges import Side, Strength
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
@@ -82,11 +83,11 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     )
     drawing.add_argument(
         "--size",
-        type=int | None,
+        type=Side | None,
         help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
     )
     drawing.add_argument(
-        "--strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+        "--strength", type=Strength, default=1.0, help="what the slopes of the map are multiplied by"
     )
     drawing.add_argument(
         "--detail",

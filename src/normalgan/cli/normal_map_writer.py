@@ -14,7 +14,6 @@ from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, RunError, one_line, unwritable, with_subject
 from normalgan.gan import NormalGAN
-from normalgan.inference.composites.series import flat_map
 from normalgan.inference.jobs.plan import Job, plan
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.network.torch_backend import channels_last
@@ -41,7 +40,6 @@ class NormalMapWriter(BasePredictionWriter):
         self.folder = Path(folder)
         self.outputs = outputs or Outputs()
         self._writer = Writer(self.outputs)
-        flat_map((8, 8)).stronger(strength)  # refuses what is none
         self.strength = strength
         self._jobs: dict[str, Job] = {}
         self._failed = self._total = 0

@@ -34,6 +34,8 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
 
     >>> explain('Parser key "data.size":\n  Expected a <class \'int\'>. Got value: large', {})
     'argument "data.size": expected a whole number, not large.'
+    >>> explain('Parser key "size":\n  Not of type Side: 4 does not conform to restriction v>=8 and v<=9', {})
+    'argument "size": 4 is out of range; it must be >= 8 and <= 9.'
     >>> explain("Group 'data' does not accept option 'sise'", {}, ["data.size"])
     'there is no setting data.sise. Did you mean data.size?'
     """
@@ -54,6 +56,12 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
             f"{where}--safe-config does not allow {found[1]}; it takes registered classes and a few of "
             "torch and Lightning."
         )
+    if found := re.search(r"Not of type \w+: (.*)does not conform to restriction (.+)", message):
+        value = found[1].strip() or _given(message)
+        bounds = re.sub(r"v([<>]=?)", r"\1 ", found[2])
+        return f"{where}{value} is out of range; it must be {bounds}."
+    if found := re.search(r"Not of type \w+: .*: '?([^'\n]*)", message):
+        return f"{where}expected a number, not {found[1]}."
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
         return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
     if found := re.search(r"Expected a dot import path string: (.+)", message):

@@ -7,12 +7,14 @@ from typing import Any
 import cv2
 import numpy as np
 from jsonargparse import Namespace
+from jsonargparse.typing import NonNegativeInt
 from numpy.typing import NDArray
 
 from normalgan.animals import SPECIES, Animal
 from normalgan.arrays import Floats
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.parser_errors import refusal
+from normalgan.cli.ranges import Degrees, Margin, Side
 from normalgan.errors import InputError, did_you_mean, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.normals import encode_png, paint_flat
@@ -69,14 +71,14 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("-o", "--output", default="sketch.svg", help="where the drawing goes, .svg or .png")
     parser.add_argument("--normal", type=str | None, help="where its normal map goes, .png; null for nowhere")
-    parser.add_argument("--size", type=int, default=512, help="side of the drawing in pixels")
+    parser.add_argument("--size", type=Side, default=512, help="side of the drawing in pixels")
     parser.add_argument("--azimuth", type=float, default=45.0, help="degrees from the front, +Z, towards +X")
     parser.add_argument("--elevation", type=float, default=15.0, help="degrees above the horizon")
     parser.add_argument("--roll", type=float, default=0.0, help="degrees counter-clockwise")
     parser.add_argument(
-        "--field_of_view", type=float | None, help="degrees the object takes up; null is orthographic"
+        "--field_of_view", type=Degrees | None, help="degrees the object takes up; null is orthographic"
     )
-    parser.add_argument("--margin", type=float, default=0.06, help="share of the side left free around it")
+    parser.add_argument("--margin", type=Margin, default=0.06, help="share of the side left free around it")
     parser.add_argument("--orientation", type=str | None, help="JSON file that says how the mesh is turned")
     parser.add_argument(
         "--clip", type=str | None, help="animation of a rigged glTF file; the view is one for all its moments"
@@ -87,7 +89,9 @@ def build_parser() -> LightParser:
     parser.add_argument("--renderer", type=Renderer, help="of the maps")
     parser.add_argument("--hand", type=Hand | None, help="who draws; null draws the exact lines")
     parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; null is clean ink")
-    parser.add_argument("--seed", type=int, default=0, help="of the style's choices, the hand and the medium")
+    parser.add_argument(
+        "--seed", type=NonNegativeInt, default=0, help="of the style's choices, the hand and the medium"
+    )
     defaults = {"lines": SuggestiveContours, "renderer": EmbreeRenderer}
     parser.set_defaults({name: {"class_path": cls.__name__} for name, cls in defaults.items()})
     return parser
@@ -184,16 +188,6 @@ def _check(settings: Namespace) -> str:
         raise InputError(
             f"a medium is made of pixels; write {settings.output} as .png, or leave the medium out."
         )
-    if not 8 <= settings.size <= 8192:
-        raise InputError(f"size is {settings.size}; a drawing has 8 to 8192 pixels a side.")
-    if not 0 <= settings.margin < 0.5:
-        raise InputError(f"margin is {settings.margin}; it must lie from 0 to below 0.5.")
-    if settings.field_of_view is not None and not 1 <= settings.field_of_view <= 120:
-        raise InputError(
-            f"field_of_view is {settings.field_of_view}; it must lie from 1 to 120 degrees, or be null."
-        )
-    if settings.seed < 0:
-        raise InputError(f"seed is {settings.seed}; it must be 0 or more.")
     return kind
 
 

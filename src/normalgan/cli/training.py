@@ -47,6 +47,7 @@ from normalgan.cli.normal_map_writer import NormalMapWriter
 from normalgan.cli.output_options import add_output_options
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
+from normalgan.cli.ranges import Strength
 from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
@@ -236,7 +237,10 @@ class NormalGANCLI(LightningCLI):
         group = parser.add_argument_group("What predict writes for each drawing")
         group.add_argument("--output.folder", type=str, default="normals", help="where the maps go")
         group.add_argument(
-            "--output.strength", type=float, default=1.0, help="what the slopes of the map are multiplied by"
+            "--output.strength",
+            type=Strength,
+            default=1.0,
+            help="what the slopes of the map are multiplied by",
         )
         add_output_options(parser, group, "output.")
         parser.set_defaults(

@@ -9,6 +9,7 @@ from jsonargparse import Namespace
 
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.light_parser import LightParser
+from normalgan.cli.ranges import ModelSide
 from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
@@ -59,7 +60,7 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("--half", action="store_true", help="store the weights in 16 bits")
     parser.add_argument(
-        "--size", type=int | None, help="side of the pictures; null is what it was trained at"
+        "--size", type=ModelSide | None, help="side of the pictures; null is what it was trained at"
     )
     parser.add_argument(
         "--licence",
@@ -129,8 +130,6 @@ def _check(options: Namespace) -> Path:
         )
     if options.opset is not None and options.format != "onnx":
         raise InputError(f"--opset is for onnx; leave it out, or write {options.format} without it.")
-    if options.size is not None and options.size < 8:
-        raise InputError(f"the size of a model is 8 pixels or more, not {options.size}.")
     if options.licence is not None and not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
         raise InputError("--licence is one line of at most 500 characters.")
     if Path(options.output).resolve() == Path(options.model).resolve():

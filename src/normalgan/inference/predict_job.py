@@ -20,7 +20,7 @@ from normalgan.inference.composites.packing import Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.drawing import Drawing
-from normalgan.inference.inputs import as_hints, prepare_any
+from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.mask.masks import READER, MaskOrSource, load_mask
@@ -30,7 +30,7 @@ from normalgan.inference.outputs.explanation import write_explanation
 from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
-from normalgan.inference.preparation import Prepared
+from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
@@ -174,16 +174,18 @@ class JobPredictor:
         if self.tile is not None:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
             return _noted(self.sprite(tiled, picture), picture)
-        predictor = self.predictor
-        prepared = prepare_any(
-            *(picture, predictor.size, files.hints, files.mask, self.size, predictor.backend.line_widths),
+        backend = self.predictor.backend
+        mask, hints = _mask(files, picture.shape), as_hints(files.hints, picture.shape)
+        prepared = prepare(
+            *(picture, backend.size, mask, hints, self.size),
+            line_widths=backend.line_widths,
             flips=self.holes,
         )
         cells = [] if self.single or files.mask not in {None, READER} else self._figures(drawing, prepared)
         if cells:
             preds = self._page(files, drawing, picture, cells)
         else:
-            preds = predict(predictor.backend, prepared, predictor.upsample)
+            preds = predict(backend, prepared, self.predictor.upsample)
         if self.explain is not None:
             write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
         return _noted(self.sprite(preds, picture), picture)
@@ -224,6 +226,8 @@ class JobPredictor:
         hints = as_hints(files.hints, sheet.shape)
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         mask = _mask(files, sheet.shape)
+        if isinstance(mask, np.ndarray):
+            mask = resize(mask.astype(np.float32), sheet.shape) > 0.5
         shared = self.frame == "shared"
         preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
         picture = to_picture(sheet)
@@ -340,7 +344,5 @@ def _blank(picture: Picture) -> bool:
 
 
 def _mask(files: DrawingFiles, shape: tuple[int, int]) -> MaskOrSource:
-    """Return a drawing's mask (H, W), or how it is to be found."""
-    if not isinstance(files.mask, Path):
-        return files.mask
-    return resize(load_mask(files.mask, shape).astype(np.float32), shape) > 0.5
+    """Return the mask (h, w) of a drawing of (H, W) pixels, or where it comes from."""
+    return load_mask(files.mask, shape) if isinstance(files.mask, Path) else files.mask

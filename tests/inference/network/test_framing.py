@@ -35,11 +35,8 @@ def test_restoring_brings_everything_back_to_its_place() -> None:
 def test_hints_move_with_the_frame() -> None:
     ink = ellipse()
     frame = Frame.around(ink, 64)
-    normals, where = np.zeros((90, 200, 3), np.float32), np.zeros((90, 200), bool)
-    normals[40, 130] = (0, 1, 0)
-    where[40, 130] = True
-    where[0, 0] = True  # outside the frame: left out
-    hints = frame.cut_hints(normals, where)
+    points = np.array([[130.5, 40.5], [0.5, 0.5]])  # the second lies outside the frame and is left out
+    hints = frame.cut_points(points, np.array([[0, 1, 0], [0, 0, 1]], np.float32))
     assert hints.shape == (4, 64, 64)
     assert hints[3].sum() == 1
     row, column = np.argwhere(hints[3])[0]

@@ -210,7 +210,7 @@ def test_the_height_of_a_large_map_is_that_of_a_reduced_one(monkeypatch: pytest.
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--strength", "-1"], "strength is -1.0; 1 leaves a map as it is"),
+        (["--strength", "-1"], "-1 is out of range; it must be >= 0 and <= 100"),
         (["--height-scale", "5"], "height_scale is a setting of the height map; add --height png"),
         (
             ["--height", "tiff", "--height-scale", "5"],

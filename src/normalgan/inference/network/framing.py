@@ -76,13 +76,8 @@ class Frame:
         method = cv2.INTER_AREA if side > self.size else cv2.INTER_LINEAR
         return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
 
-    def cut_hints(self, normals: Floats, where: NDArray[np.bool_]) -> Floats:
-        """Return hints (4, size, size) for the model: unit normals, averaged where they meet, and where."""
-        rows, columns = np.nonzero(where)
-        return self.cut_points(np.stack([columns, rows], axis=1) + 0.5, normals[rows, columns])
-
     def cut_points(self, points: NDArray[np.floating], normals: Floats) -> Floats:
-        """Return hints (4, size, size) for the model, as `cut_hints` does.
+        """Return hints (4, size, size) for the model: unit normals, averaged where they meet, and where.
 
         Args:
             points: (K, 2), x right and y down in pixels of the drawing, whose first has its middle at 0.5.
