@@ -1,6 +1,6 @@
-"""Ten small sprites drawn by code, and a picture of what `--detail` and `--pixel-art` make of them.
+"""Ten small sprites and a tileset drawn by code, and pictures of what `generate` makes of them.
 
-python tools/sprites_picture.py sprites.webp
+python tools/sprites_picture.py sprites.webp tileset.webp
 """
 
 import sys
@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.decoding import Decoded
+from normalgan.inference.composites.tile_grid import TileGrid
+from normalgan.inference.composites.tilesets import predict_tileset
 from normalgan.inference.load import load
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.reading.picture import Picture
@@ -169,8 +172,43 @@ def _shown(preds: NormalMap) -> NDArray[np.float32]:
     return np.asarray(pixels_of(preds.normal, 8) / 255, np.float32)
 
 
-def main(target: str) -> None:
-    """Write the picture: sprite, and map and light of the form, with detail, and as pixel art."""
+def draw_tileset() -> NDArray[np.uint8]:
+    """Return 3 × 3 tiles of a platform (96, 96, 4), of which the middle ones repeat."""
+    earth = np.full((_SIDE, _SIDE, 4), (120, 80, 50, 255), np.uint8)
+    for x, y, radius in ((8, 9, 4), (24, 20, 5), (13, 26, 3), (27, 5, 2)):
+        cv2.circle(earth, (x, y), radius, (150, 105, 70, 255), -1)
+        cv2.circle(earth, (x, y), radius, (70, 45, 30, 255), 1)
+    platform = np.tile(earth, (3, 3, 1))
+    below, across = np.mgrid[: 3 * _SIDE, : 3 * _SIDE]
+    grass = np.rint(8 + 2 * np.sin(across * np.pi / 8))
+    platform[below < grass] = 80, 170, 60, 255
+    platform[below == grass] = 40, 90, 35, 255
+    platform[[0, -1]] = platform[:, [0, -1]] = 25, 18, 15, 255
+    return platform
+
+
+def show_tileset(target: str) -> None:
+    """Write the picture of the tileset: tiles and map, and a level of seven by four tiles and its light."""
+    tiles = draw_tileset()
+    preds = predict_tileset(load("shipped"), Decoded(tiles, tiles.shape[:2]), TileGrid(_SIDE, _SIDE), "tiles")
+    lit = tiles[..., :3] / 255 * (0.25 + 0.9 * np.clip(preds.extended @ _LIGHT, 0, 1)[..., None])
+    rows, columns = ([0, *[1] * (count - 2), 2] for count in (4, 7))
+    place = np.ix_(
+        *((np.array(each)[:, None] * _SIDE + np.arange(_SIDE)).ravel() for each in (rows, columns))
+    )
+    own = np.vstack([tiles[..., :3] / 255, np.full((_SIDE, 3 * _SIDE, 3), 0.2)])
+    maps = np.vstack([_shown(preds), own[-_SIDE:]])
+    panels = [own, maps, (tiles[..., :3] / 255)[place], _shown(preds)[place], lit[place]]
+    _write(target, np.kron(np.hstack(panels), np.ones((2, 2, 1))))
+
+
+def _write(target: str, picture: NDArray[np.generic]) -> None:
+    pixels = np.rint(255 * np.clip(picture[..., ::-1], 0, 1)).astype(np.uint8)
+    cv2.imwrite(target, pixels, [cv2.IMWRITE_WEBP_QUALITY, 85])
+
+
+def main(target: str, of_tileset: str) -> None:
+    """Write the pictures: sprite, map and light of the form, with detail, and as pixel art; the tileset."""
     predictor = load("shipped")
     rows = []
     for name in SPRITES:
@@ -183,10 +221,9 @@ def main(target: str) -> None:
             preds = each(form, picture)
             row += [_shown(preds), _lit(preds, picture)]
         rows.append(np.hstack([np.pad(each, ((2, 2), (2, 2), (0, 0)), constant_values=0.2) for each in row]))
-    halves = np.hstack([np.vstack(rows[:5]), np.vstack(rows[5:])])
-    pixels = np.rint(255 * np.clip(halves[..., ::-1], 0, 1)).astype(np.uint8)
-    cv2.imwrite(target, pixels, [cv2.IMWRITE_WEBP_QUALITY, 85])
+    _write(target, np.hstack([np.vstack(rows[:5]), np.vstack(rows[5:])]))
+    show_tileset(of_tileset)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

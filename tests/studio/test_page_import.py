@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from PIL import Image
 from studio_page import SIDE, Server, Studio, open_studio, serving
 
 from normalgan.decoding import DecodedLayer
@@ -102,6 +103,17 @@ def test_a_layered_file_can_be_one_drawing_or_one_to_trace(studio: Studio, tmp_p
         give(studio, file, "traced")
     assert studio.page.locator("#picture-list li").count() == 1
     assert names(studio) == ["Layer 1"]
+
+
+def test_of_a_tiff_the_first_page_is_used_and_said(studio: Studio, tmp_path: Path) -> None:
+    pages = [
+        Image.fromarray(np.rint(255 * (1 - outline(blob(SHAPE, (x, 90))))).astype(np.uint8))
+        for x in (90, 170)
+    ]
+    pages[0].save(tmp_path / "scan.tiff", save_all=True, append_images=pages[1:])
+    with studio.repainting():
+        give(studio, tmp_path / "scan.tiff", "drawing")
+    assert studio.status() == "Imported “scan.tiff”. Used the first of 2 pages."
 
 
 def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -> None:

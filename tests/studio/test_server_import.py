@@ -51,6 +51,26 @@ def pixels_of(found: dict[str, Any]) -> NDArray[np.uint8]:
         return np.asarray(picture)
 
 
+@pytest.mark.parametrize(
+    ("form", "pages", "options"),
+    [
+        *(("TIFF", True, {}), ("GIF", False, {"duration": 90}), ("WEBP", False, {"duration": 90})),
+        ("PNG", False, {"duration": 90}),
+    ],
+)
+def test_a_file_of_several_pictures_says_how_many(
+    model: Path, tmp_path: Path, form: str, pages: bool, options: dict[str, int]
+) -> None:
+    every = [Image.fromarray(np.roll(circle(), 9 * i, 1)) for i in range(3)]
+    file = io.BytesIO()
+    every[0].save(file, form, save_all=True, append_images=every[1:], **options)
+    with serving(model, tmp_path) as client:
+        found = asked(client, file.getvalue(), "drawing").json()
+        single = asked(client, png(circle()), "drawing").json()
+    assert (found["parts"], found["pages"]) == (3, pages)
+    assert (single["parts"], single["pages"]) == (1, False)
+
+
 @pytest.mark.parametrize("kind", ["psd", "ora", "aseprite"])
 def test_layers_come_with_their_names_order_opacity_and_places(
     model: Path, tmp_path: Path, kind: LayeredKind

@@ -107,15 +107,21 @@ def _packing(settings: Namespace) -> Packing:
     Raises:
         InputError: if the settings of it do not go together.
     """
-    if settings.tile and (settings.sheet or settings.split or settings.atlas or settings.layers):
-        raise InputError("--tile repeats a whole drawing; leave --sheet, --split, --atlas and --layers out.")
+    packing = Packing(settings.sheet, settings.split, settings.atlas, settings.tileset)
+    if settings.tile and (packing.given or settings.layers):
+        raise InputError(
+            "--tile repeats a whole drawing; leave --sheet, --split, --atlas, --tileset and --layers out."
+        )
+    if settings.tileset and settings.frame == "shared":
+        raise InputError("--tileset shows the model each tile with its neighbours; leave --frame shared out.")
     if settings.tile and settings.frame == "shared":
         raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
-    packing = Packing(settings.sheet, settings.split, settings.atlas)
     if settings.pixel_art and settings.size is not None:
         raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
     if settings.layers and packing.given:
-        raise InputError("--layers paints each layer whole; leave --sheet, --split and --atlas out.")
+        raise InputError(
+            "--layers paints each layer whole; leave --sheet, --split, --atlas and --tileset out."
+        )
     return packing
 
 
@@ -153,8 +159,8 @@ def _check_explained(settings: Namespace, packing: Packing) -> None:
     ]
     if given and (packing.given or settings.layers or settings.tile or settings.frame == "shared"):
         raise InputError(
-            f"{given[0]} is about the mask of a single drawing; leave --sheet, --split, --atlas, --layers, "
-            "--tile and --frame shared out."
+            f"{given[0]} is about the mask of a single drawing; leave --sheet, --split, --atlas, --tileset, "
+            "--layers, --tile and --frame shared out."
         )
     _points(settings.hole or ())
     if settings.explain is not None and Path(settings.explain).is_file():

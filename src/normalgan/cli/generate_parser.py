@@ -138,6 +138,13 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
         "Cocos2d, Unity or Godot, or a folder of such files",
     )
     group.add_argument(
+        "--tileset",
+        type=str | None,  # type: ignore[arg-type]
+        metavar="SIZE",
+        help="a tileset: width x height of a tile, such as 16x16 or 16x16,margin=1,spacing=2; or a tileset "
+        "of Tiled (.tsx, .tsj), or a folder of such files",
+    )
+    group.add_argument(
         "--layers",
         action="store_true",
         help="paint each visible layer of a PSD, KRA, ORA or Aseprite file for itself, and write all as a "

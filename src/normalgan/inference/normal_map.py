@@ -190,6 +190,7 @@ def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
         sheet.seen,
         confidence,
         sheet.warning,
+        cell.tile,
     )
 
 

@@ -19,6 +19,7 @@ from normalgan.inference.composites.layered_job import LayeredJob, layered_targe
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.composites.sheets import predict_sheet
+from normalgan.inference.composites.tilesets import predict_tileset
 from normalgan.inference.drawing import Drawing
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job
@@ -219,15 +220,21 @@ class JobPredictor:
     def _sheet(self, files: DrawingFiles, drawing: Drawing) -> NormalMap:
         content = drawing.content
         drawn_at_any_size = is_svg(content)
-        if self.size is not None and not drawn_at_any_size:
+        if self.size is not None and (not drawn_at_any_size or self.packing.tileset is not None):
             raise InputError("a sheet of pixels keeps its packing, and so its size; leave --size out.")
         units = svg_size(content) if drawn_at_any_size else None
-        sheet = read_pixels(files.drawing, content, self.size or SVG_SIDE)
+        # The tiles of an SVG are in its own units.
+        side = SVG_SIDE if units is None or self.packing.tileset is None else round(max(units))
+        sheet = read_pixels(files.drawing, content, self.size or side)
         hints = as_hints(files.hints, sheet.shape)
-        found = self.packing.cells(sheet, files.drawing, files.below, units)
         mask = _mask(files, sheet.shape)
         if isinstance(mask, np.ndarray):
             mask = resize(mask.astype(np.float32), sheet.shape) > 0.5
+        if self.packing.tileset is not None:
+            grid = self.packing.tile_grid(files.drawing, files.below)
+            given = self.predictor, sheet, grid, files.drawing, hints, mask, self.sprite
+            return _noted(predict_tileset(*given), to_picture(sheet))
+        found = self.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
         preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
         picture = to_picture(sheet)

@@ -79,6 +79,11 @@ class Sprite:
         if not 0 <= self.detail <= 1:
             raise InputError(f"detail is {self.detail}; use 0 for the inferred form alone, up to 1.")
 
+    @property
+    def changes(self) -> bool:
+        """Whether it changes maps at all."""
+        return self.detail > 0 or self.pixel_art
+
     def __call__(self, preds: NormalMap, picture: Picture) -> NormalMap:
         """Return the map with the painting's details, or as pixel art.
 
@@ -86,7 +91,7 @@ class Sprite:
             preds: the predicted map; each drawing of a sheet is treated separately.
             picture: what it was predicted for, of any size.
         """
-        if not self.detail and not self.pixel_art:
+        if not self.changes:
             return preds
         colour = picture.resized(preds.mask.shape).colour
         side = art_pixel(picture) if self.pixel_art else 1

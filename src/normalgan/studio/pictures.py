@@ -10,6 +10,7 @@ from PIL import Image
 
 from normalgan.decoding import Decoded
 from normalgan.errors import InputError
+from normalgan.inference.composites.animation import PAGES, count_parts, moving_kind
 from normalgan.inference.composites.layers import is_plain, layered_kind, read_layers
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, to_picture
 from normalgan.studio.drawing_request import MOST_SIDE, check_sides
@@ -23,7 +24,8 @@ Imported = dict[str, Any]
 def import_picture(content: bytes, name: str = "the picture") -> Imported:
     """Return an image as base64 of a PNG with alpha, its width and height, and those ``given``.
 
-    ``layered`` tells whether the file may have layers, which `import_layers` gives.
+    ``layered`` tells whether the file may have layers, which `import_layers` gives; ``parts``, how many
+    pages or frames it has, of which this is the first; ``pages``, whether they are pages.
 
     Args:
         content: a file as `normalgan.inference.reading.picture.read_picture` reads it.
@@ -44,6 +46,8 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
         "height": height,
         "given": given,
         "layered": layered_kind(Path(name), content) is not None,
+        "parts": count_parts(content),
+        "pages": moving_kind(Path(name), content) == PAGES,
     }
 
 

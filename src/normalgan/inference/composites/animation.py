@@ -43,7 +43,7 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pag
         with io.BytesIO(content) if content is not None else path.open("rb") as file:
             start = file.read(32)
             if start.startswith(b"\x89PNG"):
-                return "png" if _is_apng(file) else None
+                return "png" if _frames_of_apng(file) > 1 else None
             if start.startswith((b"II", b"MM")):
                 return PAGES if _pages_of_tiff(file) > 1 else None
         if start[4:6] == b"\xe0\xa5":  # Aseprite: what it shows goes into a PNG that moves
@@ -70,17 +70,49 @@ def kind_of(path: Path) -> Kind:
             return "png"
 
 
-def _is_apng(file: BinaryIO) -> bool:
-    """Return whether a PNG has several frames: it says so before its pixels."""
+def count_parts(content: bytes) -> int:
+    """Return how many pages or frames a file has; 1 of an AVIF, which does not say so at its start.
+
+    Raises:
+        InputError: as `moving_kind` does.
+    """
+    file = io.BytesIO(content)
+    match moving_kind(Path("the file"), content):
+        case "pages":
+            return _pages_of_tiff(file)
+        case "gif":
+            return _frames_of_gif(Path("the file"), content)
+        case "webp":
+            return _frames_of_webp(file)
+        case "png" if content.startswith(b"\x89PNG"):
+            return _frames_of_apng(file)
+        case "png" if content[4:6] == b"\xe0\xa5":
+            return int.from_bytes(content[6:8], "little")
+    return 1
+
+
+def _frames_of_apng(file: BinaryIO) -> int:
+    """Return how many frames a PNG has; it says so before its pixels."""
     file.seek(8)
     for _ in range(_MOST_CHUNKS):
         head = file.read(8)
         if len(head) < 8 or head[4:] == b"IDAT":
-            return False
+            return 1
         if head[4:] == b"acTL":
-            return int.from_bytes(file.read(4), "big") > 1
+            return int.from_bytes(file.read(4), "big")
         file.seek(int.from_bytes(head[:4], "big") + 4, io.SEEK_CUR)
-    return False
+    return 1
+
+
+def _frames_of_webp(file: BinaryIO) -> int:
+    """Return how many frames a WebP has: its chunks that hold one."""
+    file.seek(12)
+    count = 0
+    while len(head := file.read(8)) == 8:
+        count += head[:4] == b"ANMF"
+        length = int.from_bytes(head[4:], "little")
+        file.seek(length + length % 2, io.SEEK_CUR)
+    return count
 
 
 def _pages_of_tiff(file: BinaryIO) -> int:

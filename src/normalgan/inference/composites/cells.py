@@ -7,6 +7,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.inference.network.tile import Tile
 from normalgan.inference.reading.hint_files import Hints
 
 __all__ = ["Cell"]
@@ -27,6 +28,7 @@ class Cell:
         height: rows in the sheet.
         turned: quarters by which it lies in the sheet turned clockwise, as packers do to save room.
         own: (height, width), what of the box is its own; None if all is.
+        tile: the ways in which the drawing repeats; None if it ends at the edges of the box.
     """
 
     name: str
@@ -36,6 +38,7 @@ class Cell:
     height: int
     turned: int = 0
     own: NDArray[np.bool_] | None = None
+    tile: Tile | None = None
 
     @property
     def box(self) -> tuple[slice, slice]:

@@ -62,10 +62,11 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
 
 
 def tiled(pictures: Sequence[Floats]) -> Floats:
-    """Return pictures (H, W) of one size side by side, in a square or nearly one; what is left over is 0."""
+    """Return pictures (H, W) side by side, in a square or nearly one; what is left over is 0."""
     columns = math.ceil(math.sqrt(len(pictures)))
-    blank = [np.zeros_like(pictures[0])] * (-len(pictures) % columns)
-    every = [*pictures, *blank]
+    height, width = np.max([each.shape for each in pictures], axis=0)
+    every = [np.pad(each, ((0, height - each.shape[0]), (0, width - each.shape[1]))) for each in pictures]
+    every += [np.zeros((height, width), np.float32)] * (-len(pictures) % columns)
     return np.vstack([np.hstack(every[i : i + columns]) for i in range(0, len(every), columns)])
 
 

@@ -9,9 +9,13 @@ from normalgan.inference.composites.atlas import ENDINGS, AtlasCells, read_atlas
 from normalgan.inference.composites.islands import find_islands
 from normalgan.inference.composites.overlaps import separate
 from normalgan.inference.composites.sheets import grid_cells, parse_grid
+from normalgan.inference.composites.tile_grid import ENDINGS as TILED
+from normalgan.inference.composites.tile_grid import TileGrid, parse_tile_size, read_tiled
 from normalgan.inference.reading.drawings import find_companion
 
 __all__ = ["Packing"]
+
+_WAYS = ("sheet", "split", "atlas", "tileset")
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,7 @@ class Packing:
         sheet: a grid, columns x rows, such as 4x3.
         split: auto finds islands of opacity or of connected lines.
         atlas: a file of any format of `atlas_formats.FORMATS`, or a folder of <sketch>.json or the like.
+        tileset: size of a tile, such as 16x16; or a tileset of Tiled, or a folder of <sketch>.tsx or .tsj.
 
     Raises:
         InputError: if they cannot be used, or more than one is given.
@@ -30,10 +35,11 @@ class Packing:
     sheet: str | None = None
     split: str | None = None
     atlas: str | None = None
+    tileset: str | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is no packing."""
-        given = [name for name in ("sheet", "split", "atlas") if getattr(self, name) is not None]
+        given = [name for name in _WAYS if getattr(self, name) is not None]
         if len(given) > 1:
             raise InputError(
                 f"{' and '.join(f'--{each}' for each in given)} each say where the drawings of a sheet are; "
@@ -45,21 +51,41 @@ class Packing:
             raise InputError(f"split is {self.split!r}; the one way to split a sheet by itself is auto.")
         if self.atlas is not None and not Path(self.atlas).exists():
             raise InputError(f"there is no atlas {self.atlas}; name a file, or a folder of them.")
+        if self.tileset is not None and not Path(self.tileset).exists():
+            parse_tile_size(self.tileset)
 
     @property
     def given(self) -> bool:
         """Whether drawings are sheets at all."""
-        return any(each is not None for each in (self.sheet, self.split, self.atlas))
+        return any(getattr(self, each) is not None for each in _WAYS)
 
     def beside(self, path: Path, below: Path | None = None) -> list[Path]:
-        """Return what is read beside a sheet: its atlas, if it has one.
+        """Return what is read beside a sheet: its atlas or its tileset's file, if it has one.
 
         Args:
             path: the sheet's file.
             below: the folder below that of the atlases to look in first.
         """
-        found = None if self.atlas is None else find_companion(path, Path(self.atlas), ENDINGS, below)
+        named, endings = (self.atlas, ENDINGS) if self.tileset is None else (self.tileset, TILED)
+        found = None if named is None else find_companion(path, Path(named), endings, below)
         return [] if found is None else [found]
+
+    def tile_grid(self, path: Path, below: Path | None = None) -> TileGrid:
+        """Return where the tiles of a tileset lie; arguments are those of `beside`.
+
+        Raises:
+            InputError: if its file is missing or cannot be read.
+        """
+        assert self.tileset is not None
+        if not Path(self.tileset).exists():
+            return parse_tile_size(self.tileset)
+        found = self.beside(path, below)
+        if not found:
+            raise InputError(
+                f"{self.tileset} holds no tileset for {path}; it is named {path.stem}.tsx, .tsj, .json or "
+                ".xml."
+            )
+        return read_tiled(found[0])
 
     def cells(
         self,

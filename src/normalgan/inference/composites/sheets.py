@@ -1,7 +1,7 @@
 """Sheets: several drawings in one picture; each is predicted separately and put back in its place."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import cv2
@@ -16,6 +16,7 @@ from normalgan.inference.composites.composition import tiled
 from normalgan.inference.composites.series import Member, left_flat, predict_series
 from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.parallel import stream
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.hint_files import Hints
@@ -101,14 +102,31 @@ def predict_sheet(
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
     large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]
-    predicted = predict_series(predictor, [member for _, member in large], shared, shared)
-    done = [(cell, each) for (cell, _), each in zip(large, predicted, strict=True)]
+    single = [(cell, member) for cell, member in large if cell.tile is None]
+    predicted = predict_series(predictor, [member for _, member in single], shared, shared)
+    done = [(cell, each) for (cell, _), each in zip(single, predicted, strict=True)]
+    done += _repeated(predictor, [(cell, member) for cell, member in large if cell.tile is not None])
     done += [(cell, _too_small(cell)) for cell, _ in drawn if min(cell.width, cell.height) < SMALLEST]
     fine = [(cell, each) for cell, each in done if isinstance(each, NormalMap)]
     if not fine:
         cell, error = done[0]
         raise InputError(f"{cell.name}: {error}")
     return replace(_assembled(sheet.shape, fine, _warning(done, said)), partial=len(fine) < len(done))
+
+
+def _repeated(
+    predictor: Predictor, drawn: Sequence[tuple[Cell, Member]]
+) -> Iterator[tuple[Cell, NormalMap | InputError]]:
+    """Yield cells whose drawings repeat, each with its map or what is wrong with it."""
+
+    def predict(each: tuple[Cell, Member]) -> NormalMap:
+        cell, member = each
+        return predictor(member.picture, member.hints, member.mask, tile=cell.tile)
+
+    for (cell, _), got in stream(drawn, predict):
+        if isinstance(got, Exception) and not isinstance(got, InputError):
+            raise got
+        yield cell, got
 
 
 def _member(

@@ -121,8 +121,9 @@ export async function exported(request) {
 }
 
 /**
- * @typedef {{picture: string, width: number, height: number, given: [number, number], layered: boolean}} Imported
- *   picture: base64 of a PNG; given: width and height of the file; layered: whether it may have layers
+ * @typedef {{picture: string, width: number, height: number, given: [number, number], layered: boolean, parts: number,
+ *   pages: boolean}} Imported picture: base64 of a PNG; given: width and height of the file; layered: whether it may
+ *   have layers; parts: how many pages or frames it has, of which this is the first; pages: whether they are pages
  * @typedef {{name: string, opacity: number, picture: string, x: number, y: number, width: number, height: number}} ImportedLayer
  *   opacity: 0 to 1, which the picture does not have; x, y, width, height: where it lies in the whole
  * @typedef {{layers: ImportedLayer[], plain: string[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers

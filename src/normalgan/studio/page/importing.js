@@ -56,9 +56,9 @@ export class Importing {
   /** Imports a file. @param {File} file @param {Way} as */
   async take(file, as) {
     try {
-      const { picture, width, height, given, layered } = await imported(file);
+      const { layered, ...picture } = await imported(file);
       const layers = layered ? () => importedLayers(file) : null;
-      await this.place({ picture, width, height, given, layers }, as, file.name);
+      await this.place({ ...picture, layers }, as, file.name);
     } catch (error) {
       this.#failed(error, file.name);
     }
@@ -66,11 +66,11 @@ export class Importing {
 
   /**
    * Puts a picture, or the layers of its file, into the document, and says so.
-   * @param {{picture: string, width: number, height: number, given: [number, number],
+   * @param {{picture: string, width: number, height: number, given: [number, number], parts: number, pages: boolean,
    *   layers: (() => Promise<import("./api.js").ImportedLayers>) | null}} found layers: reads them; null: it has none
    * @param {Way} as @param {string} name
    */
-  async place({ picture, width, height, given, layers }, as, name) {
+  async place({ picture, width, height, given, parts, pages, layers }, as, name) {
     const url = `data:image/png;base64,${picture}`;
     await decodeAll([url]);
     const way = as || (await this.#ask(url, layers !== null));
@@ -80,6 +80,7 @@ export class Importing {
     if (way === "layers" && layers) {
       said = await this.#placeLayers(await layers(), fresh, name);
     } else {
+      if (parts > 1) said = `${said} ${say(pages ? "importedPage" : "importedFrame", { count: parts })}`;
       const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
       const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
       if (way === "traced") {

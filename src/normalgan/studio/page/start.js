@@ -36,12 +36,12 @@ export async function begin(parts) {
     if (first?.kind === "project") await projects.open(first.name);
     if (first?.kind === "document") await projects.load(first.document, null, false);
     if (first?.kind === "drawing") {
-      const { picture, width, height, given, layers } = first;
+      const { name, layers, ...picture } = first;
       const read = layers && (async () => {
         if (layers.error) throw new Error(layers.error);
         return layers;
       });
-      const placed = importing.place({ picture, width, height, given, layers: read }, read ? "" : "drawing", first.name);
+      const placed = importing.place({ ...picture, layers: read }, read ? "" : "drawing", name);
       // A file with layers asks as what it is to come in, and the page is ready meanwhile.
       if (read) placed.catch((error) => status.fail(error));
       else await placed;

@@ -320,6 +320,7 @@ export const text = {
   importedLayers: "Imported “{name}”: {count} layers.",
   importedPlain: "Skipped layers without lines: {names}.",
   importedFrame: "Used the first of {count} frames.",
+  importedPage: "Used the first of {count} pages.",
   tooManyLayers: "“{name}” has {count} layers; there is room for {room} of at most {most}. Merge or hide some, or import it as one drawing.",
   restored: "Restored.",
   restoredPart: "Restored, but {count} lines or pictures couldn't be read. Their storage is left as it is.",

@@ -295,6 +295,7 @@ export const words = {
   importedLayers: "„{name}“ importiert: {count} Ebenen.",
   importedPlain: "Ebenen ohne Linien übersprungen: {names}.",
   importedFrame: "Das erste von {count} Einzelbildern verwendet.",
+  importedPage: "Die erste von {count} Seiten verwendet.",
   tooManyLayers: "„{name}“ hat {count} Ebenen; Platz ist für {room} von höchstens {most}. Vereine oder verbirg einige, oder importiere es als eine Zeichnung.",
   restored: "Wiederhergestellt.",
   restoredPart: "Wiederhergestellt, aber {count} Linien oder Bilder waren nicht lesbar. Ihr Speicher bleibt, wie er ist.",

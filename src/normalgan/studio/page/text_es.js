@@ -295,6 +295,7 @@ export const words = {
   importedLayers: "«{name}» importado: {count} capas.",
   importedPlain: "Capas sin líneas omitidas: {names}.",
   importedFrame: "Se usó el primero de {count} fotogramas.",
+  importedPage: "Se usó la primera de {count} páginas.",
   tooManyLayers: "«{name}» tiene {count} capas; caben {room} de un máximo de {most}. Une u oculta algunas, o impórtalo como un solo dibujo.",
   restored: "Restaurado.",
   restoredPart: "Restaurado, pero {count} líneas o imágenes no se pudieron leer. Su almacenamiento queda como está.",

@@ -295,6 +295,7 @@ export const words = {
   importedLayers: "« {name} » importé : {count} calques.",
   importedPlain: "Calques sans lignes ignorés : {names}.",
   importedFrame: "La première de {count} images est utilisée.",
+  importedPage: "La première de {count} pages est utilisée.",
   tooManyLayers: "« {name} » a {count} calques ; il reste {room} places sur {most}. Fusionnez-en ou masquez-en, ou importez-le comme un seul dessin.",
   restored: "Restauré.",
   restoredPart: "Restauré, mais {count} lignes ou images étaient illisibles. Leur stockage reste tel quel.",

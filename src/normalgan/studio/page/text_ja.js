@@ -295,6 +295,7 @@ export const words = {
   importedLayers: "「{name}」を読み込みました：レイヤー{count}枚。",
   importedPlain: "線のないレイヤーを省きました：{names}。",
   importedFrame: "{count}コマのうち最初のコマを使いました。",
+  importedPage: "{count}ページのうち最初のページを使いました。",
   tooManyLayers: "「{name}」にはレイヤーが{count}枚あり、空きは{room}枚（最大{most}枚）です。結合するか隠すか、1枚の絵として読み込んでください。",
   restored: "復元しました。",
   restoredPart: "復元しましたが、{count}個の線または画像を読めませんでした。保存場所はそのままです。",

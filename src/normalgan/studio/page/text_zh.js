@@ -295,6 +295,7 @@ export const words = {
   importedLayers: "已导入“{name}”：{count} 个图层。",
   importedPlain: "已跳过没有线条的图层：{names}。",
   importedFrame: "使用了 {count} 帧中的第一帧。",
+  importedPage: "使用了 {count} 页中的第一页。",
   tooManyLayers: "“{name}”有 {count} 个图层；还能容纳 {room} 个，最多 {most} 个。请合并或隐藏一些，或作为一张绘图导入。",
   restored: "已恢复。",
   restoredPart: "已恢复，但有 {count} 个线条或图片无法读取。其存储保持原样。",

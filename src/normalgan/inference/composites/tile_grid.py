@@ -1,0 +1,168 @@
+"""Tile grid: where the tiles of a tileset lie, by their size or by a tileset of Tiled."""
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as Tree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.errors import InputError
+from normalgan.files.limits import read_bounded
+from normalgan.inference.reading.drawings import SMALLEST
+
+__all__ = ["ENDINGS", "MOST_TILES", "TileGrid", "parse_tile_size", "read_tiled"]
+
+ENDINGS = (".tsx", ".tsj", ".json", ".xml")
+"""What the tileset file of a picture is named, after its stem."""
+MOST_TILES = 16384
+"""Tiles in one picture; the largest sheets in use have some thousands."""
+_MOST_BYTES = 2**24
+_SIZE = re.compile(r"(\d{1,4})\s*[x×*]\s*(\d{1,4})((?:\s*,\s*(?:margin|spacing)\s*=\s*\d{1,4})*)")
+_EXAMPLE = "give width x height of a tile in pixels, such as 16x16 or 16x16,margin=1,spacing=2"
+
+
+@dataclass(frozen=True)
+class TileGrid:
+    """The tiles of a picture, row by row; rows and columns that hold no whole tile are left out.
+
+    Args:
+        width: of a tile in pixels.
+        height: of a tile in pixels.
+        margin: pixels before the first tile, across and down.
+        spacing: pixels between two tiles.
+        size: (width, height) of the picture by the tileset's file; None if it does not say.
+    """
+
+    width: int
+    height: int
+    margin: int = 0
+    spacing: int = 0
+    size: tuple[int, int] | None = None
+
+    def counts(self, shape: tuple[int, int]) -> tuple[int, int]:
+        """Return the columns and rows of tiles of a picture (H, W), as Tiled counts them.
+
+        >>> TileGrid(16, 16, margin=1, spacing=2).counts((34, 52))
+        (2, 1)
+        """
+        height, width = (max(side - self.margin + self.spacing, 0) for side in shape)
+        return width // (self.width + self.spacing), height // (self.height + self.spacing)
+
+    def check(self, shape: tuple[int, int], name: object) -> str:
+        """Return what is to be said of a picture (H, W) with a rest that holds no whole tile; else empty.
+
+        Raises:
+            InputError: if it has no tile, too many, tiny ones, or another size than the tileset's file says.
+        """
+        columns, rows = self.counts(shape)
+        height, width = shape
+        if self.size is not None and self.size != (width, height):
+            raise InputError(
+                f"the tileset is of a picture of {self.size[0]} × {self.size[1]} pixels, but {name} has "
+                f"{width} × {height}."
+            )
+        if min(self.width, self.height) < SMALLEST:
+            raise InputError(
+                f"a tile of {self.width} × {self.height} pixels is too small; it has {SMALLEST} a side at "
+                "least."
+            )
+        if not 0 < columns * rows <= MOST_TILES:
+            raise InputError(
+                f"{name} of {width} × {height} pixels has {columns * rows} tiles of {self.width} × "
+                f"{self.height}; it needs 1 to {MOST_TILES}."
+            )
+        left = [side - each[-1] - 1 for side, each in zip(shape, self.places(shape), strict=True)]
+        if max(left) <= self.margin + self.spacing:
+            return ""
+        return f"{left[1]} columns at the right and {left[0]} rows at the bottom hold no whole tile"
+
+    def places(self, shape: tuple[int, int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the rows and the columns of a picture (H, W) that lie in tiles, in order."""
+        columns, rows = self.counts(shape)
+        return self._lines(rows, self.height), self._lines(columns, self.width)
+
+    def _lines(self, count: int, side: int) -> NDArray[np.intp]:
+        first = self.margin + np.arange(count) * (side + self.spacing)
+        return (first[:, None] + np.arange(side)).ravel()
+
+
+def parse_tile_size(text: str) -> TileGrid:
+    """Return the grid of a text.
+
+    Raises:
+        InputError: if the text is not like ``16x16`` or ``16x16,margin=1,spacing=2``.
+
+    >>> parse_tile_size("16x24,spacing=2")
+    TileGrid(width=16, height=24, margin=0, spacing=2, size=None)
+    """
+    match = _SIZE.fullmatch(text.strip().lower())
+    if match is None:
+        raise InputError(f"tileset is {text!r}; {_EXAMPLE}.")
+    more = {name: int(value) for name, value in re.findall(r"(margin|spacing)\s*=\s*(\d+)", match[3])}
+    return TileGrid(int(match[1]), int(match[2]), more.get("margin", 0), more.get("spacing", 0))
+
+
+def read_tiled(path: Path) -> TileGrid:
+    """Return the grid of a tileset of Tiled, as XML (.tsx) or JSON (.tsj).
+
+    Raises:
+        InputError: if it cannot be read, is no tileset, or is a collection of pictures.
+    """
+    try:
+        text = read_bounded(path, _MOST_BYTES).decode("utf-8-sig", "replace")
+    except OSError as error:
+        raise InputError(f"the tileset {path} cannot be read: {error.strerror}.") from None
+    found = _json(text, path) if text.lstrip().startswith("{") else _xml(text, path)
+    values = [_whole(found.get(key, 0)) for key in ("tilewidth", "tileheight", "margin", "spacing")]
+    width, height, margin, spacing = values
+    if not found.get("image"):
+        raise InputError(f"the tileset {path} is a collection of pictures; predict these without --tileset.")
+    if not width or not height or margin is None or spacing is None:
+        raise InputError(f"the tileset {path} has no size of its tiles (tilewidth and tileheight).")
+    size = _whole(found.get("imagewidth")), _whole(found.get("imageheight"))
+    return TileGrid(width, height, margin, spacing, (size[0], size[1]) if size[0] and size[1] else None)
+
+
+def _json(text: str, path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(text)
+    except (json.JSONDecodeError, RecursionError):
+        raise InputError(f"the tileset {path} is broken JSON.") from None
+    if "tilewidth" not in content or "layers" in content:
+        raise _no_tileset(path)
+    return dict(content)
+
+
+def _xml(text: str, path: Path) -> dict[str, Any]:
+    if "<tileset" not in text or "<map" in text:
+        raise _no_tileset(path)
+    if "<!ENTITY" in text:
+        raise InputError(f"the tileset {path} declares entities, which are not read.")
+    try:
+        root = Tree.fromstring(text.lstrip())
+    except (Tree.ParseError, ValueError) as error:
+        raise InputError(f"the tileset {path} is broken XML: {error}.") from None
+    image = root.find("image")
+    if image is None:
+        return dict(root.attrib)
+    about = {"imagewidth": image.get("width"), "imageheight": image.get("height")}
+    return {**root.attrib, "image": image.get("source") or "embedded", **about}
+
+
+def _no_tileset(path: Path) -> InputError:
+    return InputError(
+        f"{path} is no tileset of Tiled (.tsx, .tsj); name one, export the map's tileset from Tiled, or "
+        f"{_EXAMPLE}."
+    )
+
+
+def _whole(value: Any) -> int | None:
+    """Return a whole number from 0 on, which XML has as text; None of anything else."""
+    try:
+        return max(int(value), 0)
+    except (TypeError, ValueError, OverflowError):
+        return None

@@ -1,0 +1,369 @@
+"""Tilesets: each tile is predicted with what it is placed beside, so that tiles fit side by side."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.decoding import Decoded
+from normalgan.inference.cleaning.silhouette import is_silhouette
+from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.sheets import predict_sheet
+from normalgan.inference.composites.tile_grid import TileGrid
+from normalgan.inference.network.tile import Tile
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.hint_files import Hints
+from normalgan.inference.reading.picture import Picture, to_picture
+from normalgan.inference.sprites import Sprite
+from normalgan.inference.vectors import unit
+
+__all__ = ["predict_tileset"]
+
+_REACH = 1 / 4
+"""How far into a tile its edge is adjusted to those that it fits, as a share of the tile."""
+_PASSES = 4
+"""How often both ways are adjusted: each disturbs the other a little at the corners."""
+_USUAL = 0.9
+"""Share of the steps between the lines of a tile that are usual; an outline makes others."""
+_ALIKE = 1 / 15
+"""Difference of two colours of a ground, in [0, 1]: a JPEG's noise is smaller."""
+_ROUNDING = np.float32(1e-6)
+"""By which means of equal steps may differ."""
+_AXES: tuple[Tile, Tile] = ("y", "x")
+"""The ways in which tiles follow one another along each axis of an array."""
+
+
+def predict_tileset(
+    predictor: Predictor,
+    sheet: Decoded,
+    grid: TileGrid,
+    name: object,
+    hints: Hints | None = None,
+    mask: BoolMask | str | None = None,
+    sprite: Sprite | None = None,
+) -> NormalMap:
+    """Return the map of a tileset, whose tiles fit side by side where those of the drawing do.
+
+    Two tiles fit if the step between their colours at the edge is no larger than steps inside both. A tile
+    that fits itself is predicted as a drawing that repeats. Tiles that fit their neighbours in the picture
+    are predicted together with them. At last all edges that may meet get the same normals.
+
+    Args:
+        predictor: the network.
+        sheet: its pixels, not reduced.
+        grid: where its tiles lie.
+        name: of its file.
+        hints: in pixels of the sheet.
+        mask: (H, W) the objects; or how they are found, as `Predictor` has it.
+        sprite: adapts the map to painted tiles.
+
+    Raises:
+        InputError: if it does not fit the grid, or no tile can be predicted.
+    """
+    said = grid.check(sheet.shape, name)
+    rows, columns = grid.places(sheet.shape)
+    packed = replace(sheet, pixels=sheet.pixels[np.ix_(rows, columns)], shape=(len(rows), len(columns)))
+    picture = to_picture(packed)
+    drawn, opacity = _drawn(picture, grid)
+    tiles = _Tiles.of(picture, drawn, grid)
+    own = mask[np.ix_(rows, columns)] if isinstance(mask, np.ndarray) else mask
+    own = opacity > 0.5 if own is None and opacity is not None else own
+    preds = predict_sheet(
+        *(predictor, packed, tiles.cells(), _packed_hints(hints, rows, columns), own),
+        said=[said] if said else [],
+    )
+    if mask is None and opacity is not None:
+        preds = replace(preds, mask=opacity > 0.5, alpha=opacity)
+    preds = replace(preds, extended=tiles.fitted(preds.extended, preds.mask))
+    if sprite is not None and sprite.changes:
+        preds = sprite(preds, picture)
+        if not sprite.pixel_art:
+            preds = replace(preds, extended=tiles.fitted(preds.extended, preds.mask))
+    return _spread(preds, sheet, packed, rows, columns)
+
+
+@dataclass(frozen=True)
+class _Tiles:
+    """The tiles of a picture without margin and spacing, and which of them fit.
+
+    Args:
+        grid: their size.
+        counts: rows and columns.
+        drawn: (rows, columns), whether anything is drawn on each.
+        plain: (rows, columns), whether each is of one colour.
+        wraps: (2, rows, columns), whether each fits itself below, and to the right.
+        joins: (2, rows, columns), whether each fits the next one below, and to the right.
+    """
+
+    grid: TileGrid
+    counts: tuple[int, int]
+    drawn: BoolMask
+    plain: BoolMask
+    wraps: BoolMask
+    joins: BoolMask
+
+    @classmethod
+    def of(cls, picture: Picture, drawn: BoolMask, grid: TileGrid) -> "_Tiles":
+        """Return the tiles of a picture, of which (H, W) is drawn on."""
+        alpha = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
+        cut = _cut(np.dstack([picture.colour * alpha[..., None], alpha, drawn]), grid)
+        wraps, joins = np.zeros((2, 2, *cut.shape[:2]), np.bool_)
+        for axis in (0, 1):
+            behind = np.roll(cut, -1, axis)
+            last = np.s_[-1:] if axis == 0 else np.s_[:, -1:]
+            beside, hard_beside = _fit(cut, behind, axis)
+            itself, hard_itself = _fit(cut, cut, axis)
+            beside[last] = hard_beside[last] = False
+            # A hard step may be a line at a tile's edge, or its end: that, if the tile goes on elsewhere.
+            goes_on = itself | beside, itself | np.roll(beside, 1, axis)
+            joins[axis] = beside | (hard_beside & ~goes_on[0] & ~np.roll(goes_on[1], -1, axis))
+            wraps[axis] = itself | (hard_itself & ~goes_on[0] & ~goes_on[1])
+        plain = np.ptp(cut, axis=(2, 3)).max(-1) == 0
+        return cls(grid, (cut.shape[0], cut.shape[1]), cut[..., 4].max((2, 3)) > 0, plain, wraps, joins)
+
+    def cells(self) -> list[Cell]:
+        """Return what is predicted: tiles that fit their neighbours together, others separately.
+
+        A tile that needs no other, because it repeats wherever it fits one, comes after those that it is
+        shown with, and is predicted as it repeats.
+        """
+        rows, columns = self.counts
+        groups = _connected(rows * columns, [(a, b) for _, a, b in self._neighbours()])
+        together, alone = [], []
+        for group in np.unique(groups[self.drawn.ravel()]):
+            members = np.flatnonzero(groups == group)
+            own = [self._repeated(int(each)) for each in members]
+            plain = self.plain.ravel()[members]
+            if not all(repeat or flat for repeat, flat in zip(own, plain, strict=True)):
+                together.append(self._cell(members))
+            alone += [
+                self._cell(np.array([tile]), repeat)
+                for tile, repeat, flat in zip(members, own, plain, strict=True)
+                if repeat and not flat
+            ]
+        return together + alone
+
+    def fitted(self, normals: Floats, mask: BoolMask) -> Floats:
+        """Return normals (H, W, 3) with the edges of tiles that may meet equal, and what is near adjusted."""
+        normals = normals.copy()
+        edges = [self._edges(axis) for axis in (0, 1)]
+        for _ in range(_PASSES):
+            for axis in (0, 1):
+                lines = normals if axis == 0 else normals.swapaxes(0, 1)
+                weights = (mask if axis == 0 else mask.T).astype(np.float32) + np.float32(1e-3)
+                for group in edges[axis]:
+                    _adjust(lines, weights, group, self._sides(axis))
+        return normals
+
+    def _neighbours(self) -> Iterable[tuple[int, int, int]]:
+        """Yield axis, tile and next tile of all that fit."""
+        for axis, row, column in np.argwhere(self.joins):
+            tile = row * self.counts[1] + column
+            yield int(axis), int(tile), int(tile + (1 if axis else self.counts[1]))
+
+    def _repeated(self, tile: int) -> Tile | None:
+        """Return the ways in which a tile repeats if it needs no other beside it; else None."""
+        row, column = divmod(tile, self.counts[1])
+        needs = [
+            bool(self.joins[axis, row, column])
+            or bool(at and self.joins[axis, row - (axis == 0), column - (axis == 1)])
+            for axis, at in ((0, row), (1, column))
+        ]
+        down, across = (bool(each) for each in self.wraps[:, row, column])
+        if not (down or across) or (needs[0] and not down) or (needs[1] and not across):
+            return None
+        return "both" if down and across else "y" if down else "x"
+
+    def _cell(self, members: NDArray[np.intp], repeat: Tile | None = None) -> Cell:
+        height, width = self.grid.height, self.grid.width
+        down, across = np.divmod(members, self.counts[1])
+        top, left = int(down.min()), int(across.min())
+        there = np.zeros((int(down.max()) - top + 1, int(across.max()) - left + 1), np.bool_)
+        there[down - top, across - left] = True
+        own = None if there.all() else np.kron(there, np.ones((height, width), np.bool_))
+        first = f"tile {int(members[0]) + 1} (row {down[0] + 1}, column {across[0] + 1})"
+        name = first if len(members) == 1 else f"{first} and the {len(members) - 1} that it goes on in"
+        sides = there.shape[1] * width, there.shape[0] * height
+        return Cell(name, left * width, top * height, *sides, own=own, tile=repeat)
+
+    def _edges(self, axis: int) -> list[list[tuple[int, int, int]]]:
+        """Return the edges that may meet along an axis: place along it and across it, 0 before or 1 behind.
+
+        Two that were predicted side by side, and meet no other, are left as they are.
+        """
+        rows, columns = self.counts
+        meet = [(2 * a + 1, 2 * b) for which, a, b in self._neighbours() if which == axis]
+        repeats = [int(each) for each in np.flatnonzero(self.wraps[axis].ravel())]
+        meet += [(2 * each + 1, 2 * each) for each in repeats]
+        groups = _connected(2 * rows * columns, meet)
+        sure = {2 * each for each in repeats if self._repeated(each) in {"both", _AXES[axis]}}
+        found: dict[int, list[int]] = {}
+        for edge in sorted({each for pair in meet for each in pair}):
+            found.setdefault(int(groups[edge]), []).append(edge)
+        own = set(repeats)
+        kept = [
+            group
+            for group in found.values()
+            if len(group) > 2 or (group[0] // 2 in own and group[0] not in sure)
+        ]
+        if axis == 0:
+            return [
+                [(each // 2 // columns, each // 2 % columns, each % 2) for each in group] for group in kept
+            ]
+        return [[(each // 2 % columns, each // 2 // columns, each % 2) for each in group] for group in kept]
+
+    def _sides(self, axis: int) -> tuple[int, int]:
+        """Return how long a tile is along an axis and across it."""
+        sides = _sizes(self.grid)
+        return sides[axis], sides[1 - axis]
+
+
+def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
+    """Return where a tileset is drawn on, (H, W), and its opacity, if that tells where its objects are.
+
+    In an opaque one white at most corners of the tiles is paper, and another colour at all of the edges of
+    most tiles is their ground. One without either is all object, as of a terrain.
+    """
+    if picture.alpha is not None:
+        return picture.alpha > 0.5, picture.alpha if is_silhouette(picture.alpha) else None
+    tiles = _cut(np.rint(picture.colour / _ALIKE), grid)
+    tiles = tiles.reshape(-1, *tiles.shape[2:])
+    sides = [tiles[:, 0], tiles[:, -1], tiles[:, :, 0], tiles[:, :, -1]]
+    around = np.concatenate(sides, 1)
+    corners = np.concatenate([each[:, [0, -1]] for each in sides[:2]], 1)
+    flat = around[np.ptp(around, axis=1).max(-1) == 0][:, 0]
+    for places, of in ((corners[(corners == 1 / _ALIKE).all(-1)], corners.size / 3), (flat, len(tiles))):
+        found, counts = np.unique(places, axis=0, return_counts=True)
+        if counts.max(initial=0) > of / 2:
+            ground = (found[counts.argmax()] * _ALIKE).astype(np.float32)
+            return np.abs(picture.colour - ground).max(-1) > _ALIKE, None
+    return np.ones(picture.size, np.bool_), np.ones(picture.size, np.float32)
+
+
+def _cut(picture: Floats, grid: TileGrid) -> Floats:
+    """Return the tiles (rows, columns, h, w, C) of a picture (H, W, C)."""
+    rows, columns = picture.shape[0] // grid.height, picture.shape[1] // grid.width
+    return picture.reshape(rows, grid.height, columns, grid.width, -1).swapaxes(1, 2)
+
+
+def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]:
+    """Return which tiles (rows, columns, h, w, 5) go on in others, below (axis 0) or to the right (axis 1).
+
+    Args:
+        before: colours times opacity, opacity, and whether something is drawn.
+        behind: the same of the tiles that follow.
+        axis: along which they follow.
+
+    Returns:
+        Those with a step that is usual inside both, and those with one that is there at all.
+    """
+    last, first = np.take(before, -1, 2 + axis), np.take(behind, 0, 2 + axis)
+    there = last[..., 4] > 0, first[..., 4] > 0
+    joined, torn = (there[0] & there[1]).sum(-1), (there[0] ^ there[1]).sum(-1)
+    fits = joined > torn
+    step = np.abs(last - first)[..., :4].max(-1).mean(-1) - _ROUNDING
+    steps = [
+        np.abs(np.diff(each[..., :4], axis=2 + axis)).max(-1).mean(3 - axis) for each in (before, behind)
+    ]
+    usual, hardest = (np.min([np.quantile(each, share, -1) for each in steps], 0) for share in (_USUAL, 1))
+    return fits & (step <= usual), fits & (step <= hardest)
+
+
+def _sizes(grid: TileGrid) -> tuple[int, int]:
+    return grid.height, grid.width
+
+
+def _connected(count: int, pairs: Sequence[tuple[int, int]]) -> NDArray[np.int32]:
+    """Return a number for each of several things, the same for those that pairs connect."""
+    from scipy.sparse import coo_array  # here: it takes a while to import
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = np.array(pairs, np.intp).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(first), np.int8), (first, second)), (count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _adjust(
+    normals: Floats, weights: Floats, edges: Sequence[tuple[int, int, int]], sides: tuple[int, int]
+) -> None:
+    """Give edges their mean normals, in place, and what is near in their tiles a part of the change.
+
+    Args:
+        normals: (H, W, 3), the tiles one below the other.
+        weights: (H, W), how much each pixel counts in the mean.
+        edges: as `_Tiles._edges` has them.
+        sides: height and width of a tile as it lies here.
+    """
+    length, width = sides
+    reach = max(round(_REACH * length), 1)
+    fade = (0.5 + 0.5 * np.cos(np.pi * np.arange(reach) / reach)).astype(np.float32)
+    parts = []
+    for along, beside, behind in edges:
+        across = np.s_[beside * width : (beside + 1) * width]
+        first = (along + 1) * length - 1 if behind else along * length
+        down = first + np.arange(reach) * (-1 if behind else 1)
+        parts.append((down, across))
+    total = sum(weights[down[0], across, None] * normals[down[0], across] for down, across in parts)
+    mean = unit(np.asarray(total, np.float32)[None], front=True)[0]
+    for down, across in parts:
+        change = mean - normals[down[0], across]
+        part = normals[down, across] + fade[:, None, None] * change
+        normals[down, across] = unit(np.ascontiguousarray(part, np.float32), front=True)
+
+
+def _packed_hints(hints: Hints | None, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Hints | None:
+    """Return the hints that lie in tiles, in pixels of the tiles without what is between them."""
+    if hints is None:
+        return None
+    x, y = np.floor(hints.points).astype(np.intp).T
+    inside = np.isin(x, columns) & np.isin(y, rows)
+    places = np.stack([np.searchsorted(columns, x), np.searchsorted(rows, y)], -1)
+    points = places + (hints.points - np.floor(hints.points))
+    return Hints(points[inside].astype(np.float32), hints.normals[inside]) if inside.any() else None
+
+
+def _spread(
+    preds: NormalMap,
+    sheet: Decoded,
+    packed: Decoded,
+    rows: NDArray[np.intp],
+    columns: NDArray[np.intp],
+) -> NormalMap:
+    """Return the map of a sheet from that of its tiles.
+
+    Edges of tiles are often repeated between them, against bleeding colours; there their normals are too.
+    """
+    if preds.mask.shape == sheet.shape:
+        return preds
+    near = np.ix_(_nearest(rows, sheet.shape[0]), _nearest(columns, sheet.shape[1]))
+    there = np.zeros(sheet.shape, np.bool_)
+    there[np.ix_(rows, columns)] = True
+    same = sheet.pixels == packed.pixels[near]
+    there |= same if same.ndim == 2 else same.all(-1)
+    cells = []
+    for cell in preds.cells:
+        down, across = rows[cell.box[0]], columns[cell.box[1]]
+        top, left = int(down[0]), int(across[0])
+        own = np.zeros((int(down[-1]) - top + 1, int(across[-1]) - left + 1), np.bool_)
+        own[np.ix_(down - top, across - left)] = True if cell.own is None else cell.own
+        height, width = own.shape
+        place = replace(cell, left=left, top=top, width=width, height=height)
+        cells.append(replace(place, own=None if own.all() else own))
+    return replace(
+        preds,
+        extended=preds.extended[near],
+        mask=preds.mask[near] & there,
+        alpha=preds.alpha[near] * there,
+        confidence=None if preds.confidence is None else preds.confidence[near],
+        cells=tuple(cells),
+    )
+
+
+def _nearest(lines: NDArray[np.intp], side: int) -> NDArray[np.intp]:
+    """Return for each of a side's pixels the number of the nearest of several lines."""
+    every = np.arange(side)
+    behind = np.clip(np.searchsorted(lines, every), 1, len(lines) - 1)
+    return np.where(every - lines[behind - 1] <= lines[behind] - every, behind - 1, behind)
