@@ -107,8 +107,8 @@ def _packing(settings: Namespace) -> Packing:
     Raises:
         InputError: if the settings of it do not go together.
     """
-    packing = Packing(settings.sheet, settings.split, settings.atlas, settings.tileset)
-    if settings.tile and (packing.given or settings.layers):
+    packed = settings.sheet or settings.split or settings.atlas or settings.tileset
+    if settings.tile and (packed or settings.layers):
         raise InputError(
             "--tile repeats a whole drawing; leave --sheet, --split, --atlas, --tileset and --layers out."
         )
@@ -118,11 +118,11 @@ def _packing(settings: Namespace) -> Packing:
         raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
     if settings.pixel_art and settings.size is not None:
         raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
-    if settings.layers and packing.given:
+    if settings.layers and packed:
         raise InputError(
             "--layers paints each layer whole; leave --sheet, --split, --atlas and --tileset out."
         )
-    return packing
+    return Packing(settings.sheet, settings.split, settings.atlas, settings.tileset)
 
 
 def _points(given: Sequence[str]) -> list[tuple[float, float]]:
