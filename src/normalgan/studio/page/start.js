@@ -36,12 +36,13 @@ export async function begin(parts) {
     if (first?.kind === "project") await projects.open(first.name);
     if (first?.kind === "document") await projects.load(first.document, null, false);
     if (first?.kind === "drawing") {
-      const { name, layers, ...picture } = first;
+      const { picture, width, height, given, parts: count, pages, layers } = first;
       const read = layers && (async () => {
         if (layers.error) throw new Error(layers.error);
         return layers;
       });
-      const placed = importing.place({ ...picture, layers: read }, read ? "" : "drawing", name);
+      const found = { picture, width, height, given, parts: count, pages, layers: read };
+      const placed = importing.place(found, read ? "" : "drawing", first.name);
       // A file with layers asks as what it is to come in, and the page is ready meanwhile.
       if (read) placed.catch((error) => status.fail(error));
       else await placed;
