@@ -370,6 +370,126 @@ def test_masks_of_photoshop_count_and_so_do_those_of_groups() -> None:
     assert np.array_equal(group.pixels[..., 3], np.minimum(alone, mask_of_group)[inside])
 
 
+def descriptor(kind: bytes, block: Any = None, **values: Any) -> Any:
+    """A descriptor of Photoshop; keys of four letters, a space where one has fewer."""
+    from psd_tools.psd import descriptor as parts
+
+    found = (block or parts.Descriptor)(classID=kind)
+    for key, value in values.items():
+        found[key.ljust(4).encode()] = value
+    return found
+
+
+def red() -> Any:
+    from psd_tools.psd.descriptor import Double
+
+    return descriptor(b"RGBC", Rd=Double(255.0), Grn=Double(0.0), Bl=Double(0.0))
+
+
+def square(left: float, top: float, right: float, bottom: float) -> Any:
+    """A vector mask, in shares of the picture."""
+    from psd_tools.psd.vector import ClosedKnotLinked, ClosedPath, InitialFillRule, Path, VectorMaskSetting
+
+    corners = [(top, left), (top, right), (bottom, right), (bottom, left)]
+    knots = [ClosedKnotLinked(each, each, each) for each in corners]
+    return VectorMaskSetting(path=Path([InitialFillRule(0), ClosedPath(knots)]))
+
+
+def alpha_of(found: DecodedLayer) -> NDArray[np.int64]:
+    """The opacity of a layer in the whole picture."""
+    whole = np.zeros(SHAPE, np.int64)
+    rows, columns = found.pixels.shape[:2]
+    whole[found.top : found.top + rows, found.left : found.left + columns] = found.pixels[..., 3]
+    return whole
+
+
+def test_the_density_of_a_mask_of_photoshop_lets_a_part_through() -> None:
+    from psd_tools.psd.layer_and_mask import MaskFlags, MaskParameters
+
+    def mask(psd: Any, body: Any, shade: Any) -> None:
+        half = np.zeros(SHAPE, np.uint8)
+        half[:, :50] = 255
+        body.create_mask(Image.fromarray(half))
+        data = body._record.mask_data
+        data.flags = MaskFlags(parameters_applied=True)
+        data.parameters = MaskParameters(user_mask_density=102)  # 40 %
+
+    found = alpha_of(photoshop(mask).layers[0])
+    assert found[44, 45] == 255
+    assert found[44, 55] == pytest.approx(153, abs=1)  # what the mask hides, it hides by 40 %
+
+
+def test_a_vector_mask_of_photoshop_cuts_its_layer() -> None:
+    from psd_tools.constants import Tag
+
+    def mask(psd: Any, body: Any, shade: Any) -> None:
+        body.tagged_blocks.set_data(Tag.VECTOR_MASK_SETTING1)
+        body.tagged_blocks[Tag.VECTOR_MASK_SETTING1].data = square(0, 0, 0.5, 0.5)
+
+    found = alpha_of(photoshop(mask).layers[0]) > 127
+    rows, columns = np.nonzero(found)
+    assert (columns.max(), rows.max()) == (59, 39)  # half of 120 × 80
+    assert found[30, 50]
+
+
+def test_a_fill_layer_of_photoshop_without_pixels_fills_its_mask() -> None:
+    from psd_tools.constants import Tag
+    from psd_tools.psd.descriptor import DescriptorBlock
+
+    def fill(psd: Any, body: Any, shade: Any) -> None:
+        shade.tagged_blocks.set_data(Tag.SOLID_COLOR_SHEET_SETTING)
+        block = descriptor(b"null", DescriptorBlock)
+        block[b"Clr "] = red()
+        shade.tagged_blocks[Tag.SOLID_COLOR_SHEET_SETTING].data = block
+        shade.tagged_blocks.set_data(Tag.VECTOR_MASK_SETTING1)
+        shade.tagged_blocks[Tag.VECTOR_MASK_SETTING1].data = square(0.25, 0.25, 0.75, 0.75)
+        record = shade._record
+        record.top = record.left = record.bottom = record.right = 0
+        for channel in shade._channels:
+            channel.data = b""
+
+    found = photoshop(fill)
+    assert [each.name for each in found.layers] == ["body", "shade"]
+    shape = alpha_of(found.layers[1]) > 127
+    rows, columns = np.nonzero(shape)
+    assert (columns.min(), columns.max(), rows.min(), rows.max()) == (30, 89, 20, 59)
+    assert (found.layers[1].pixels[5, 5, :3] == (255, 0, 0)).all()
+    assert not found.note
+
+
+def test_a_stroke_of_photoshop_is_drawn_and_a_shadow_named() -> None:
+    from psd_tools.constants import Tag
+    from psd_tools.psd.descriptor import Bool, DescriptorBlock2, Enumerated, UnitFloat
+    from psd_tools.terminology import Unit
+
+    def outlined(psd: Any, body: Any, shade: Any) -> None:
+        stroke = descriptor(
+            b"FrFX",
+            enab=Bool(True),
+            present=Bool(True),
+            Styl=Enumerated(b"FStl", b"OutF"),
+            PntT=Enumerated(b"FrFl", b"SClr"),
+            Md=Enumerated(b"BlnM", b"Nrml"),
+            Opct=UnitFloat(100.0, Unit.Percent),
+            Sz=UnitFloat(4.0, Unit.Pixels),
+            Clr=red(),
+        )
+        shadow = descriptor(b"DrSh", enab=Bool(True), present=Bool(True))
+        block = descriptor(b"null", DescriptorBlock2, FrFX=stroke, DrSh=shadow, masterFXSwitch=Bool(True))
+        block.version = 0
+        body.tagged_blocks.set_data(Tag.OBJECT_BASED_EFFECTS_LAYER_INFO)
+        body.tagged_blocks[Tag.OBJECT_BASED_EFFECTS_LAYER_INFO].data = block
+
+    plain = alpha_of(photoshop(lambda psd, body, shade: None).layers[0]) > 127
+    found = photoshop(outlined)
+    grown = alpha_of(found.layers[0]) > 127
+    assert found.note == "'body': drop shadow left out"
+    left, right = np.flatnonzero(plain[44])[[0, -1]]
+    assert np.flatnonzero(grown[44])[[0, -1]].tolist() == pytest.approx([left - 4, right + 4], abs=1)
+    edge = found.layers[0].pixels[44 - found.layers[0].top, left - 2 - found.layers[0].left]
+    assert edge[:3].tolist() == [255, 0, 0]
+
+
 def test_an_animated_krita_file_says_what_of_it_is_used(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

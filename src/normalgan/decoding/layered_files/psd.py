@@ -136,8 +136,9 @@ def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, in
 
     shown = {id(each) for each in (*chain, layer)}
     layer.clipping = False  # else psd-tools shows it with its base alone
-    # A vector mask beside a mask that Photoshop drew from it counts once.
-    color, shape, _ = render(psd, 0.0, 0.0, box, lambda each: id(each) in shown and each.visible)
+    # A vector mask beside a mask that Photoshop drew from it counts once; alone it is drawn only if forced.
+    forced = layer.kind == "pixel" and layer.vector_mask is not None and layer.mask is None
+    color, shape, _ = render(psd, 0.0, 0.0, box, lambda each: id(each) in shown and each.visible, forced)
     color = np.repeat(color, 3, -1) if color.shape[-1] == 1 else color
     levels = np.clip(np.rint(255 * np.dstack([color[..., :3], shape])), 0, 255)
     return Image.fromarray(levels.astype(np.uint8))
