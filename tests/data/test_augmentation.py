@@ -164,7 +164,9 @@ def test_roughening_touches_the_sketch_alone() -> None:
 def test_strength_zero_leaves_the_lines_alone() -> None:
     sketch = sphere()["sketch"]
     torch.testing.assert_close(wobble(sketch, 0.0), sketch, atol=1e-4, rtol=0)
-    torch.testing.assert_close(drop_lines(sketch, 0.0), sketch)
+    for seed in range(30):  # of a few seeds the least noise lies between the pixels that are looked at
+        torch.manual_seed(seed)
+        torch.testing.assert_close(drop_lines(sketch, 0.0), sketch)
     torch.testing.assert_close(change_width(sketch, 0.0), sketch)
 
 

@@ -211,8 +211,9 @@ def drop_lines(sketch: Tensor, share: float) -> Tensor:
     most = share * (some.shape[1] - 1)
     erased = (torch.rand(n, device=sketch.device) * most).long()
     lowest = some.topk(int(most) + 1, dim=1, largest=False, sorted=True).values
-    level = lowest.gather(1, erased[:, None]).view(n, 1, 1, 1)
-    return sketch * (noise >= level)
+    # Between the pixels that are sorted the noise may be lower still: where none is to go, none does.
+    level = lowest.gather(1, erased[:, None])[:, 0].masked_fill(erased == 0, -1.0)
+    return sketch * (noise >= level.view(n, 1, 1, 1))
 
 
 def change_width(sketch: Tensor, strength: float) -> Tensor:
