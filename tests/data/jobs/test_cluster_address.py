@@ -60,7 +60,8 @@ def test_a_cluster_without_workers_is_given_up_in_time(tmp_path: Path) -> None:
             r"subprocess\.Popen in the cluster file .* is no class of Dask clusters",
         ),
         (
-            "class_path: distributed.LocalCluster\ninit_args: {processes: false, dashboard_address: null, wings: 3}\n",
+            "class_path: distributed.LocalCluster\n"
+            "init_args: {processes: false, dashboard_address: null, wings: 3}\n",
             "cannot be started: ",
         ),
     ],
