@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from torch.utils.data import DataLoader
+from torch.utils.data import DataLoader, default_collate
 from toys import Octahedron, recipe
 
 from normalgan.data.dataset import SampleDataset, bytes_per_sample
-from normalgan.data.loading.items import collate, decode, decode_item, to_item
+from normalgan.data.loading.items import decode, decode_item, to_item
 from normalgan.data.loading.loaders import Loaders
 from normalgan.data.render import render_samples
 from normalgan.data.store.shards import ShardedSamples
@@ -108,7 +108,7 @@ def test_indices_count_as_in_a_list(store: ShardedSamples) -> None:
 
 def test_collated_items_are_a_batch(store: ShardedSamples) -> None:
     dataset = SampleDataset(store)
-    batch = collate([dataset[i] for i in (3, 1, 30)])
+    batch = default_collate([dataset[i] for i in (3, 1, 30)])
     assert batch["name"] == ["a/3", "a/1", "b/10"]
     assert (batch["sketch"].shape, batch["normal"].shape, batch["mask"].shape) == (
         (3, 1, 16, 16),
@@ -124,9 +124,7 @@ def test_collated_items_are_a_batch(store: ShardedSamples) -> None:
 def test_loader_workers_read_what_this_process_reads(store: ShardedSamples, memory: int, start: str) -> None:
     dataset = SampleDataset(store, memory)
     here = [dataset[i] for i in range(40)]  # the store is open in this process before the workers start
-    loader = DataLoader(
-        dataset, batch_size=8, num_workers=2, collate_fn=collate, multiprocessing_context=start
-    )
+    loader = DataLoader(dataset, batch_size=8, num_workers=2, multiprocessing_context=start)
     batches = list(loader)
     assert [name for batch in batches for name in batch["name"]] == [item["name"] for item in here]
     assert torch.equal(
@@ -138,7 +136,7 @@ def test_loader_workers_read_what_this_process_reads(store: ShardedSamples, memo
 def test_a_cache_that_is_cleaned_while_it_is_read_ends_in_a_sentence(tmp_path: Path, workers: int) -> None:
     sources = {"train": [Octahedron("a")]}
     store = render_samples(str(tmp_path), sources, 40, recipe(), progress=False)["train"]
-    loader = DataLoader(SampleDataset(store, memory=0), batch_size=4, num_workers=workers, collate_fn=collate)
+    loader = DataLoader(SampleDataset(store, memory=0), batch_size=4, num_workers=workers)
     batches = iter(loader)
     assert next(batches)["mask"].any()
     shutil.rmtree(store.url)

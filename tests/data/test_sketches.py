@@ -3,8 +3,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from torch.utils.data import default_collate
 
-from normalgan.data.sketches import SketchDataset, collate_sketches
+from normalgan.data.sketches import SketchDataset
 from normalgan.errors import InputError
 from normalgan.inference.jobs.plan import find_files
 
@@ -34,7 +35,7 @@ def folder(tmp_path: Path) -> Path:
 
 def test_drawings_without_hints(folder: Path) -> None:
     dataset = SketchDataset(find_files(str(folder / "drawings")), 32)
-    batch = collate_sketches([dataset[0], dataset[1]])
+    batch = default_collate([dataset[0], dataset[1]])
     assert batch["sketch"].shape == (2, 1, 32, 32)
     assert batch["sketch"].max() > 0.9
     assert batch["hints"].shape == (2, 4, 32, 32)

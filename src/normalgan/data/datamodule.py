@@ -24,7 +24,7 @@ from normalgan.data.loading.training_data import changes, describe_training_data
 from normalgan.data.mean import ENOUGH, mean_of_maps
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import open_samples, render_samples
-from normalgan.data.sketches import SketchDataset, SketchSample, collate_sketches
+from normalgan.data.sketches import SketchDataset, SketchSample
 from normalgan.data.sources import Animals, DataSource, MeshGroup, PairSource, SplitSettings
 from normalgan.data.splits import SPLITS
 from normalgan.data.store.local_cache import LocalCache
@@ -401,7 +401,7 @@ class MeshDataModule(LightningDataModule):
         """Return the drawings in order."""
         dataset = self.drawings
         # By name: Lightning builds the loader anew from its arguments when predicting.
-        return DataLoader(dataset, batch_size=self.batch_size, collate_fn=collate_sketches)
+        return DataLoader(dataset, batch_size=self.batch_size)
 
     def _loaders(self) -> Loaders:
         replicas, rank = (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)

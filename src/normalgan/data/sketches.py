@@ -10,7 +10,6 @@ import torch
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from normalgan.batch import Sketches
 from normalgan.errors import InputError, with_subject
 from normalgan.inference.inputs import check_size, prepare_any
 from normalgan.inference.jobs.plan import DrawingFiles
@@ -18,7 +17,7 @@ from normalgan.inference.parallel import stream
 from normalgan.inference.preparation import Prepared
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
-__all__ = ["SketchDataset", "SketchSample", "collate_sketches"]
+__all__ = ["SketchDataset", "SketchSample"]
 
 _KEPT = 2**29
 """Bytes of prepared drawings that are kept; others are prepared anew when they are asked for."""
@@ -111,15 +110,6 @@ class SketchDataset(Dataset[SketchSample]):
             "hints": torch.from_numpy(hints),
             "name": name,
         }
-
-
-def collate_sketches(samples: Sequence[SketchSample]) -> Sketches:
-    """Stack framed drawings into a batch."""
-    return {
-        "sketch": torch.stack([s["sketch"] for s in samples]),
-        "hints": torch.stack([s["hints"] for s in samples]),
-        "name": [s["name"] for s in samples],
-    }
 
 
 def _bytes(prepared: Prepared) -> int:

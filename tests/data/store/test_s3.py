@@ -12,7 +12,6 @@ from torch.utils.data import DataLoader, Subset
 from toys import Octahedron, assert_same, contents, recipe
 
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.loading.items import collate
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.store import remote
 from normalgan.data.store.local_cache import LocalCache
@@ -64,7 +63,7 @@ def test_the_store_holds_the_same_bytes_and_is_read_from_every_process(bucket: s
     whole, piecemeal = SampleDataset(near), SampleDataset(far, memory=0)
     some = [0, 1, 17, 31, 32, 35]  # of both shards
     for workers in (0, 2):  # forked: what this process has opened must not be used there
-        loader = DataLoader(Subset(piecemeal, some), batch_size=3, collate_fn=collate, num_workers=workers)
+        loader = DataLoader(Subset(piecemeal, some), batch_size=3, num_workers=workers)
         batches = list(loader)
         assert [name for batch in batches for name in batch["name"]] == [near.name(i) for i in some]
         assert (batches[1]["normal"][2] == whole[35]["normal"]).all()

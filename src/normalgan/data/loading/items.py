@@ -1,16 +1,16 @@
-"""Items: one sample as tensors, and how several make a batch."""
+"""Items: one sample as tensors; torch's `default_collate` makes a batch of several."""
 
-from collections.abc import Sequence
 from typing import NotRequired, TypedDict
 
 import torch
 from torch import Tensor
+from torch.utils.data import default_collate
 
 from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics.functional import unit_vectors_within
 
-__all__ = ["Item", "SampleError", "collate", "decode", "decode_item", "to_item"]
+__all__ = ["Item", "SampleError", "decode", "decode_item", "to_item"]
 
 
 class SampleError(InputError):
@@ -82,22 +82,9 @@ def decode(batch: Batch) -> Batch:
 
 def decode_item(item: Item) -> Item:
     """Decode a sample for the network."""
-    name, batch = item["name"], decode(collate([item]))
+    name, batch = item["name"], decode(default_collate([item]))
     sketch, normal, mask = batch["sketch"][0], batch["normal"][0], batch["mask"][0]
     decoded: Item = {"sketch": sketch, "normal": normal, "mask": mask, "name": name}
     if "hints" in batch:
         decoded["hints"] = batch["hints"][0]
     return decoded
-
-
-def collate(items: Sequence[Item]) -> Batch:
-    """Return the samples stacked to a batch."""
-    batch: Batch = {
-        "sketch": torch.stack([item["sketch"] for item in items]),
-        "normal": torch.stack([item["normal"] for item in items]),
-        "mask": torch.stack([item["mask"] for item in items]),
-        "name": [item["name"] for item in items],
-    }
-    if "hints" in items[0]:
-        batch["hints"] = torch.stack([item["hints"] for item in items])
-    return batch

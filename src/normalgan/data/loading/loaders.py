@@ -11,7 +11,7 @@ from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.jobs.main_guard import check_main_guard
 from normalgan.data.jobs.workers import one_thread_each
-from normalgan.data.loading.items import Item, collate
+from normalgan.data.loading.items import Item
 from normalgan.data.loading.shard_order import ShardOrder
 from normalgan.data.loading.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
 
@@ -137,7 +137,6 @@ class Loaders:
             batch_size=self.batch_size,
             sampler=sampler,
             num_workers=self.workers,
-            collate_fn=collate,
             drop_last=drop_last,
             persistent_workers=self.workers > 0,
             pin_memory=torch.cuda.is_available(),

@@ -1,11 +1,12 @@
 """Edge: where an object ends, to a part of a pixel, by the ink of its outline at the drawing's own size."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.mask.regions import region_sums
 from normalgan.inference.network.framing import around, box_of
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import resize
@@ -116,15 +117,15 @@ def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, Bo
     free = ~inked
     count, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
     depth = np.asarray(cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, 3), np.float32)
-    size, held = region_sums(labels, count), region_sums(labels, count, mask)
-    deep = region_sums(labels, count, depth > reach)
+    size, held = _region_sums(labels, count), _region_sums(labels, count, mask)
+    deep = _region_sums(labels, count, depth > reach)
     among = held / np.maximum(size, 1)
     narrow = deep == 0
     # A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
     within = cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, 3) > reach
     beyond = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, 3) > reach
-    full = (among >= _ONE_SIDED) & (region_sums(labels, count, free & beyond) == 0)
-    empty = (among <= 1 - _ONE_SIDED) & (region_sums(labels, count, free & within) == 0)
+    full = (among >= _ONE_SIDED) & (_region_sums(labels, count, free & beyond) == 0)
+    empty = (among <= 1 - _ONE_SIDED) & (_region_sums(labels, count, free & within) == 0)
     whole = full | empty | narrow
     whole[0] = narrow[0] = False
     inside: BoolMask = (whole & (among > 0.5))[labels]
@@ -172,8 +173,8 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
         own = (cv2.dilate(own.view(np.uint8), _SQUARE) > 0) & inked
     count, labels = cv2.connectedComponents(own.view(np.uint8), connectivity=8)
     touching = cv2.dilate(inside.view(np.uint8), _SQUARE) > 0
-    kept = region_sums(labels, count, touching) > 0
-    kept |= region_sums(labels, count, mask) > _OWN * region_sums(labels, count)
+    kept = _region_sums(labels, count, touching) > 0
+    kept |= _region_sums(labels, count, mask) > _OWN * _region_sums(labels, count)
     kept[0] = False
     found: BoolMask = kept[labels]
     return found
@@ -201,7 +202,7 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
     # Where a line leaves the body, the corners between them make it wider.
     away = cv2.distanceTransform((~body).view(np.uint8), cv2.DIST_L2, 5)
     merged = loose & (2 * depth - 1 > max(_MERGED * width, width + 1.5)) & (away > width / 2)
-    kept = (region_sums(labels, count, merged) > 0) & (region_sums(labels, count, near) > 0)
+    kept = (_region_sums(labels, count, merged) > 0) & (_region_sums(labels, count, near) > 0)
     kept &= np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) <= _TIP * span
     kept[0] = False
     tips: BoolMask = kept[labels]
@@ -220,3 +221,8 @@ def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
     covered[fringe] = share[fringe]
     covered[body & ~rim & line] = 1
     return covered
+
+
+def _region_sums(labels: NDArray[Any], count: int, marked: BoolMask | None = None) -> NDArray[np.intp]:
+    """Return how many pixels each region (H, W) has, (count,), or how many marked ones."""
+    return np.bincount(labels.ravel() if marked is None else labels[marked], minlength=count)
