@@ -391,8 +391,9 @@ def square(left: float, top: float, right: float, bottom: float) -> Any:
     from psd_tools.psd.vector import ClosedKnotLinked, ClosedPath, InitialFillRule, Path, VectorMaskSetting
 
     corners = [(top, left), (top, right), (bottom, right), (bottom, left)]
-    knots = [ClosedKnotLinked(each, each, each) for each in corners]
-    return VectorMaskSetting(path=Path([InitialFillRule(0), ClosedPath(knots)]))
+    knots: list[Any] = [ClosedKnotLinked(each, each, each) for each in corners]
+    records: list[Any] = [InitialFillRule(0), ClosedPath(knots)]
+    return VectorMaskSetting(path=Path(records))
 
 
 def alpha_of(found: DecodedLayer) -> NDArray[np.int64]:

@@ -69,10 +69,10 @@ export class Importing {
   /** Opens a picture as a drawing of its own. @param {File} file */
   async open(file) {
     try {
-      const { picture, width, height, given } = await imported(file);
+      const { layered: _, ...picture } = await imported(file);
       if (!(await this.projects.mayLeave())) return;
-      this.projects.create(width, height);
-      await this.place({ picture, width, height, given, layers: null }, "drawing", file.name);
+      this.projects.create(picture.width, picture.height);
+      await this.place({ ...picture, layers: null }, "drawing", file.name);
     } catch (error) {
       this.#failed(error, file.name);
     }
