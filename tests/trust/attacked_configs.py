@@ -42,6 +42,12 @@ UNSAFE: dict[str, dict[str, object]] = {
     "a list of files": {"trainer": {"callbacks": ["unsafe_class.yaml"]}},
 }
 """What `--safe-config` refuses."""
+FIRST = {
+    *("a callback that runs a text", "one in a text", "one under a key with dots", "a schedule that calls"),
+    *("a function as an optimiser", "a network", "one in further arguments", "another file"),
+    "a file as a URL",
+}
+"""One of each way in."""
 URLS = (
     f"data://text/yaml;base64,{b64encode(f'callbacks: {{class_path: {EVIL}.Foo}}'.encode()).decode()}",
     "local://{folder}/unsafe_trainer.yaml",

@@ -12,7 +12,7 @@ import jsonargparse
 import pytest
 import yaml
 from attacked_checkpoints import EVIL
-from attacked_configs import FOREIGN, NESTED, UNSAFE, URLS
+from attacked_configs import FIRST, FOREIGN, NESTED, UNSAFE, URLS
 from hostile import laughs
 from jsonargparse import get_loader
 
@@ -54,7 +54,11 @@ def written(folder: Path, content: Any, port: int = 0) -> Path:
     return folder / "config.yaml"
 
 
-@pytest.mark.parametrize("kind", UNSAFE)
+@pytest.mark.parametrize(
+    "kind",
+    # Each parses a command line: of each way in, one is in the default run.
+    [pytest.param(kind, marks=() if kind in FIRST else pytest.mark.slow) for kind in UNSAFE],
+)
 def test_a_safe_configuration_names_known_classes_only(folder: Path, kind: str) -> None:
     config = written(folder, UNSAFE[kind])
     with pytest.raises(InputError) as refusal:
@@ -94,6 +98,7 @@ def server(folder: Path) -> Iterator[tuple[int, list[str]]]:
         server.shutdown()
 
 
+@pytest.mark.slow  # parses thirty command lines
 @pytest.mark.parametrize("url", URLS, ids=lambda url: url.partition("/")[0])
 @pytest.mark.parametrize("safe", [True, False])
 def test_no_configuration_is_read_from_a_url(
