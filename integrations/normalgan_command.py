@@ -6,6 +6,9 @@ It is copied into each add-on and runs in the Python of its program, so it needs
 import os
 import shutil
 import subprocess
+import tempfile
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 RECORD = Path(__file__).with_name("normalgan_path.txt")
@@ -21,8 +24,16 @@ REMEDY = (
 """What to do where no command is found."""
 
 
+PAUSE = 0.05
+"""Seconds between two looks at whether the command has ended: the program stays usable."""
+
+
 class CommandError(Exception):
     """One sentence for the user: no command was found, or what the command said as it failed."""
+
+
+class CancelledError(CommandError):
+    """The user has cancelled; nothing is left to be said."""
 
 
 def find_command(chosen: str = "") -> str:
@@ -48,8 +59,8 @@ def find_command(chosen: str = "") -> str:
     return found
 
 
-def predict(drawing: str | Path, output: str | Path, *settings: str, chosen: str = "") -> str:
-    """Paint the normal map of one drawing.
+class Running:
+    """A command that predicts the normal map of one drawing, while its program goes on.
 
     Args:
         drawing: its file.
@@ -57,27 +68,82 @@ def predict(drawing: str | Path, output: str | Path, *settings: str, chosen: str
         settings: of `normalgan generate`.
         chosen: as of `find_command`.
 
+    Raises:
+        CommandError: if there is no command, or it cannot be started.
+    """
+
+    def __init__(self, drawing: str | Path, output: str | Path, *settings: str, chosen: str = "") -> None:
+        command = [find_command(chosen), "generate", *settings, "-o", str(output), "--", str(drawing)]
+        environment = {name: value for name, value in os.environ.items() if name not in FOREIGN}
+        # Not a pipe: nobody reads it while the command runs, and a full one would stop it.
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it is closed with the result
+        try:
+            self._process = subprocess.Popen(
+                command,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=self._said,
+            )
+        except OSError as error:
+            self._said.close()
+            raise CommandError(f"normalgan could not be started: {command[0]}: {error.strerror}.") from error
+
+    @property
+    def ended(self) -> bool:
+        """Whether it has ended, in whatever way."""
+        return self._process.poll() is not None
+
+    def cancel(self) -> None:
+        """End it; it writes a file completely or not at all."""
+        self._process.kill()
+        self._process.wait()
+        self._said.close()
+
+    def result(self) -> str:
+        """Wait until it ends, and return what it warned of, or nothing.
+
+        Raises:
+            CommandError: with what it said, if it failed.
+        """
+        code = self._process.wait()
+        with self._said:
+            self._said.seek(0)
+            words = self._said.read().decode("utf-8", "replace")
+        if code:
+            said = words.strip() or f"normalgan failed without a word, with exit code {code}."
+            raise CommandError(said)
+        return "\n".join(line for line in words.splitlines() if "warning:" in line)
+
+
+def predict(
+    drawing: str | Path,
+    output: str | Path,
+    *settings: str,
+    chosen: str = "",
+    meanwhile: Callable[[], bool] | None = None,
+) -> str:
+    """Predict the normal map of one drawing.
+
+    Args:
+        drawing: its file.
+        output: the map's file.
+        settings: of `normalgan generate`.
+        chosen: as of `find_command`.
+        meanwhile: called again and again until the command ends; it lets the program work, and returns
+            whether to go on.
+
     Returns:
         What the command warned of, or nothing.
 
     Raises:
+        CancelledError: if ``meanwhile`` says so.
         CommandError: with what the command said, if it failed, or if there is none.
     """
-    command = [find_command(chosen), "generate", *settings, "-o", str(output), "--", str(drawing)]
-    environment = {name: value for name, value in os.environ.items() if name not in FOREIGN}
-    try:
-        done = subprocess.run(
-            command,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-    except OSError as error:
-        raise CommandError(f"normalgan could not be started: {command[0]}: {error.strerror}.") from error
-    if done.returncode:
-        said = done.stderr.strip() or f"normalgan failed without a word, with exit code {done.returncode}."
-        raise CommandError(said)
-    return "\n".join(line for line in done.stderr.splitlines() if "warning:" in line)
+    running = Running(drawing, output, *settings, chosen=chosen)
+    while meanwhile is not None and not running.ended:
+        if not meanwhile():
+            running.cancel()
+            raise CancelledError("cancelled")
+        time.sleep(PAUSE)
+    return running.result()

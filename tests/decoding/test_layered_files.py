@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageSequence
 
 from normalgan.__main__ import main
-from normalgan.decoding import decode, decode_frames, decode_layers
+from normalgan.decoding import decode, decode_frames, decode_layers, decode_tileset
 from normalgan.errors import InputError
 from pens import blob, outline
 
@@ -251,6 +251,11 @@ def test_tilemaps_are_read_with_their_flips() -> None:
     )
     assert np.array_equal(found, expected)
     assert len(decode_layers("a.ase", content, (8, 64)).layers) == 1
+    own, size = decode_tileset("a.ase", content, (4, 64))
+    assert size == (4, 4)
+    assert np.array_equal(own.pixels, strip)
+    with pytest.raises(InputError, match=r"^a\.ase has no tileset of its own; give the size of a tile"):
+        decode_tileset("a.ase", aseprite([[layer("pen"), cel(0, FLAT)]]), (4, 200))
 
 
 def test_what_of_an_aseprite_file_cannot_be_shown_is_noted_and_the_rest_is_read() -> None:

@@ -8,7 +8,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from .normalgan_command import CommandError, predict
+from .normalgan_command import CommandError, Running
 
 bl_info = {
     "name": "normalgan: drawing to lit material",
@@ -36,7 +36,10 @@ class NormalganPreferences(bpy.types.AddonPreferences):
 
 
 class NormalganDrawing(bpy.types.Operator, ImportHelper):
-    """Paint the normal map of a drawing, and put it into a material."""
+    """Predict the normal map of a drawing, and put it into a material.
+
+    Blender stays usable meanwhile: a timer asks whether the command has ended, and Esc cancels it.
+    """
 
     bl_idname = "normalgan.drawing"
     bl_label = "Drawing with Normal Map"
@@ -60,31 +63,71 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
     )
 
     def execute(self, context: Any) -> set[str]:
-        """Paint, and build the material."""
-        drawing = Path(bpy.path.abspath(self.filepath))
+        """Start the command; without windows also wait for it, and build the material."""
         active = context.active_object
         if self.replace and (active is None or not hasattr(active.data, "materials")):
             self.report({"ERROR"}, "normalgan: no object that takes a material is active; select one.")
             return {"CANCELLED"}
+        self._active = active.name if self.replace else ""
+        self._drawing = Path(bpy.path.abspath(self.filepath))
+        self._folder = tempfile.TemporaryDirectory()
+        self._predicted = Path(self._folder.name) / f"{self._drawing.stem}_normal.png"
         add_on = context.preferences.addons.get(__name__)
         chosen = bpy.path.abspath(add_on.preferences.command) if add_on else ""
         try:
-            with tempfile.TemporaryDirectory() as folder:
-                predicted = Path(folder) / f"{drawing.stem}_normal.png"
-                warned = predict(drawing, predicted, "--bits", "16", "--alpha", chosen=chosen)
-                normals = bpy.data.images.load(str(predicted))
+            self._running = Running(self._drawing, self._predicted, "--bits", "16", "--alpha", chosen=chosen)
+        except CommandError as error:
+            self._folder.cleanup()
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if bpy.app.background:
+            return self._built(context)
+        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set("normalgan: predicting the normal map. Esc: cancel")
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Any, event: Any) -> set[str]:
+        """Build the material when the command has ended; end it at Esc."""
+        if event.type == "ESC":
+            self.cancel(context)
+            self.report({"INFO"}, "normalgan: cancelled.")
+            return {"CANCELLED"}
+        if event.type != "TIMER" or not self._running.ended:
+            return {"PASS_THROUGH"}
+        self._stop_timer(context)
+        return self._built(context)
+
+    def cancel(self, context: Any) -> None:
+        """End the command; Blender also calls this as it closes."""
+        self._stop_timer(context)
+        self._running.cancel()
+        self._folder.cleanup()
+
+    def _stop_timer(self, context: Any) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
+
+    def _built(self, context: Any) -> set[str]:
+        """Build the material of what the command has written."""
+        drawing = self._drawing
+        try:
+            with self._folder:
+                warned = self._running.result()
+                normals = bpy.data.images.load(str(self._predicted))
                 set_non_color(normals)  # before it is packed, which reads it
                 normals.pack()
         except CommandError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        active = bpy.data.objects.get(self._active)
         if warned:
             self.report({"WARNING"}, warned)
         colours = None
         if self.surface == "DRAWING" and drawing.suffix.lower() in bpy.path.extensions_image:
             colours = bpy.data.images.load(str(drawing), check_existing=True)
         material = material_of(drawing.stem, normals, colours, self.strength)
-        target = active if self.replace else plane(context, drawing.stem, *normals.size)
+        target = active or plane(context, drawing.stem, *normals.size)
         target.data.materials.clear()
         target.data.materials.append(material)
         return {"FINISHED"}

@@ -1,32 +1,37 @@
 """Krita: the normal map of a layer as a new layer above it."""
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from krita import Extension, Krita
 from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QImage
-from PyQt5.QtWidgets import QApplication, QMessageBox
+from PyQt5.QtWidgets import QApplication, QMessageBox, QProgressDialog
 
-from .normalgan_command import CommandError, predict
+from .normalgan_command import CancelledError, CommandError, predict
 
 NAME = "Normal map"
 SRGB = "sRGB-elle-V2-srgbtrc.icc"
 
 
-def normal_layer(document: Any, node: Any, *settings: str) -> tuple[Any, str]:
-    """Paint the normal map of a layer.
+def normal_layer(
+    document: Any, node: Any, *settings: str, meanwhile: Callable[[], bool] | None = None
+) -> tuple[Any, str]:
+    """Predict the normal map of a layer.
 
     Args:
         document: of Krita.
         node: the layer in it, or a group.
         settings: more of those of `normalgan generate`.
+        meanwhile: as `predict` has it.
 
     Returns:
         The new layer above it, and what the command warned of.
 
     Raises:
+        CancelledError: if ``meanwhile`` says so.
         CommandError: with a sentence for the user.
     """
     if document.colorModel() != "RGBA":
@@ -35,7 +40,7 @@ def normal_layer(document: Any, node: Any, *settings: str) -> tuple[Any, str]:
         drawn, predicted = Path(folder) / "layer.png", Path(folder) / "normals.png"
         if not layer_picture(document, node).save(str(drawn)):
             raise CommandError(f"Krita could not write the layer {node.name()} as a picture.")
-        warned = predict(drawn, predicted, "--alpha", *settings)
+        warned = predict(drawn, predicted, "--alpha", *settings, meanwhile=meanwhile)
         image = QImage(str(predicted)).convertToFormat(QImage.Format_ARGB32)
     if image.isNull():
         raise CommandError("Krita could not read the normal map.")
@@ -79,17 +84,26 @@ class NormalMapOfLayer(Extension):
         action.triggered.connect(self.predict)
 
     def predict(self) -> None:
-        """Paint the map of the active layer, and show what went wrong."""
+        """Predict the map of the active layer behind a window with Cancel, and show what went wrong."""
         document = Krita.instance().activeDocument()
         if document is None:
             return
-        QApplication.setOverrideCursor(Qt.WaitCursor)
+        window = QProgressDialog("Predicting the normal map…", "Cancel", 0, 0)
+        window.setWindowModality(Qt.ApplicationModal)  # the document must stay as it is
+        window.show()
+
+        def goes_on() -> bool:
+            QApplication.processEvents()
+            return not window.wasCanceled()
+
         try:
-            _, said = normal_layer(document, document.activeNode())
+            _, said = normal_layer(document, document.activeNode(), meanwhile=goes_on)
+        except CancelledError:
+            said = ""
         except CommandError as error:
             said = str(error)
         finally:
-            QApplication.restoreOverrideCursor()
+            window.close()
         if said:
             QMessageBox.warning(None, "normalgan", said)
 

@@ -142,7 +142,7 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
         type=str | None,  # type: ignore[arg-type]
         metavar="SIZE",
         help="a tileset: width x height of a tile, such as 16x16 or 16x16,margin=1,spacing=2; or a tileset "
-        "of Tiled (.tsx, .tsj), or a folder of such files",
+        "of Tiled (.tsx, .tsj), or a folder of such files; or own, the tileset of an Aseprite file",
     )
     group.add_argument(
         "--layers",

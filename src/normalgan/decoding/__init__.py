@@ -16,6 +16,7 @@ from normalgan.decoding.process import (
     decode,
     decode_frames,
     decode_layers,
+    decode_tileset,
     start,
 )
 
@@ -29,5 +30,6 @@ __all__ = [
     "decode",
     "decode_frames",
     "decode_layers",
+    "decode_tileset",
     "start",
 ]

@@ -33,6 +33,7 @@ __all__ = [
     "decode",
     "decode_frames",
     "decode_layers",
+    "decode_tileset",
     "start",
 ]
 
@@ -190,6 +191,15 @@ def decode_layers(name: str, content: bytes, sides: tuple[int, int]) -> DecodedL
     return _pool.run(needed(content), lambda child: child.ask(ask, child.layers))
 
 
+def decode_tileset(name: str, content: bytes, sides: tuple[int, int]) -> tuple[Decoded, tuple[int, int]]:
+    """Return the tiles of an Aseprite file's first visible tilemap, one below the other, and the size of one.
+
+    Arguments and errors are those of `decode`.
+    """
+    ask = _Question(name, {"what": "tileset", "sides": sides}, content, sides[1])
+    return _pool.run(needed(content), lambda child: child.ask(ask, child.tileset))
+
+
 def start() -> None:
     """Start the process that the first picture needs, and do not wait for it."""
     _pool.start()
@@ -324,6 +334,12 @@ class _Child:
             found = np.asarray(pixels, np.uint8)
             layers.append(DecodedLayer(own, tuple(groups), opacity, *place, found, base))
         return DecodedLayers((height, width), durations, layers, note, partial)
+
+    def tileset(self, question: _Question) -> tuple[Decoded, tuple[int, int]]:
+        """Return tiles as the child sends them."""
+        header = self._header(question.name)
+        width, height = (_whole(side, 1, question.most) for side in header["tile"])
+        return self._pixels(header, question.most), (width, height)
 
     def _greet(self) -> None:
         """Wait until the process can decode."""

@@ -59,6 +59,7 @@ __all__ = [
     "plain",
     "reduced",
     "sanitize_svg",
+    "tileset",
     "turned_upright",
     "viewed",
 ]
@@ -195,6 +196,8 @@ def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[
         yield from frames(content, least, most, seconds)
     elif request["what"] == "layers":
         yield from layers(content, least, most, seconds)
+    elif request["what"] == "tileset":
+        yield tileset(content, least, most)
     elif request["exact"] and loses_levels(content):
         levels = exact_levels(content, least, most)
         yield _with_form(levels), levels
@@ -380,6 +383,26 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
         place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
         base = -1 if layer.base is None else layer.base.number
         yield {**_with_form(layer.image), **place, "names": names, "base": base}, layer.image
+
+
+def tileset(content: bytes, least: int, most: int) -> Message:
+    """Return the tiles of an Aseprite file, one below the other, with the size of one.
+
+    Raises:
+        RefusedError: if it has none, or it cannot be decoded.
+    """
+    try:
+        layered = _layered(content, least, most)
+        if layered is None:
+            raise RefusedError("has no tileset of its own; give the size of a tile, such as 16x16")
+        with _unreadable_refused():
+            image, size = layered.tileset()
+    except (RefusedError, MemoryError):
+        raise
+    except Exception as error:  # as in `decode`
+        raise RefusedError(f"has a tileset that cannot be read: {_brief(error)}") from None
+    _check_sides(image.width, image.height, least, most)
+    return {**_with_form(image), "tile": [*size]}, image
 
 
 def _check_parts(count: int, pixels: int, name: str) -> None:

@@ -4,7 +4,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from normalgan.decoding import Decoded, DecodedLayers, Parts, decode_frames
+from normalgan.decoding import Decoded, DecodedLayers, Parts, decode_frames, decode_tileset
 from normalgan.inference.composites.animation import Kind, moving_kind
 from normalgan.inference.composites.layers import LayeredKind, layered_kind, read_layers
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
@@ -86,6 +86,15 @@ class Drawing:
             InputError: if one cannot be decoded.
         """
         return decode_frames(str(self.path), self.content, (SMALLEST, LARGEST))
+
+    @property
+    def tileset(self) -> tuple[Decoded, tuple[int, int]]:
+        """Its own tiles, one below the other, and (width, height) of one.
+
+        Raises:
+            InputError: if it has none.
+        """
+        return decode_tileset(str(self.path), self.content, (SMALLEST, LARGEST))
 
     @cached_property
     def layers(self) -> DecodedLayers:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.decoding import Decoded
 from normalgan.decoding.worker import is_svg
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of
@@ -16,9 +17,10 @@ from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.figures import alike, find_figures
 from normalgan.inference.composites.islands import find_islands
 from normalgan.inference.composites.layered_job import LayeredJob, layered_target
-from normalgan.inference.composites.packing import Packing
+from normalgan.inference.composites.packing import OWN, Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.composites.sheets import predict_sheet
+from normalgan.inference.composites.tile_grid import TileGrid
 from normalgan.inference.composites.tilesets import predict_tileset
 from normalgan.inference.drawing import Drawing
 from normalgan.inference.inputs import as_hints
@@ -114,6 +116,8 @@ class JobPredictor:
             return Done(target, warning, held, partial=partial)
         kind = drawing.moving
         several = "has several pages" if kind == PAGES else "is an animation"
+        if self.packing.tileset == OWN:
+            return self._written(job, self._tileset(files, *drawing.tileset))
         if kind is not None and self.packing.given:
             raise InputError(f"{files.drawing} {several}; a sheet is a still picture.")
         if kind is not None and self.tile is not None:
@@ -226,19 +230,20 @@ class JobPredictor:
         # The tiles of an SVG are in its own units.
         side = SVG_SIDE if units is None or self.packing.tileset is None else round(max(units))
         sheet = read_pixels(files.drawing, content, self.size or side)
-        hints = as_hints(files.hints, sheet.shape)
-        mask = _mask(files, sheet.shape)
-        if isinstance(mask, np.ndarray):
-            mask = resize(mask.astype(np.float32), sheet.shape) > 0.5
         if self.packing.tileset is not None:
-            grid = self.packing.tile_grid(files.drawing, files.below)
-            given = self.predictor, sheet, grid, files.drawing, hints, mask, self.sprite
-            return _noted(predict_tileset(*given), to_picture(sheet))
+            return self._tileset(files, sheet)
+        hints, mask = _for_sheet(files, sheet)
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
         preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
         picture = to_picture(sheet)
         return _noted(self.sprite(preds, picture), picture)
+
+    def _tileset(self, files: DrawingFiles, sheet: Decoded, own: tuple[int, int] | None = None) -> NormalMap:
+        """Return the map of a tileset; ``own`` is the size of its tiles, if its file has it."""
+        grid = self.packing.tile_grid(files.drawing, files.below) if own is None else TileGrid(*own)
+        given = self.predictor, sheet, grid, files.drawing, *_for_sheet(files, sheet), self.sprite
+        return _noted(predict_tileset(*given), to_picture(sheet))
 
     def _animation(self, job: Job, drawing: Drawing) -> Done:
         """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
@@ -335,6 +340,14 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
 def _moves(outputs: Outputs) -> bool:
     """Return whether the maps of an animation go into one: it has 8 bits."""
     return outputs.normal.plain
+
+
+def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskOrSource]:
+    """Return the hints and the mask (H, W) of a sheet, or how its masks are found."""
+    mask = _mask(files, sheet.shape)
+    if isinstance(mask, np.ndarray):
+        mask = resize(mask.astype(np.float32), sheet.shape) > 0.5
+    return as_hints(files.hints, sheet.shape), mask
 
 
 def _noted(preds: NormalMap, picture: Picture) -> NormalMap:

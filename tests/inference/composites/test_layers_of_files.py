@@ -388,12 +388,13 @@ def red() -> Any:
 
 def square(left: float, top: float, right: float, bottom: float) -> Any:
     """A vector mask, in shares of the picture."""
-    from psd_tools.psd.vector import ClosedKnotLinked, ClosedPath, InitialFillRule, Path, VectorMaskSetting
+    from psd_tools.psd import vector
 
+    parts: Any = vector  # its lists are typed for any one type of their own
     corners = [(top, left), (top, right), (bottom, right), (bottom, left)]
-    knots: list[Any] = [ClosedKnotLinked(each, each, each) for each in corners]
-    records: list[Any] = [InitialFillRule(0), ClosedPath(knots)]
-    return VectorMaskSetting(path=Path(records))
+    knots = [parts.ClosedKnotLinked(each, each, each) for each in corners]
+    path = parts.Path([parts.InitialFillRule(0), parts.ClosedPath(knots)])
+    return parts.VectorMaskSetting(path=path)
 
 
 def alpha_of(found: DecodedLayer) -> NDArray[np.int64]:

@@ -39,6 +39,11 @@ func _get_preset_name(_preset: int) -> String:
 	return "Default"
 
 
+## Since Godot 4.3 the editor shows its progress meanwhile, and several drawings are imported at once.
+func _can_import_threaded() -> bool:
+	return true
+
+
 func _get_import_options(_path: String, _preset: int) -> Array[Dictionary]:
 	return [
 		{"name": "strength", "default_value": 1.0, "property_hint": PROPERTY_HINT_RANGE, "hint_string": "0.1,4,0.1"},

@@ -121,6 +121,18 @@ class AsepriteFile(LayeredFile):
                 raise UnreadableError(self._broken)
             yield shown, duration
 
+    def tileset(self) -> "tuple[Image, tuple[int, int]]":
+        """Return the tiles of its first visible tilemap, one below the other, and the size of one."""
+        for number, layer in enumerate(self._layers):
+            found = None if layer.tileset is None or not layer.visible else self._tilesets.get(layer.tileset)
+            if found is not None and found.pixels:
+                width, height = found.size
+                try:
+                    return self._image(found.pixels, (width, height * found.count), number, 0), found.size
+                except ValueError as error:
+                    raise UnreadableError(f"has a broken tileset of {layer.name!r}: {error}") from None
+        return super().tileset()
+
     def _read_size(self) -> tuple[int, int]:
         width, height, depth = struct.unpack("<8xHHH", self.content[:14])
         if depth not in {8, 16, 32}:

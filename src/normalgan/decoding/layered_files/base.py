@@ -101,6 +101,14 @@ class LayeredFile(ABC):
         """Yield what each frame shows, and how many milliseconds it is shown."""
         yield self.composite(), 0
 
+    def tileset(self) -> "tuple[Image, tuple[int, int]]":
+        """Return the tiles of its first visible tilemap, one below the other, and the size of one.
+
+        Raises:
+            UnreadableError: if it has none.
+        """
+        raise UnreadableError("has no tileset of its own; give the size of a tile, such as 16x16")
+
     def layers(self) -> Iterator[Layer]:
         """Yield the visible layers, the lowest first, each cut to what is opaque in it.
 

@@ -13,7 +13,10 @@ from normalgan.inference.composites.tile_grid import ENDINGS as TILED
 from normalgan.inference.composites.tile_grid import TileGrid, parse_tile_size, read_tiled
 from normalgan.inference.reading.drawings import find_companion
 
-__all__ = ["Packing"]
+__all__ = ["OWN", "Packing"]
+
+OWN = "own"
+"""The tileset that a file has of its own."""
 
 _WAYS = ("sheet", "split", "atlas", "tileset")
 
@@ -26,7 +29,8 @@ class Packing:
         sheet: a grid, columns x rows, such as 4x3.
         split: auto finds islands of opacity or of connected lines.
         atlas: a file of any format of `atlas_formats.FORMATS`, or a folder of <sketch>.json or the like.
-        tileset: size of a tile, such as 16x16; or a tileset of Tiled, or a folder of <sketch>.tsx or .tsj.
+        tileset: size of a tile, such as 16x16; a tileset of Tiled, or a folder of <sketch>.tsx or .tsj; or
+            own, the tileset of an Aseprite file.
 
     Raises:
         InputError: if they cannot be used, or more than one is given.
@@ -51,8 +55,8 @@ class Packing:
             raise InputError(f"split is {self.split!r}; the one way to split a sheet by itself is auto.")
         if self.atlas is not None and not Path(self.atlas).exists():
             raise InputError(f"there is no atlas {self.atlas}; name a file, or a folder of them.")
-        if self.tileset is not None and not Path(self.tileset).exists():
-            parse_tile_size(self.tileset)
+        if self.tileset not in {None, OWN} and not Path(str(self.tileset)).exists():
+            parse_tile_size(str(self.tileset))
 
     @property
     def given(self) -> bool:
