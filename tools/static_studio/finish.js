@@ -25,9 +25,13 @@ export async function finish(prepared, painted, refiner, hand = null) {
   const area = frame.size ** 2;
   const [normals, length] = [new Float32Array(3 * area), new Float32Array(area)];
   for (let i = 0; i < area; i++) {
-    const vector = [painted[i], painted[area + i], painted[2 * area + i]];
-    length[i] = Math.hypot(...vector);
-    if (length[i] > 1e-8) normals.set(vector.map((value) => value / length[i]), 3 * i);
+    const [x, y, z] = [painted[i], painted[area + i], painted[2 * area + i]];
+    const long = Math.sqrt(x * x + y * y + z * z);
+    length[i] = long;
+    if (long <= 1e-8) continue;
+    normals[3 * i] = x / long;
+    normals[3 * i + 1] = y / long;
+    normals[3 * i + 2] = z / long;
   }
   const present = where(restored(length, prepared, 1), (value) => value > 0.5);
   const { mask: found, said } = chosen(prepared, present);
@@ -47,7 +51,7 @@ export async function finish(prepared, painted, refiner, hand = null) {
   const out = restored(coarse, prepared, 3);
   if (frame.side > ENLARGED * frame.size) await refine(out, prepared, mask, refiner);
   for (let i = 0; i < out.length; i += 3) {
-    const size = Math.hypot(out[i], out[i + 1], out[i + 2]);
+    const size = Math.sqrt(out[i] * out[i] + out[i + 1] * out[i + 1] + out[i + 2] * out[i + 2]);
     if (size > 1e-8) for (let c = 0; c < 3; c++) out[i + c] /= size;
     else out.set([0, 0, 1], i);
   }
@@ -107,15 +111,15 @@ export function restored(square, { width, height, frame: { left, top, side, size
       const column = Math.floor(ways[0][x]);
       if (row < -1 || column < -1 || row >= size || column >= size) continue;
       const right = ways[0][x] - column;
+      const [above, below] = [row >= 0 ? 1 - down : 0, row + 1 < size ? down : 0];
+      const [before, after] = [column >= 0 ? 1 - right : 0, column + 1 < size ? right : 0];
+      // What lies beyond the square counts for nothing, wherever it is read from.
+      const [first, second] = [Math.max(row, 0) * size, Math.min(row + 1, size - 1) * size];
+      const [one, two] = [Math.max(column, 0), Math.min(column + 1, size - 1)];
       for (let c = 0; c < channels; c++) {
-        let value = 0;
-        for (const [dy, share] of [[0, 1 - down], [1, down]]) {
-          if (row + dy < 0 || row + dy >= size) continue;
-          const at = ((row + dy) * size + column) * channels + c;
-          if (column >= 0) value += share * (1 - right) * square[at];
-          if (column + 1 < size) value += share * right * square[at + channels];
-        }
-        out[(y * width + x) * channels + c] = value;
+        out[(y * width + x) * channels + c] =
+          above * (before * square[(first + one) * channels + c] + after * square[(first + two) * channels + c])
+          + below * (before * square[(second + one) * channels + c] + after * square[(second + two) * channels + c]);
       }
     }
   }

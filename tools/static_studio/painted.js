@@ -17,10 +17,11 @@ const MOST = 12;
  * @returns {Painted}
  */
 export function paintedAreas(dark, lightest, width, height, level) {
+  const wide = where(lightest, (value) => Math.fround(value / level) < Math.fround(PAINTED));
+  if (!wide.includes(1)) return { painted: wide, paper: lightest, step: wide }; // as in most drawings
   const relative = dark.map((value) => value / level);
   const [lighter, darker] = [extreme(relative, width, height, 3, 1), extreme(relative, width, height, 3, -1)];
   const step = where(lighter, (value, i) => Math.fround(value - darker[i]) > Math.fround(STEP));
-  const wide = where(lightest, (value) => Math.fround(value / level) < Math.fround(PAINTED));
   const painted = new Uint8Array(wide.length);
   const paper = lightest.slice();
   const { labels, boxes } = components(wide, width, height, 4);

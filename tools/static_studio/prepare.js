@@ -24,7 +24,11 @@ import { SQUARE, WIDE, blurred, boxOf, components, dilated, distance, enclosedBy
 /** Pixels of the network that lines are wide where they are drawn anew. */
 const WIDTH = 1.25;
 const FINER = 4;
+/** As many pixels for each of the network tell that lines are surely as wide as those it knows, and none is an area. */
+const ROUGH = 2;
 const MARGIN = 0.06;
+/** Half as wide as this share of the side a line is at least before it is an area. */
+const THIN = 0.02;
 const PAPER = 512;
 /** A share of the longest side: wider areas of one level are paper, or painted, and no strokes. */
 const WINDOW = 0.07;
@@ -210,6 +214,7 @@ export function lineWidth(inked, width, height, depth = distance(inked, width, h
  * @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths
  */
 function shown(ink, width, height, frame, widths) {
+  if (isKnown(ink, width, height, frame, widths)) return cut(ink, width, height, frame);
   const fine = frame.size * FINER;
   const whole = where(cut(ink, width, height, { ...frame, size: fine }), (value) => value > 0.5);
   const found = boxOf(whole, fine, fine);
@@ -240,12 +245,21 @@ function shown(ink, width, height, frame, widths) {
   return resized(out, fine, fine, frame.size, frame.size);
 }
 
+/** Returns whether all lines surely have a known width and none is an area; false where that is to be looked at. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths */
+function isKnown(ink, width, height, frame, widths) {
+  const side = frame.size * ROUGH;
+  const inked = where(cut(ink, width, height, { ...frame, size: side }), (value) => value > 0.5);
+  const depth = distance(inked, side, side, true);
+  const lines = lineWidth(inked, side, side, depth);
+  return lines >= widths[0] * ROUGH + 1 && lines <= widths[1] * ROUGH - 1 && depth.every((value) => value + 1 <= THIN * side);
+}
+
 /**
  * Returns the parts that are too thick for a line, or null if there are none.
  * @param {Uint8Array} inked @param {number} width @param {number} height @param {number} lines @param {Float32Array} depth @param {number} side
  */
 function areas(inked, width, height, lines, depth, side) {
-  const thickest = Math.min(Math.max(1.5 * lines, 0.02 * side), 0.035 * side);
+  const thickest = Math.min(Math.max(1.5 * lines, THIN * side), 0.035 * side);
   if (!depth.some((value) => value > thickest)) return null;
   const away = distance(where(depth, (value) => !(value > thickest)), width, height);
   const thick = where(inked, (value, i) => value > 0 && away[i] <= 1.2 * thickest);

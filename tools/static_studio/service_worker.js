@@ -26,6 +26,19 @@ worker.addEventListener("fetch", (/** @type {any} */ event) => {
   if (event.request.method !== "GET" || !event.request.url.startsWith(worker.registration.scope)) return;
   event.respondWith((async () => {
     const cache = await caches.open(PREFIX + VERSION);
-    return (await cache.match(event.request, { ignoreSearch: true })) ?? fetch(event.request);
+    return isolated((await cache.match(event.request, { ignoreSearch: true })) ?? await fetch(event.request));
   })());
 });
+
+/**
+ * Returns an answer with the headers that isolate the page from those of others, so that the network may use threads. Few hosts
+ * of pages let their users set them.
+ * @param {Response} answer
+ */
+function isolated(answer) {
+  if (answer.type === "opaque" || answer.type === "opaqueredirect") return answer; // not the studio's own
+  const headers = new Headers(answer.headers);
+  headers.set("Cross-Origin-Opener-Policy", "same-origin");
+  headers.set("Cross-Origin-Embedder-Policy", "require-corp");
+  return new Response(answer.body, { status: answer.status, statusText: answer.statusText, headers });
+}

@@ -7,7 +7,8 @@ import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
 import { doubt, suggest } from "./suggest.js";
 
-ort.env.wasm.numThreads = 1; // more threads need headers that few hosts of pages send
+// How many threads it takes is the runtime's choice: half the cores, up to four, where the page is isolated, and else one. The
+// service worker sends the headers for that, from the second visit on.
 ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
 const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
 
