@@ -32,6 +32,7 @@ __all__ = [
     "flip_green",
     "normalize",
     "pack_png",
+    "pad_edge",
     "paint_flat",
     "pixels_of",
     "read_exr",
@@ -143,6 +144,41 @@ def paint_flat(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
     flat[..., 2] = 1
     # NumPy's own choice takes twice as long.
     return np.asarray(cv2.copyTo(np.asarray(normals, np.float32), mask.astype(np.uint8), flat), np.float32)
+
+
+def pad_edge(pixels: NDArray[Any], there: NDArray[np.bool_], reach: int) -> None:
+    """Give pixels (H, W, C) around an object the colour of the nearest one on it, in place.
+
+    Engines blend neighbouring pixels when they scale a texture, so the colours beside an object get into its
+    rim. A fourth channel, the opacity, stays as it is.
+
+    Args:
+        pixels: of any type.
+        there: (H, W), the object.
+        reach: how far, in pixels.
+
+    Example:
+        >>> row = np.array([[[9], [0], [0], [0]]], np.uint8)
+        >>> pad_edge(row, np.array([[True, False, False, False]]), 2)
+        >>> row.ravel().tolist()
+        [9, 9, 9, 0]
+    """
+    import cv2  # as below
+
+    left, top, width, height = cv2.boundingRect(there.view(np.uint8))
+    if not width or reach < 1:
+        return
+    box = np.s_[max(top - reach, 0) : top + height + reach, max(left - reach, 0) : left + width + reach]
+    own, inside = there[box], pixels[box]
+    away, nearest = cv2.distanceTransformWithLabels(
+        (~own).view(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    rows, columns = np.nonzero(own)
+    place = np.zeros((len(rows) + 1, 2), np.intp)
+    place[nearest[own]] = np.stack([rows, columns], -1)
+    around = ~own & (away <= reach)
+    row, column = place[nearest[around]].T
+    inside[around, :3] = inside[row, column, :3]
 
 
 def write_png(path: str | Path, normals: NDArray[np.floating], bits: Bits = 8) -> None:

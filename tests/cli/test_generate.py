@@ -97,9 +97,9 @@ def test_an_svg_is_drawn_at_the_size_asked_for(here: Path) -> None:
         (["--bits", "16"], "fox_normal.png"),
         (["--format", "exr"], "fox_normal.exr"),
         (["--format", "tiff"], "fox_normal.tiff"),
-        (["--alpha"], "fox_normal.png"),
-        (["--alpha", "--format", "exr"], "fox_normal.exr"),
-        (["--alpha", "--format", "tiff"], "fox_normal.tiff"),
+        (["--alpha", "--pad", "0"], "fox_normal.png"),
+        (["--alpha", "--pad", "0", "--format", "exr"], "fox_normal.exr"),
+        (["--alpha", "--pad", "0", "--format", "tiff"], "fox_normal.tiff"),
     ],
 )
 def test_every_output_holds_the_same_normals(here: Path, arguments: list[str], name: str) -> None:

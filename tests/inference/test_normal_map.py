@@ -10,6 +10,7 @@ import pytest
 
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs import Normal
 from normalgan.normals import Green, encode, read_png
 from onnx_models import ramp
 
@@ -100,3 +101,37 @@ def test_what_cannot_be_saved_is_refused(
 
 def test_a_notebook_shows_it() -> None:
     assert tilted()._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("how", ["bilinear", "mipmap"])
+def test_padding_keeps_the_rim_as_it_is_where_engines_blend(how: str) -> None:
+    preds = tilted()
+    lean = np.array([0.8, 0, 0.6], np.float32)
+    whole = replace(preds, extended=np.broadcast_to(lean, (64, 64, 3)).copy())
+
+    def sampled(pad: int | None) -> np.ndarray[Any, Any]:
+        levels: Any = cv2.imdecode(
+            np.frombuffer(whole.encode(alpha=True, pad=pad), np.uint8), cv2.IMREAD_UNCHANGED
+        )
+        normals = levels[..., 2::-1].astype(np.float32) / 127.5 - 1
+        if how == "mipmap":
+            small = cv2.resize(normals, (4, 4), interpolation=cv2.INTER_AREA)
+            seen = small[cv2.resize(levels[..., 3], (4, 4), interpolation=cv2.INTER_AREA) > 0]
+        else:  # half-way between the rim and what is transparent
+            rows = np.linspace(12, 48, 30, dtype=np.float32)[:, None]
+            seen = cv2.remap(normals, np.full_like(rows, 59.5), rows, cv2.INTER_LINEAR).reshape(-1, 3)
+        return np.degrees(np.arccos(np.clip(seen @ lean / np.linalg.norm(seen, axis=-1), -1, 1)))
+
+    assert sampled(None).max() < 1
+    assert sampled(0).max() > 10  # flat beside the rim: it is lit as if it faced the viewer
+    beside = whole.pixels(alpha=True)
+    assert (beside[~preds.mask][:, 3] == 0).all()
+
+
+def test_no_padding_is_written_where_the_background_is_seen() -> None:
+    preds = tilted()
+    assert preds.encode() == preds.encode(pad=0)
+    assert preds.encode() != preds.encode(pad=1)
+    assert Normal(engine="unity").encode(preds) == {"_normal.png": preds.encode(pad=16)}
+    with pytest.raises(InputError, match="--pad 4096 is not a number of pixels from 0 to 1024"):
+        Normal(pad=4096)

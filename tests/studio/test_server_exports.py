@@ -104,7 +104,7 @@ def test_the_edge_of_the_alpha_is_smooth(model: Path, tmp_path: Path) -> None:
     rim = np.abs(alpha - 0.5) < 0.45
     assert 0.5 * 2 * np.pi * RADIUS < rim.sum() < 3 * 2 * np.pi * RADIUS
     assert np.abs(away()[rim] - away()[rim].mean()).max() < 2
-    assert len(np.unique(np.rint(255 * alpha[rim]))) > 20
+    assert len(np.unique(np.rint(255 * alpha[rim]))) > 15  # the outer edge alone takes the share of its ink
     assert alpha[int(CENTRE[1]), int(CENTRE[0])] == 1
     assert alpha[2, 2] == 0
 

@@ -4,7 +4,7 @@
  */
 
 import { documents } from "./documents.js";
-import { encodePng, levelsOf } from "./png.js";
+import { encodePng, levelsOf, padEdge } from "./png.js";
 
 const MOST = 2048;
 /** What can be exported without Python, and its formats. */
@@ -128,7 +128,9 @@ async function drawing(path, body) {
 /** Returns a map as a file. @param {Painted} map @param {8 | 16} bits @param {boolean} down whether green is turned over @param {boolean} transparent */
 function png({ width, height, normals = new Float32Array(), mask = new Uint8Array(), covered = new Float32Array() }, bits, down, transparent) {
   const alpha = transparent ? covered.map((value) => Math.round(255 * value) / 255) : null;
-  return encodePng(levelsOf(normals, mask, alpha, down, bits), width, height, bits);
+  const levels = levelsOf(normals, mask, alpha, down, bits);
+  if (alpha) padEdge(levels, width, height);
+  return encodePng(levels, width, height, bits);
 }
 
 /** Reads a picture as the browser can. @param {Blob} file */

@@ -23,12 +23,16 @@ from normalgan.normals import (
     encode_tiff,
     flip_green,
     pack_png,
+    pad_edge,
     paint_flat,
     pixels_of,
     strips,
 )
 
-__all__ = ["Format", "NormalMap", "as_it_lies", "part_of"]
+__all__ = ["PADDING", "Format", "NormalMap", "as_it_lies", "part_of"]
+
+PADDING = 16
+"""Pixels around the object that carry the colour of its edge: the fourth mipmap blends as many."""
 
 Format = Literal["png", "exr", "tiff"]
 _FLAT = np.array([[[0, 0, 1]]], np.float32)
@@ -107,7 +111,14 @@ class NormalMap:
             cell.put(whole, part_of(self, cell).height())
         return whole
 
-    def encode(self, form: Format = "png", bits: Bits = 8, y: Green = "up", alpha: bool = False) -> bytes:
+    def encode(
+        self,
+        form: Format = "png",
+        bits: Bits = 8,
+        y: Green = "up",
+        alpha: bool = False,
+        pad: int | None = None,
+    ) -> bytes:
         """Return the content of a file: flat off the object, or what is transparent there.
 
         Args:
@@ -115,15 +126,20 @@ class NormalMap:
             bits: of each channel of a PNG.
             y: up is green as in OpenGL, down as in DirectX.
             alpha: whether the object's mask is the alpha channel.
+            pad: how many pixels around the object carry the colour of its edge; None is `PADDING` with alpha,
+                where nobody sees them, else 0.
         """
         opacity = self.alpha if alpha else None
+        reach = (PADDING if alpha else 0) if pad is None else pad
         match form:
             case "png":
-                return pack_png(self._pixels(bits, y, alpha, blue_first=True))
+                pixels = self._pixels(bits, y, alpha, blue_first=True)
+                pad_edge(pixels, self._opaque(alpha), reach)
+                return pack_png(pixels)
             case "exr":
-                return encode_exr(self._flat(y, alpha), opacity)
+                return encode_exr(self._flat(y, alpha, reach), opacity)
             case "tiff":
-                return encode_tiff(self._flat(y, alpha), opacity)
+                return encode_tiff(self._flat(y, alpha, reach), opacity)
 
     def pixels(self, y: Green = "up", alpha: bool = False) -> NDArray[np.uint8]:
         """Return the map's colours of 8 bits, (H, W, 3), or (H, W, 4) with alpha; see `encode`."""
@@ -132,7 +148,7 @@ class NormalMap:
     def _pixels(
         self, bits: Bits, y: Green, alpha: bool, *, blue_first: bool = False
     ) -> NDArray[np.uint8] | NDArray[np.uint16]:
-        opaque = self.alpha > 0 if alpha else self.mask
+        opaque = self._opaque(alpha)
         none = np.zeros((1, 1), np.float32)
         flat = pixels_of(_FLAT, bits, none if alpha else None, blue_first=blue_first)
         pixels = np.empty((*opaque.shape, flat.shape[-1]), flat.dtype)
@@ -148,11 +164,23 @@ class NormalMap:
             inside[rows] = cv2.copyTo(colours, there[rows], inside[rows])
         return pixels
 
-    def _flat(self, y: Green, alpha: bool) -> Floats:
-        normals = paint_flat(self.extended, self.alpha > 0 if alpha else self.mask)
+    def _opaque(self, alpha: bool) -> NDArray[np.bool_]:
+        """Return where a file holds the map's own colours."""
+        return self.alpha > 0 if alpha else self.mask
+
+    def _flat(self, y: Green, alpha: bool, pad: int) -> Floats:
+        normals = paint_flat(self.extended, self._opaque(alpha))
+        pad_edge(normals, self._opaque(alpha), pad)
         return flip_green(normals) if y == "down" else normals
 
-    def save(self, path: str | Path, bits: Bits = 8, y: Green = "up", alpha: bool = False) -> None:
+    def save(
+        self,
+        path: str | Path,
+        bits: Bits = 8,
+        y: Green = "up",
+        alpha: bool = False,
+        pad: int | None = None,
+    ) -> None:
         """Write the map as PNG, EXR or TIFF, as the path ends, whole or not at all.
 
         Args:
@@ -160,6 +188,7 @@ class NormalMap:
             bits: of each channel of a PNG, 8 or 16.
             y: ``up`` is green as in OpenGL, ``down`` as in DirectX.
             alpha: whether the object's mask is the alpha channel.
+            pad: how many pixels around the object carry the colour of its edge, as for `encode`.
 
         Raises:
             InputError: if a setting cannot be used.
@@ -172,7 +201,7 @@ class NormalMap:
             raise InputError(f"bits are 8 or 16, of a PNG; {path} with {bits} is neither.")
         if y not in get_args(Green):
             raise InputError(f"y is up or down, not {y!r}.")
-        write_bytes(path, self.encode(form, bits, y, alpha))
+        write_bytes(path, self.encode(form, bits, y, alpha, pad))
 
     def _repr_png_(self) -> bytes:
         """Return the map as a picture for notebooks."""

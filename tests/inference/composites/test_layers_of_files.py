@@ -100,7 +100,7 @@ def test_each_layer_is_painted_as_if_it_were_alone(here: Path, kind: str) -> Non
         assert picture.alpha is not None
         alone = np.dstack([picture.colour, picture.alpha])
         Image.fromarray(np.rint(255 * alone).astype(np.uint8)).save(f"{given.name}.png")
-        assert generate(f"{given.name}.png", "--alpha") == 0
+        assert generate(f"{given.name}.png", "--alpha", "--pad", "0") == 0
         expected = np.asarray(Image.open(f"normals/{given.name}_normal.png"))
         rows, columns = predicted.pixels.shape[:2]
         inside = np.s_[predicted.top : predicted.top + rows, predicted.left : predicted.left + columns]

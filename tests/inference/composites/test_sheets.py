@@ -51,7 +51,7 @@ def test_a_sheet_is_painted_as_its_cells_cut_by_hand(here: Path, kind: str) -> N
     blank = np.full_like(cells[0], 255 if kind == "lines" else 0)
     cells[4] = blank
     Image.fromarray(sheet_of(cells)).save("sheet.png")
-    assert generate("sheet.png", "--sheet", "3x2", "--alpha") == 0
+    assert generate("sheet.png", "--sheet", "3x2", "--alpha", "--pad", "0") == 0
     whole = pixels("normals/sheet_normal.png")
     for i, cell in enumerate(cells):
         part = whole[i // 3 * 96 : i // 3 * 96 + 96, i % 3 * 96 : i % 3 * 96 + 96]
@@ -59,7 +59,7 @@ def test_a_sheet_is_painted_as_its_cells_cut_by_hand(here: Path, kind: str) -> N
             assert (part == (128, 128, 255, 0)).all()
             continue
         Image.fromarray(cell).save(f"cell{i}.png")
-        assert generate(f"cell{i}.png", "--alpha") == 0
+        assert generate(f"cell{i}.png", "--alpha", "--pad", "0") == 0
         assert np.array_equal(part, pixels(f"normals/cell{i}_normal.png")), i
 
 
@@ -145,7 +145,7 @@ def textures(*names: str) -> dict[str, Any]:
 def test_an_atlas_says_where_sprites_lie_and_which_are_turned(here: Path, told: dict[str, Any]) -> None:
     Image.fromarray(packed()).save("sheet.png")
     Path("sheet.json").write_text(json.dumps(told))
-    assert generate("sheet.png", "--atlas", "sheet.json", "--alpha") == 0
+    assert generate("sheet.png", "--atlas", "sheet.json", "--alpha", "--pad", "0") == 0
     whole = pixels("normals/sheet_normal.png")
     for name, cell, part in (
         ("a", sprite(SPRITES[0]), whole[:96, :96]),
@@ -153,9 +153,9 @@ def test_an_atlas_says_where_sprites_lie_and_which_are_turned(here: Path, told: 
         ("c", sprite(SPRITES[2], 2), whole[102:198, 4:100]),
     ):
         Image.fromarray(cell).save(f"{name}.png")
-        assert generate(f"{name}.png", "--alpha") == 0
+        assert generate(f"{name}.png", "--alpha", "--pad", "0") == 0
         assert np.array_equal(part, pixels(f"normals/{name}_normal.png")), name
-    assert generate("sheet.png", "--atlas", ".", "-o", "by_folder", "--alpha") == 0
+    assert generate("sheet.png", "--atlas", ".", "-o", "by_folder", "--alpha", "--pad", "0") == 0
     assert np.array_equal(pixels("by_folder/sheet_normal.png"), whole)
 
 
@@ -343,9 +343,9 @@ def test_a_sprite_that_libgdx_turned_counterclockwise_is_predicted_upright(here:
     sheet[:96, :80] = np.rot90(cell)
     Image.fromarray(sheet).save("sheet.png")
     Path("sheet.atlas").write_text("sheet.png\nsize: 100,100\nfox\n  bounds: 0,0,96,80\n  rotate: true\n")
-    assert generate("sheet.png", "--atlas", ".", "--alpha") == 0
+    assert generate("sheet.png", "--atlas", ".", "--alpha", "--pad", "0") == 0
     Image.fromarray(cell).save("fox.png")
-    assert generate("fox.png", "--alpha") == 0
+    assert generate("fox.png", "--alpha", "--pad", "0") == 0
     part = np.rot90(pixels("normals/sheet_normal.png")[:96, :80], -1)
     assert np.array_equal(part, pixels("normals/fox_normal.png"))
 

@@ -40,7 +40,7 @@ def test_specular_goes_into_the_alpha_of_the_map(here: Path) -> None:
     assert generate("--specular", "--show-mask", "-o", "a") == 0
     for y in ("up", "down"):
         assert generate("-o", f"{y}_alone", "--y", y) == 0
-        assert generate("--pack", "normal_specular", "-o", y, "--y", y) == 0
+        assert generate("--pack", "normal_specular", "--pad", "0", "-o", y, "--y", y) == 0
         packed = pixels(f"{y}/fox_normal.png")
         assert np.abs(packed[..., 3].astype(int) - pixels("a/fox_specular.png")).max() <= 1
         assert np.array_equal(packed[..., :3], pixels(f"{y}_alone/fox_normal.png"))

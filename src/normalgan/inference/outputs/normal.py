@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.inference.normal_map import Format, NormalMap
+from normalgan.inference.normal_map import PADDING, Format, NormalMap
 from normalgan.inference.outputs.base import Output
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine, sidecar
 from normalgan.inference.outputs.shading import specular_of
@@ -16,6 +16,7 @@ from normalgan.normals import Bits, Green
 __all__ = ["Normal", "Pack", "engine_defaults"]
 
 Pack = Literal["normal_specular"]
+_MOST_PADDING = 1024
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Normal(Output):
         bits: of each channel of a PNG.
         y: up is green as in OpenGL, down as in DirectX.
         alpha: write the object's mask as alpha channel.
+        pad: pixels around the object that carry the colour of its edge, for engines that blend neighbours;
+            null is 16 with alpha, pack or engine, else 0, which leaves all of the background flat.
         pack: normal_specular writes the specular map as alpha channel; null packs nothing.
         engine: sets y, bits and suffix as it wants them, and writes what it imports the map by.
 
@@ -43,6 +46,7 @@ class Normal(Output):
     bits: Bits = 8
     y: Green = "up"
     alpha: bool = False
+    pad: int | None = None
     pack: Pack | None = None
     engine: Engine | None = None
 
@@ -52,6 +56,8 @@ class Normal(Output):
             raise InputError(f"the bits of a normal map are 8 or 16, not {self.bits}.")
         if self.bits == 16 and self.format != "png":
             raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
+        if self.pad is not None and not 0 <= self.pad <= _MOST_PADDING:
+            raise InputError(f"--pad {self.pad} is not a number of pixels from 0 to {_MOST_PADDING}.")
         if self.pack and self.alpha:
             raise InputError(
                 "--pack normal_specular and --alpha both write the alpha channel; leave one out."
@@ -70,12 +76,14 @@ class Normal(Output):
             # On the object at least one level of 8 bits: what has none there is written as flat.
             dullest = preds.mask.astype(np.float32) / 255
             preds = replace(preds, alpha=np.maximum(specular_of(preds), dullest))
-        return {self.endings[0]: preds.encode(self.format, self.bits, self.y, self.alpha or bool(self.pack))}
+        pad = PADDING if self.pad is None and self.engine else self.pad
+        transparent = self.alpha or bool(self.pack)
+        return {self.endings[0]: preds.encode(self.format, self.bits, self.y, transparent, pad)}
 
     @property
     def plain(self) -> bool:
-        """Whether the map is a picture of 8 bits without packed values, as animations and layers hold."""
-        return self.format == "png" and self.bits == 8 and self.pack is None
+        """Whether the map is a picture of 8 bits, not packed or padded, as animations and layers hold."""
+        return self.format == "png" and self.bits == 8 and self.pack is None and not self.pad
 
     def sidecar(self, target: Path) -> tuple[Path, bytes] | None:
         """Return the file by which the engine imports a map, and its content; None without an engine."""
