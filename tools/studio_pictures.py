@@ -112,8 +112,7 @@ def film(page: Page, path: Path) -> None:
     shot()
     page.keyboard.press("c")
     page.locator("#export").click()
-    page.locator("#export-what").select_option("all")
-    page.locator("#export-format").select_option("unity")
+    page.locator("#export-engines input[value=unity]").check()
     shot(predicted=False)
     page.keyboard.press("Escape")
     # Maps have more colours than a palette, which would show bands in them.

@@ -92,3 +92,15 @@ def test_a_thread_of_an_object_still_has_points() -> None:
     speck = np.zeros_like(mask)
     speck[300, 300] = True  # less than a pixel where points are looked for
     assert len(suggest(normals, speck, None, NONE, 3)) <= 1
+
+
+def test_points_keep_off_the_lines() -> None:
+    normals = np.zeros((256, 256, 3), np.float32)
+    normals[:, :128], normals[:, 128:] = (-0.6, 0, 0.8), (0.6, 0, 0.8)
+    mask, lines = np.zeros((256, 256), bool), np.zeros((256, 256), bool)
+    mask[20:236, 20:236] = lines[20:236, 126:130] = True
+    assert 120 < suggest(normals, mask, None, NONE, 1)[0].x < 136  # the ridge is what bends
+    points = suggest(normals, mask, None, NONE, 6, lines)
+    assert len(points) == 6
+    assert all(abs(point.x - 128) > 5 for point in points)
+    assert suggest(normals, mask, None, NONE, 1, mask)  # where all is ink, there is nothing to keep off

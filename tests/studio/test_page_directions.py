@@ -1,5 +1,7 @@
 """Directions given by hand on the studio's page: pins that hold, regions, the direction brush."""
 
+import math
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -59,14 +61,24 @@ def test_opposed_pins_near_one_another_hold(studio: Studio) -> None:
         assert degrees(studio.shown(x + 0.5, MIDDLE + 0.5), direction(lean, 0)) < 4
 
 
-def test_a_pins_reach_can_be_changed_and_is_undone(studio: Studio) -> None:
+@pytest.mark.parametrize("by", ["slider", "ring"])
+def test_a_pins_reach_can_be_changed_and_is_undone(studio: Studio, by: str) -> None:
     studio.pin(MIDDLE, MIDDLE)
     with studio.repainting():
         studio.turn(0, 0.8)
     beside = studio.shown(MIDDLE + 30, MIDDLE)
     with studio.repainting():
-        studio.page.locator("#point-reach").fill("90")
-        studio.page.locator("#point-reach").dispatch_event("change")
+        if by == "slider":
+            studio.page.locator("#point-reach").fill("90")
+            studio.page.locator("#point-reach").dispatch_event("change")
+        else:
+            knob = 30 * math.sqrt(0.5)  # pixels of the screen to the left and down, at least
+            (x, y), (further, _) = studio.on_board(MIDDLE, MIDDLE), studio.on_board(MIDDLE + 9, MIDDLE)
+            knob = max(knob, further - x)  # the usual reach is 12.8 pixels of the drawing
+            studio.page.mouse.move(x - knob, y + knob)
+            studio.page.mouse.down()
+            studio.page.mouse.move(*studio.on_board(MIDDLE - 60, MIDDLE + 60), steps=3)
+            studio.page.mouse.up()
     assert degrees(studio.shown(MIDDLE + 30, MIDDLE), beside) > 5
     with studio.repainting():
         studio.page.keyboard.press("Control+z")

@@ -16,6 +16,7 @@ def export(studio: Studio, path: Path, **fields: str) -> str:
     """Export by the dialog; return what the file is called."""
     page = studio.page
     page.locator("#export").click()
+    page.locator(f"#export-engines input[value='{fields.pop('engine', '')}']").check()
     for name, value in fields.items():
         field = page.locator(f"#export-{name}")
         if name in {"what", "format"}:
@@ -47,22 +48,25 @@ def test_a_larger_export_is_drawn_anew_and_not_enlarged(ball: Studio, tmp_path: 
 
 
 def test_all_files_come_in_one_zip(ball: Studio, tmp_path: Path) -> None:
-    name = export(ball, tmp_path / "all.zip", name="fox", what="all", format="godot", size="512")
+    name = export(ball, tmp_path / "all.zip", name="fox", engine="godot", size="512")
     assert name == "fox_godot.zip"
     with zipfile.ZipFile(tmp_path / "all.zip") as archive:
         assert len(archive.namelist()) == 10  # with what Godot imports the map by
+        names = archive.namelist()
         for each in archive.namelist():
             if each.endswith(".png"):
                 assert Image.open(io.BytesIO(archive.read(each))).size == (512, 512), each
     ball.page.locator("#export").click()  # what was chosen is there again
-    assert ball.page.locator("#export-what").input_value() == "all"
-    assert ball.page.locator("#export-format").input_value() == "godot"
+    assert ball.page.locator("#export-engines :checked").input_value() == "godot"
+    ball.page.locator("#export-name").fill("fox")
+    assert ball.page.locator("#export-files li").all_inner_texts() == names  # it said so before
 
 
 def test_the_map_is_copied_to_the_clipboard(ball: Studio) -> None:
     page = ball.page
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.locator("#export").click()
+    page.locator("#export-engines input[value='']").check()
     page.locator("#export-what").select_option("map")
     page.locator("#export-size").fill("")  # the last export's is there again
     with ball.saying("Copied"):
@@ -76,5 +80,14 @@ def test_the_map_is_copied_to_the_clipboard(ball: Studio) -> None:
     )
     assert size == [SIDE, SIDE]
     page.locator("#export").click()
+    look = """() => {
+      const copy = document.createElement("canvas").getContext("2d");
+      copy.drawImage(document.getElementById("export-picture"), 0, 0);
+      return [...copy.getImageData(120, 60, 1, 1).data];
+    }"""
+    up = page.evaluate(look)
+    page.locator("#export-y").select_option("down")
+    down = page.evaluate(look)
+    assert [down[0], down[1], down[3]] == [up[0], 255 - up[1], up[3]]  # the picture is what will be written
     page.locator("#export-what").select_option("relief")
     assert page.locator("#export-copy").is_disabled()  # a mesh is no picture

@@ -31,6 +31,17 @@ def empty_server(server: Server) -> Server:
     return server
 
 
+PICTURED = """list => {
+  const canvas = document.querySelector(`#${list} canvas`);
+  if (!canvas) return false;
+  const copy = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  copy.drawImage(canvas, 0, 0);
+  const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
+  return pixels.some((value, i) => i % 4 === 3 && value > 200 && pixels[i - 1] < 100);
+}"""
+"""Whether the first tile of a gallery shows ink."""
+
+
 def open_project(studio: Studio, name: str) -> None:
     studio.size = SIDE, SIDE
     studio.page.locator("#open").click()
@@ -143,6 +154,22 @@ def test_projects_of_a_server_that_is_away_are_not_said_to_be_none(opened: "Brow
         studio.page.locator("#open-none", has_text="Can't reach the studio").wait_for()
 
 
+def test_a_folder_of_drawings_is_a_gallery_to_open_them_from(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    for name in ("2.svg", "10.svg", "notes.txt"):
+        (tmp_path / name).write_text(SVG)
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        page.locator("#open").click()
+        page.set_input_files("#open-folder", tmp_path)
+        assert page.locator("#folder-list strong").all_inner_texts() == ["2.svg", "10.svg"]
+        page.wait_for_function(PICTURED, arg="folder-list")
+        with studio.saying("Imported “10.svg”"):
+            page.locator("#folder-list .project").nth(1).click()
+        assert page.locator("#pixels").inner_text() == "1024 × 512"  # as large as the server draws an SVG
+
+
 def test_an_exported_map_is_read_back(opened: "Browser", server: Server, tmp_path: Path) -> None:
     with open_studio(opened, server.url) as studio:
         studio.new()
@@ -221,6 +248,8 @@ def test_what_is_drawn_while_a_project_comes_is_asked_about(opened: "Browser", s
             studio.circle()
         studio.save_as("fox")
         studio.new()
+        page.locator("#open").click()
+        page.wait_for_function(PICTURED, arg="project-list")  # what is asked for now is what is opened
         page.evaluate(
             """() => {
               const ask = window.fetch;
@@ -231,7 +260,6 @@ def test_what_is_drawn_while_a_project_comes_is_asked_about(opened: "Browser", s
               };
             }"""
         )
-        page.locator("#open").click()
         page.locator(".project", has_text="fox").click()
         page.wait_for_function("() => window.go")
         studio.line((20, 20), (60, 20))

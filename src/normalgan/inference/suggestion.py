@@ -17,6 +17,9 @@ _SIDE = 256
 _RIM = 0.02
 """Nearer to the edge than this share of the object's extent the outline tells the normal."""
 
+_INKED = 0.1
+"""Share of ink in a pixel of the small map from which on a line runs through it."""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -36,7 +39,12 @@ class Point:
 
 
 def suggest(
-    normals: Floats, mask: NDArray[np.bool_], confidence: Floats | None, taken: Floats, count: int
+    normals: Floats,
+    mask: NDArray[np.bool_],
+    confidence: Floats | None,
+    taken: Floats,
+    count: int,
+    lines: NDArray[np.bool_] | None = None,
 ) -> list[Point]:
     """Return at most ``count`` points, best first.
 
@@ -51,6 +59,8 @@ def suggest(
         confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
         taken: (K, 2), x and y in pixels of the hints that are there already.
         count: of points.
+        lines: (H, W), the ink. On a line two surfaces meet, and nobody can tell the normal there. Points
+            keep off it as far as there is room.
 
     References:
         Mitchell 1991, "Spectrally Optimal Sampling for Distribution Ray Tracing".
@@ -80,6 +90,10 @@ def suggest(
     if confidence is not None:
         gain = 0.7 * _peaked(uncertainty(resize(confidence, shape)) * counts, reach / 2) + 0.3 * bent
     free = depth > min(1, 0.8 * depth.max())
+    if lines is not None:
+        off = _depth(resize(lines.astype(np.float32), shape) < _INKED)
+        if (free & (off > 1)).any():
+            free &= off > 1
     rows, columns = np.mgrid[: shape[0], : shape[1]] + 0.5
 
     def take(x: float, y: float) -> None:

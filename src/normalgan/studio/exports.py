@@ -1,9 +1,11 @@
 """Exports: the files of a drawing, equal to those of `normalgan generate`, one or all at once."""
 
 import io
+import json
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Final, Literal
@@ -22,6 +24,7 @@ from normalgan.inference.outputs import (
     Specular,
 )
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
+from normalgan.normals import Bits
 from normalgan.studio.drawing_request import LEAST_SIDE, MOST_SIDE, read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
 from normalgan.studio.names import LONGEST, check_name
@@ -154,15 +157,21 @@ def offered() -> dict[str, tuple[str, ...]]:
 
 
 def with_export_menu(page: str) -> str:
-    """Return the page with the menu of all exports, in the page's words as far as it has them."""
+    """Return the page with the menu of all exports, in the page's words as far as it has them.
+
+    Each names its files, with ``{}`` for the drawing's name, and the presets whose green points down.
+    """
     labels = {kind.name: kind.label for kind in OUTPUTS}
     options = []
     for name, formats in offered().items():
         word = f"what{name.capitalize()}"
         known = f"  {word}: " in _PAGE_WORDS.read_text(encoding="utf-8")
         own, label = (f' data-text="{word}"', "") if known else ("", escape(labels[name]))
-        options.append(f'<option value="{name}" data-formats="{" ".join(formats)}"{own}>{label}</option>')
-    return page.replace("<!-- outputs -->", "".join(options))
+        files = {form: _request("{}", name, form, line_art=b"").names for form in formats}
+        more = f'data-formats="{" ".join(formats)}" data-files="{escape(json.dumps(files))}"'
+        options.append(f'<option value="{name}" {more}{own}>{label}</option>')
+    down = " ".join(name for name, preset in PRESETS.items() if preset.normal.y == "down")
+    return page.replace("<!-- outputs -->", "".join(options)).replace("<!-- down -->", down)
 
 
 @dataclass(frozen=True)
@@ -183,31 +192,48 @@ class ExportRequest:
     preset: str = "plain"
     line_art: bytes | None = None
 
-    def encode(self, preds: NormalMap) -> tuple[str, bytes]:
-        """Return the file's name and its content."""
-        if self.output is None:
-            return f"{self.name}_{self.preset}.zip", _zipped(self._files(preds))
-        files = [(self.name + ending, content) for ending, content in self.output.encode(preds).items()]
-        return files[0] if len(files) == 1 else (f"{self.name}_{self.output.name}.zip", _zipped(files))
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the files are called that are written."""
+        return tuple(name for name, _ in self._files())
 
-    def _files(self, preds: NormalMap) -> Iterator[tuple[str, bytes]]:
-        """Yield all files, as a program wants them."""
+    def encode(self, preds: NormalMap) -> tuple[str, bytes]:
+        """Return the file's name and its content; several are zipped."""
+        once = replace(preds)  # keeps the heights that outputs share, and is gone when they are written
+        files = [(name, encode(once)) for name, encode in self._files()]
+        if self.output is not None and len(files) == 1:
+            return files[0]
+        kind = self.preset if self.output is None else self.output.name
+        return f"{self.name}_{kind}.zip", _zipped(files)
+
+    def _files(self) -> Iterator[tuple[str, Callable[[NormalMap], bytes]]]:
+        """Yield the name of each file, and what makes it of a map."""
+        if self.output is not None:
+            for ending in self.output.endings:
+                yield self.name + ending, partial(_encoded, self.output, ending)
+            return
         preset = PRESETS.get(self.preset, _PLAIN)
         own = preset.prefix + self.name
         names, normal = preset.names.of(own), preset.normal
-        once = replace(preds)  # keeps the heights that outputs share, and is gone when they are written
-        for ending, content in normal.encode(once).items():
-            yield own + ending, content
+        for ending in normal.endings:
+            yield own + ending, partial(_encoded, normal, ending)
             if (beside := normal.sidecar(Path(own + ending))) is not None:
-                yield beside[0].name, beside[1]
-        others = Mask(), Height(preset.height), AmbientOcclusion(), Curvature(), Specular()
-        for output in others:
-            for ending, content in output.encode(once).items():
-                yield getattr(names, output.name) + Path(ending).suffix, content
-        yield f"{names.preview}.png", _preview(preds)
+                yield beside[0].name, partial(_fixed, beside[1])
+        for output in (Mask(), Height(preset.height), AmbientOcclusion(), Curvature(), Specular()):
+            (ending,) = output.endings
+            yield getattr(names, output.name) + Path(ending).suffix, partial(_encoded, output, ending)
+        yield f"{names.preview}.png", _preview
         if self.line_art is not None:
-            yield f"{names.line}.png", self.line_art
-        yield "README.txt", f"{preset.notes}\n".encode()
+            yield f"{names.line}.png", partial(_fixed, self.line_art)
+        yield "README.txt", partial(_fixed, f"{preset.notes}\n".encode())
+
+
+def _encoded(output: Output, ending: str, preds: NormalMap) -> bytes:
+    return output.encode(preds)[ending]
+
+
+def _fixed(content: bytes, _: NormalMap) -> bytes:
+    return content
 
 
 def _zipped(files: Iterable[tuple[str, bytes]]) -> bytes:
@@ -243,15 +269,28 @@ def read_export_request(fields: Fields) -> ExportRequest:
     if fields.get("size") is not None:
         longest = take_integer(fields, "size", LEAST_SIDE, MOST_SIDE)
     name = check_name(take_text(fields, "name", LONGEST) if "name" in fields else "drawing")
+    art = None
+    if kind == "all" and fields.get("line_art") is not None:
+        art = take_bytes(fields, "line_art")
+        read_png("line art", art)  # what is no picture is none of the files
+    return _request(name, kind, chosen, longest=longest, y=y, alpha=alpha, line_art=art)
+
+
+def _request(
+    name: str,
+    kind: str,
+    chosen: str,
+    *,
+    longest: int | None = None,
+    y: Literal["up", "down"] = "up",
+    alpha: bool = False,
+    line_art: bytes | None = None,
+) -> ExportRequest:
+    """Return the request for a kind of file in one of its formats."""
     if kind == "all":
-        art = None
-        if fields.get("line_art") is not None:
-            art = take_bytes(fields, "line_art")
-            read_png("line art", art)  # what is no picture is none of the files
-        return ExportRequest(name, None, longest, chosen, art)
+        return ExportRequest(name, None, longest, chosen, line_art)
     if kind == "map":
-        form = _FORMATS[chosen]
-        normal = Normal(form, bits=16 if chosen == "png16" else 8, y=y, alpha=alpha)
-        return ExportRequest(name, normal, longest)
+        bits: Bits = 16 if chosen == "png16" else 8
+        return ExportRequest(name, Normal(_FORMATS[chosen], bits=bits, y=y, alpha=alpha), longest)
     wanted = next(each for each in OUTPUTS if each.name == kind)
     return ExportRequest(name, wanted(format=chosen), longest)

@@ -8,6 +8,7 @@ from typing import TypeVar
 from urllib.parse import quote
 
 import numpy as np
+from numpy.typing import NDArray
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
@@ -155,7 +156,9 @@ class PredictionRoutes:
         predicted = self._predict(layers)
         given = [hint for layer in layers for hint in layer.drawing.hints]
         hints = parse_hints(given, "the request", (predicted.mask.shape[0], predicted.mask.shape[1]))
-        found = suggest(predicted.extended, predicted.mask, predicted.confidence, hints.points, count)
+        mask = predicted.mask
+        lines = _lines(layers, mask)
+        found = suggest(predicted.extended, mask, predicted.confidence, hints.points, count, lines)
         return [
             {"x": point.x, "y": point.y, "normal": list(point.normal), "gain": point.gain} for point in found
         ]
@@ -206,6 +209,16 @@ def _pixels(content: bytes, predicted: NormalMap, start: float) -> Response:
         "X-Seconds": f"{time.perf_counter() - start:.4f}",
     }
     return Response(content, headers=headers, media_type=_OCTETS)
+
+
+def _lines(layers: Sequence[Layer], mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return where there is ink, as large as the mask: what is dark, whatever its colour."""
+    inked = np.zeros_like(mask)
+    for layer in layers:
+        picture, _ = layer.drawing.read_lines()
+        dark = picture.colour.min(axis=-1) < 0.5
+        inked |= dark if picture.alpha is None else dark & (picture.alpha > 0.5)
+    return inked
 
 
 def _dropped(warning: str = "") -> Response:

@@ -270,3 +270,25 @@ export function parseDocument(value) {
   const settings = { name: String(doc.settings?.name ?? "") };
   return { format: FORMAT, version: VERSION, width, height, layers, active, pictures, settings };
 }
+
+/** Pixels of the pane between a point and its ring's knob at least: the point itself is taken hold of too. */
+const NEAREST_KNOB = 30;
+/** @typedef {{width: number, height: number}} Size */
+/** The farthest that a point has an effect, and how far if nothing is said, as shares of the drawing's longer side. */
+const MOST_REACH = 0.4;
+const USUAL_REACH = 0.05;
+
+/** @param {Size} doc @returns {number} pixels */
+export const mostReach = ({ width, height }) => MOST_REACH * Math.max(width, height);
+
+/** Returns how far a point has an effect, in pixels. @param {{reach?: number}} hint @param {Size} doc */
+export const reachOf = ({ reach }, { width, height }) => reach ?? USUAL_REACH * Math.max(width, height);
+
+/**
+ * Returns where the ring about a point that shows its reach is taken hold of.
+ * @param {{x: number, y: number, reach?: number}} hint @param {Size} doc @param {number} scale pixels of the pane for one of the drawing
+ */
+export function knobOf(hint, doc, scale) {
+  const aside = Math.max(reachOf(hint, doc), NEAREST_KNOB / scale) * Math.SQRT1_2;
+  return { x: hint.x - aside, y: hint.y + aside };
+}

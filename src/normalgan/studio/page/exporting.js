@@ -1,14 +1,22 @@
-/** Exporting: the dialog that asks for a file or for all of them, and what comes of it: a download or the clipboard. */
+/**
+ * Exporting: the dialog that asks for a file or for all that an engine wants, and shows what will be written; what comes
+ * of it is a download or the clipboard.
+ */
 
 import { exported, predict } from "./api.js";
-import { context2d } from "./canvas.js";
+import { clear, context2d } from "./canvas.js";
 import { drawnLayers } from "./document.js";
 import { $, download, enable, field, make, open } from "./dom.js";
+import { drawFitted } from "./gallery.js";
 import { linesAt } from "./ink.js";
 import { recalled, remember } from "./settings.js";
 import { say, text, wordsOf } from "./text.js";
 
 const KEY = "normalgan-export";
+/** Longer side in pixels of a picture that the server makes to be looked at. */
+const LOOK = 256;
+/** @returns {HTMLSelectElement} */
+const whatList = () => $("export-what");
 
 /** @param {HTMLCanvasElement} canvas @returns {Promise<Blob>} a PNG */
 function toPng(canvas) {
@@ -37,20 +45,28 @@ export class Exporting {
     this.editor = editor;
     this.predictor = predictor;
     this.status = status;
-    /** @type {Record<string, string[]>} */
     /** @type {Record<string, string[]>} the formats of each kind of file, as the menu lists them */
-    this.formats = Object.fromEntries([.../** @type {HTMLSelectElement} */ ($("export-what")).options].map((each) => [each.value, (each.dataset.formats ?? "").split(" ")]));
+    this.formats = Object.fromEntries([...whatList().options].map((each) => [each.value, (each.dataset.formats ?? "").split(" ")]));
     this.offered = this.formats;
+    /** Counts the pictures that are looked at: of two that are asked for the later one is shown. */
+    this.looks = 0;
+    const everything = /** @type {HTMLOptionElement} */ (whatList().querySelector("[value=all]"));
+    everything.hidden = true; // the engines' tiles stand for it
+    $("export-engines").append(...["", ...this.formats.all].map((engine) => {
+      const input = make("input", { type: "radio", name: "engine", value: engine });
+      input.addEventListener("change", () => this.#take(engine));
+      return make("label", {}, input, make("span", { text: engine ? wordsOf(engine) : text.oneFile }));
+    }));
     $("export-what").addEventListener("change", () => this.#formats());
-    $("export-format").addEventListener("change", () => this.#rows());
+    for (const name of ["format", "y"]) $(`export-${name}`).addEventListener("change", () => this.#rows());
+    $("export-name").addEventListener("input", () => this.#list());
     this.#recall();
   }
 
   /** Has only what can be exported here be chosen. @param {Record<string, string[]>} offered formats of each kind of file */
   offer(offered) {
     this.offered = { ...offered, lit: this.formats.lit }; // the page makes it
-    /** @type {HTMLSelectElement} */
-    const what = $("export-what");
+    const what = whatList();
     for (const option of what.options) {
       option.disabled = !(option.value in this.offered);
       option.title = option.disabled ? text.needsPython : "";
@@ -67,6 +83,7 @@ export class Exporting {
       return;
     }
     field("export-name").value = this.editor.doc.settings.name;
+    this.#rows();
     const way = await open($("export-dialog"));
     if (!way) return;
     this.#remember();
@@ -173,16 +190,77 @@ export class Exporting {
     const what = field("export-what").value;
     const words = (/** @type {string} */ format) => (format in text ? wordsOf(what === "height" && format === "png" ? "png16" : format) : format.toUpperCase());
     const has = (/** @type {string} */ format) => this.offered[what]?.includes(format) ?? false;
+    // Where all files are wanted, each format is an engine.
     $("export-format").replaceChildren(...this.formats[what].map((format) => make("option", { value: format, text: words(format), disabled: !has(format) })));
     this.#rows();
   }
 
-  /** Shows only what goes with the kind of file. */
+  /** Takes an engine, or one file of the menu. @param {string} engine */
+  #take(engine) {
+    whatList().value = engine ? "all" : "map";
+    this.#formats();
+    if (engine) field("export-format").value = engine;
+    this.#rows();
+  }
+
+  /** Shows only what goes with the kind of file, and what will be written. */
   #rows() {
-    const what = field("export-what").value;
+    const what = whatList().value;
+    const all = what === "all";
+    for (const input of /** @type {NodeListOf<HTMLInputElement>} */ ($("export-engines").querySelectorAll("input"))) {
+      input.checked = input.value === (all ? field("export-format").value : "");
+      input.disabled = input.value !== "" && !this.offered.all?.includes(input.value);
+    }
+    $("export-what-row").hidden = $("export-format-row").hidden = all;
     $("export-y-row").hidden = what !== "map";
     $("export-alpha-row").hidden = what !== "map";
-    $("export-all-rule").hidden = what !== "all";
     enable("export-copy", ["png8", "png"].includes(field("export-format").value));
+    this.#list();
+    this.#look().catch(() => {}); // the export itself says what is wrong
   }
+
+  /** Lists the files that will be written. */
+  #list() {
+    const { name, what, format } = this.#wish();
+    /** @type {Record<string, string[]>} */
+    const files = JSON.parse(whatList().selectedOptions[0].dataset.files ?? "{}");
+    const names = (files[format] ?? []).map((each) => each.replace("{}", name));
+    const one = names.length === 1;
+    $("export-archive").textContent = one ? names[0] : say("archive", { name: `${name}_${what === "all" ? format : what}.zip`, count: names.length });
+    $("export-files").replaceChildren(...(one ? [] : names.map((each) => make("li", { text: each }))));
+  }
+
+  /** Shows a picture of what will be written. */
+  async #look() {
+    if (!this.editor.layer) return;
+    const look = ++this.looks;
+    const { what, format, y } = this.#wish();
+    const { painted } = this.predictor;
+    const down = what === "all" ? ($("export-engines").dataset.down ?? "").split(" ").includes(format) : y === "down";
+    /** @type {HTMLCanvasElement | ImageBitmap | null} */
+    let picture = null;
+    if (what === "lines") picture = linesAt(this.editor.doc, LOOK);
+    else if (["map", "all", "relief"].includes(what) || !this.offered[what]?.includes("png")) picture = painted && canvasOf(painted, painted.rgba, what !== "relief" && down);
+    else if (what === "lit") picture = painted && canvasOf(painted, this.shaded(painted), false);
+    else {
+      const { blob } = await this.predictor.askAt(LOOK, exported, { name: "look", what, format: "png" });
+      picture = await createImageBitmap(blob);
+    }
+    if (look !== this.looks) return;
+    /** @type {HTMLCanvasElement} */
+    const canvas = $("export-picture");
+    canvas.classList.toggle("paper", what === "lines");
+    clear(context2d(canvas));
+    if (picture) drawFitted(canvas, picture);
+  }
+}
+
+/** @param {import("./predictor.js").Painted} map @param {Uint8ClampedArray | Uint8Array} rgba @param {boolean} down whether green is turned over */
+function canvasOf({ width, height }, rgba, down) {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width, height];
+  const image = new ImageData(new Uint8ClampedArray(rgba), width);
+  if (down) for (let i = 1; i < image.data.length; i += 4) image.data[i] = 255 - image.data[i];
+  context2d(canvas).putImageData(image, 0, 0);
+  return canvas;
 }

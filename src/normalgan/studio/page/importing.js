@@ -25,6 +25,8 @@ export class Importing {
     this.projects = projects;
     /** @type {Way} */
     this.as = "";
+    /** Takes what was dropped, if it is a folder or several files. @type {(dropped: DataTransfer) => boolean} */
+    this.onSeveral = () => false;
     /** @type {HTMLInputElement} */
     const chosen = $("import-file");
     chosen.addEventListener("change", () => {
@@ -35,7 +37,7 @@ export class Importing {
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
-      this.#dropped(event.dataTransfer?.files[0]);
+      if (event.dataTransfer && !this.onSeveral(event.dataTransfer)) this.#dropped(event.dataTransfer.files[0]);
     });
     addEventListener("paste", (event) => this.#dropped(event.clipboardData?.files[0]));
   }
@@ -59,6 +61,18 @@ export class Importing {
       const { layered, ...picture } = await imported(file);
       const layers = layered ? () => importedLayers(file) : null;
       await this.place({ ...picture, layers }, as, file.name);
+    } catch (error) {
+      this.#failed(error, file.name);
+    }
+  }
+
+  /** Opens a picture as a drawing of its own. @param {File} file */
+  async open(file) {
+    try {
+      const found = await imported(file);
+      if (!(await this.projects.mayLeave())) return;
+      this.projects.create(found.width, found.height);
+      await this.place({ ...found, layers: null }, "drawing", file.name);
     } catch (error) {
       this.#failed(error, file.name);
     }

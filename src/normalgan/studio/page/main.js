@@ -9,6 +9,7 @@ import { Connection } from "./connection.js";
 import { $, fill, make, open } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Exporting } from "./exporting.js";
+import { Folder } from "./folder.js";
 import { followHistory } from "./history_list.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
@@ -63,6 +64,8 @@ overlay.onMoved = () => {
 const autosave = new Autosave(editor, connection, tab);
 const projects = new Projects(editor, autosave, status);
 const importing = new Importing(editor, view, status, projects);
+const folder = new Folder(importing, projects);
+importing.onSeveral = (/** @type {DataTransfer} */ dropped) => folder.take(dropped);
 const exporting = new Exporting(editor, predictor, status, (map) =>
   result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));
 const lines = new LineTool(editor, inks);

@@ -1,6 +1,6 @@
 /** Marks: how points and suggestions look on the board, and which one is meant by a click. */
 
-import { anchorOf } from "./document.js";
+import { anchorOf, knobOf, reachOf } from "./document.js";
 import { colourOf } from "./normal.js";
 import { sidesOf } from "./strokes.js";
 import { text } from "./text.js";
@@ -47,8 +47,34 @@ function drawMark(context, camera, at, normal, chosen) {
   context.stroke();
 }
 
+/**
+ * Draws how far a point has an effect: a ring, with a knob to drag.
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("./document.js").Hint} hint
+ */
+function drawReach(context, camera, hint) {
+  const { doc, scale } = camera;
+  const at = camera.toPane(hint.x, hint.y);
+  const knob = knobOf(hint, doc, scale);
+  const { x, y } = camera.toPane(knob.x, knob.y);
+  for (const { colour, width } of [{ colour: PALE, width: 3.5 }, { colour: ACCENT, width: 1.5 }]) {
+    [context.strokeStyle, context.lineWidth] = [colour, width];
+    context.setLineDash([5, 4]);
+    context.beginPath();
+    context.arc(at.x, at.y, reachOf(hint, doc) * scale, 0, 2 * Math.PI);
+    context.stroke();
+    context.setLineDash([]);
+    context.beginPath();
+    context.arc(x, y, 6, 0, 2 * Math.PI);
+    context.stroke();
+  }
+  context.fillStyle = "#fff";
+  context.fill();
+}
+
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
 export function drawHints(context, camera, editor) {
+  const chosen = editor.layer.hints[editor.chosen];
+  if (chosen && editor.tool === "hint") drawReach(context, camera, chosen);
   editor.layer.hints.forEach((hint, i) => {
     drawMark(context, camera, hint, hint.normal, i === editor.chosen);
   });

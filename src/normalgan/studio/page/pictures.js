@@ -14,12 +14,20 @@ export function keepOnly(urls) {
   for (const map of [known, cutOut]) for (const url of map.keys()) if (!wanted.has(url)) map.delete(url);
 }
 
+/** Frees pictures. @param {string[]} urls */
+export function free(urls) {
+  for (const url of urls) for (const map of [known, cutOut]) map.delete(url);
+}
+
 /**
  * Decodes pictures.
  * @param {string[]} urls data URLs
+ * @returns {Promise<string[]>} those that were not decoded before
  * @throws {Error} with a sentence if one cannot be read.
  */
 export async function decodeAll(urls) {
+  /** @type {string[]} */
+  const fresh = [];
   for (const url of urls) {
     if (known.has(url)) continue;
     const image = new Image();
@@ -30,7 +38,9 @@ export async function decodeAll(urls) {
       throw new Error(text.badPicture);
     }
     known.set(url, image);
+    fresh.push(url);
   }
+  return fresh;
 }
 
 /** Returns a picture that was decoded. @param {string} url @returns {HTMLImageElement} */

@@ -2,20 +2,16 @@
 
 import { suggest } from "./api.js";
 import { Ball } from "./ball.js";
-import { activeLayer, anchorOf, changedArea, changedHint, withoutArea, withoutHint } from "./document.js";
+import { activeLayer, anchorOf, changedArea, changedHint, mostReach, reachOf, withoutArea, withoutHint } from "./document.js";
 import { $, label, make } from "./dom.js";
 import { colourOf, inWords } from "./normal.js";
 import { say, text } from "./text.js";
 
 const COUNT = 6;
-const GAP = 30;
-/** Pixels below which a pane has no room for the upright card. */
-const LOW = 320;
+/** Pixels from a point to its ball. */
+const GAP = 40;
 /** Pixels that an arrow key moves the card. */
 const STEP = 16;
-/** The farthest that a point has an effect, as a share of the drawing's longer side, and how far if nothing is said. */
-const MOST_REACH = 0.4;
-const USUAL_REACH = 0.05;
 /** How far about its middle a mark reaches. */
 const MARK = 14;
 
@@ -132,8 +128,7 @@ export class Points {
     if (editor.chosen < 0) return;
     const { state } = editor.history;
     // Finer where it is small.
-    const share = (this.slider.valueAsNumber / 100) ** 2 * MOST_REACH;
-    const reach = Math.round(share * Math.max(state.width, state.height));
+    const reach = Math.round((this.slider.valueAsNumber / 100) ** 2 * mostReach(state));
     // Some browsers tell of the end twice; that is one step in history.
     if (!editor.draft && activeLayer(state).hints[editor.chosen].reach === reach) return;
     this.#change(changedHint(state, editor.chosen, { reach }), ended);
@@ -186,15 +181,9 @@ export class Points {
     label($("ball"), say(chosen.ball, words));
     $("point-words").textContent = words.direction;
     $("point-reach-label").hidden = editor.chosen < 0;
-    const share = (chosen.reach ?? USUAL_REACH * this.#side()) / this.#side() / MOST_REACH;
-    this.slider.value = String(Math.round(100 * Math.sqrt(share)));
+    this.slider.value = String(Math.round(100 * Math.sqrt(reachOf(chosen, editor.doc) / mostReach(editor.doc))));
     if (!this.popover.hidden) this.ball.show(chosen.normal);
     this.#place();
-  }
-
-  #side() {
-    const { width, height } = this.editor.doc;
-    return Math.max(width, height);
   }
 
   /**
@@ -234,28 +223,25 @@ export class Points {
   }
 
   /**
-   * Returns where the card covers least: other points, then the drawing.
+   * Returns where the ball is at the hand: beside its point, and not over others.
    * @param {{x: number, y: number}} pin in the pane @param {number} width @param {number} height
    */
   #spot(pin, width, height) {
     const { pane, camera } = this.board;
-    const { layer: { hints, areas }, doc: { width: side, height: other } } = this.editor;
+    const { hints, areas } = this.editor.layer;
     const marks = [...hints, ...areas.map(anchorOf)].map((each) => camera.toPane(each.x, each.y));
-    const [start, end] = [camera.toPane(0, 0), camera.toPane(side, other)];
-    /** @param {number} a @param {number} b @param {number} from @param {number} to */
-    const overlap = (a, b, from, to) => Math.max(0, Math.min(b, to) - Math.max(a, from));
-    const ways = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
-    const spots = ways.flatMap(([x, y]) => [1, 3].map((far) => ({
-      x: pin.x - width / 2 + x * (far * GAP + width / 2), y: pin.y - height / 2 + y * (far * GAP + height / 2),
-    })));
-    for (const x of [8, pane.width - width - 8]) for (const y of [8, pane.height - height - 8]) spots.push({ x, y });
+    /** @param {number} a @param {number} b @param {number} most */
+    const overlap = (a, b, most) => Math.max(0, Math.min(b, most) - Math.max(a, 0));
+    const ways = [[1, 0], [-1, 0], [0, -1], [0, 1], [1, -1], [-1, -1], [1, 1], [-1, 1]];
+    const spots = ways.map(([x, y]) => ({
+      x: pin.x - width / 2 + x * (GAP + width / 2), y: pin.y - height / 2 + y * (GAP + height / 2),
+    }));
     /** @param {{x: number, y: number}} spot */
     const cost = ({ x, y }) => {
       const covered = marks.filter((at) =>
         at.x > x - MARK && at.x < x + width + MARK && at.y > y - MARK && at.y < y + height + MARK).length;
-      const paper = overlap(x, x + width, start.x, end.x) * overlap(y, y + height, start.y, end.y);
-      const outside = width * height - overlap(x, x + width, 0, pane.width) * overlap(y, y + height, 0, pane.height);
-      return covered + (paper + 4 * outside) / (width * height);
+      const outside = width * height - overlap(x, x + width, pane.width) * overlap(y, y + height, pane.height);
+      return covered + (4 * outside) / (width * height);
     };
     return spots.reduce((best, each) => (cost(each) < cost(best) - 0.01 ? each : best));
   }
@@ -264,7 +250,6 @@ export class Points {
   #place() {
     const chosen = this.#chosen();
     if (!chosen || this.popover.hidden) return;
-    this.popover.classList.toggle("low", this.board.pane.height < LOW);
     const { x, y } = this.board.camera.toPane(chosen.x, chosen.y);
     const { offsetWidth: width, offsetHeight: height } = this.popover;
     const { pane } = this.board;

@@ -3,8 +3,8 @@
 import { Away, Refused, projects } from "./api.js";
 import { askName, choose } from "./dialogs.js";
 import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from "./document.js";
-import { $, download, label, make } from "./dom.js";
-import { icon } from "./icons.js";
+import { $, download } from "./dom.js";
+import { drawDocument, showTiles } from "./gallery.js";
 import { decodeAll, keepOnly } from "./pictures.js";
 import { tabRecalls, tabRemembers } from "./settings.js";
 import { pastOf, savedSteps } from "./steps.js";
@@ -160,33 +160,28 @@ export class Projects {
   async choose() {
     /** @type {HTMLDialogElement} */
     const dialog = $("open-dialog");
+    if (!dialog.open) dialog.showModal();
+    $("open-none").hidden = true; // not known yet
     /** @type {{name: string, changed: string}[]} */
-    let rows;
-    $("open-none").textContent = text.openNone;
+    let rows = [];
+    let none = text.openNone;
     try {
       rows = await projects.list();
     } catch (error) {
-      this.status.fail(error);
-      rows = [];
-      $("open-none").textContent = error instanceof Away ? text.offline : text.listFailed;
+      if (error instanceof Away) this.status.connection.lost();
+      none = error instanceof Away ? text.offline : text.listFailed;
     }
+    $("open-none").textContent = none;
     $("open-none").hidden = rows.length > 0;
-    $("project-list").replaceChildren(...rows.map((row) => this.#row(dialog, row)));
-    if (!dialog.open) dialog.showModal();
-  }
-
-  /** @param {HTMLDialogElement} dialog @param {{name: string, changed: string}} project */
-  #row(dialog, { name, changed }) {
-    const when = new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
-    const open = make("button", { type: "button", class: "project" }, make("strong", { text: name }), make("span", { text: when }));
-    open.addEventListener("click", () => {
-      dialog.close();
-      this.open(name);
-    });
-    const remove = make("button", { type: "button" }, icon("remove"));
-    label(remove, say("deleteProject", { name }));
-    remove.addEventListener("click", () => this.#remove(name));
-    return make("li", {}, open, remove);
+    showTiles($("project-list"), rows.map(({ name, changed }) => ({
+      name, key: `${name} ${changed}`, note: new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" }),
+      draw: async (canvas) => drawDocument(canvas, (await projects.read(name)).doc),
+      open: () => {
+        dialog.close();
+        this.open(name);
+      },
+      remove: { words: say("deleteProject", { name }), act: () => this.#remove(name) },
+    })));
   }
 
   /** Opens a project of the server. @param {string} name */

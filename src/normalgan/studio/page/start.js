@@ -2,10 +2,10 @@
 
 import { named } from "./api.js";
 import { unsaved } from "./autosave.js";
-import { context2d } from "./canvas.js";
 import { choose } from "./dialogs.js";
 import { isEmpty, parseDocument, picturesOf } from "./document.js";
 import { $, label, make, open } from "./dom.js";
+import { drawFitted } from "./gallery.js";
 import { icon } from "./icons.js";
 import { linesAt } from "./ink.js";
 import { decodeAll } from "./pictures.js";
@@ -219,15 +219,9 @@ async function described({ name, changed, read }) {
     const doc = parseDocument(found.doc);
     called = doc.settings.name || called;
     await decodeAll(picturesOf(doc));
-    draw(picture, doc);
+    drawFitted(picture, linesAt(doc, SMALL));
   } catch (error) {
     problem = /** @type {Error} */ (error).message;
   }
   return { name: called || text.untitled, when, picture, problem, read: problem ? null : found };
-}
-
-/** Draws a document as large as fits. @param {HTMLCanvasElement} canvas @param {import("./document.js").Doc} doc */
-function draw(canvas, doc) {
-  const lines = linesAt(doc, SMALL);
-  context2d(canvas).drawImage(lines, (SMALL - lines.width) / 2, (SMALL - lines.height) / 2);
 }

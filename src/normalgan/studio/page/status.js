@@ -70,8 +70,9 @@ export class Status {
   /** @param {string} words @param {string} kind */
   #warn(words, kind) {
     const { problem } = this;
-    // What lies behind an open dialog can be neither seen nor pressed.
-    (document.querySelector("dialog[open] form") ?? document.body).append(problem);
+    // What lies behind an open dialog can be neither seen nor pressed. That the server is away is not of the dialog.
+    const dialog = kind === "away" ? null : document.querySelector("dialog[open] form");
+    (dialog ?? document.body).append(problem);
     problem.dataset.kind = kind;
     problem.hidden = false;
     $("problem-words").textContent = words;

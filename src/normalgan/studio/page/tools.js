@@ -1,7 +1,7 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
 import { Areas } from "./areas.js";
-import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, anchorOf, changedHint, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
+import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
 import { Smoother } from "./smoothing.js";
@@ -121,7 +121,7 @@ export class HintTool {
     this.editor = editor;
     this.map = map;
     this.announce = announce;
-    /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean} | null} */
+    /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean, ring: boolean} | null} ring: its reach is changed */
     this.held = null;
   }
 
@@ -129,10 +129,12 @@ export class HintTool {
   down(touch) {
     const { editor } = this;
     const { doc, layer } = editor;
-    const index = nearest(layer.hints, touch, touch.reach);
+    const chosen = layer.hints[editor.chosen];
+    const ring = chosen !== undefined && nearest([knobOf(chosen, doc, touch.scale)], touch, touch.reach) === 0;
+    const index = ring ? editor.chosen : nearest(layer.hints, touch, touch.reach);
     if (index >= 0) {
       const { x, y } = layer.hints[index];
-      this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false };
+      this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
       editor.set({ chosen: index });
       return;
     }
@@ -147,8 +149,12 @@ export class HintTool {
     if (!held) return;
     held.moved ||= Math.hypot(touch.x - held.from.x, touch.y - held.from.y) > touch.reach / 4;
     if (!held.moved) return;
-    const at = this.#inside({ x: touch.x + held.dx, y: touch.y + held.dy });
-    editor.preview(changedHint(editor.history.state, held.index, at));
+    const { state } = editor.history;
+    const { x, y } = activeLayer(state).hints[held.index];
+    const change = held.ring
+      ? { reach: Math.round(Math.min(mostReach(state), Math.hypot(touch.x - x, touch.y - y))) }
+      : this.#inside({ x: touch.x + held.dx, y: touch.y + held.dy });
+    editor.preview(changedHint(state, held.index, change));
   }
 
   up() {
