@@ -120,7 +120,8 @@ def test_padding_keeps_the_rim_as_it_is_where_engines_blend(how: str) -> None:
         else:  # half-way between the rim and what is transparent
             rows = np.linspace(12, 48, 30, dtype=np.float32)[:, None]
             seen = cv2.remap(normals, np.full_like(rows, 59.5), rows, cv2.INTER_LINEAR).reshape(-1, 3)
-        return np.degrees(np.arccos(np.clip(seen @ lean / np.linalg.norm(seen, axis=-1), -1, 1)))
+        cosines = seen @ lean / np.linalg.norm(seen, axis=-1)
+        return np.asarray(np.degrees(np.arccos(np.clip(cosines, -1, 1))))
 
     assert sampled(None).max() < 1
     assert sampled(0).max() > 10  # flat beside the rim: it is lit as if it faced the viewer
