@@ -15,7 +15,7 @@ from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
 from normalgan.inference.reading.drawings import MOST_BYTES
 
-__all__ = ["PAGES", "Kind", "encode_animation", "kind_of", "moving_kind"]
+__all__ = ["PAGES", "Kind", "count_parts", "encode_animation", "kind_of", "moving_kind"]
 
 Kind = Literal["gif", "webp", "png"]
 """Of an animation; a PNG that moves is an APNG."""
