@@ -274,8 +274,16 @@ function areas(inked, width, height, lines, depth, side) {
  * @param {Uint8Array} inked @param {number} width @param {number} height @param {number} lines @param {Uint8Array | null} thick
  */
 function middle(inked, width, height, lines, thick) {
-  const smooth = blurred(inked, width, height, Math.max(lines / 4, 0.5));
-  const thin = thinned(where(smooth, (value, i) => value > 0.5 && !thick?.[i]), width, height);
+  const blur = Math.max(lines / 4, 0.5);
+  let smooth = where(blurred(inked, width, height, blur), (value) => value > 0.5);
+  // It loses lines that are thin beside the others, such as the eyes of a face with a thick outline.
+  const away = distance(opposite(smooth), width, height);
+  const lost = where(inked, (value, i) => value > 0 && away[i] > blur);
+  if (lost.includes(1)) {
+    const near = distance(opposite(lost), width, height);
+    smooth = where(smooth, (value, i) => value > 0 || (inked[i] > 0 && near[i] <= blur));
+  }
+  const thin = thinned(where(smooth, (value, i) => value > 0 && !thick?.[i]), width, height);
   if (!thick) return thin;
   const rim = edge(inked, thick, width, height);
   return where(thin, (value, i) => value > 0 || rim[i] > 0);

@@ -1,9 +1,12 @@
-"""Tests of how wide lines are: what is empty about a drawing makes no difference."""
+"""Tests of how wide lines are, and how they are shown to the model."""
 
+import cv2
 import numpy as np
 import pytest
 
-from normalgan.inference.network.line_width import line_width
+from normalgan.inference.network.framing import Frame
+from normalgan.inference.network.line_width import line_width, render_model_input
+from normalgan.line_widths import USUAL_WIDTHS
 
 
 @pytest.mark.parametrize("width", [1, 2, 5, 8])
@@ -20,3 +23,20 @@ def test_the_width_of_lines_does_not_depend_on_the_paper_about_them(width: int) 
 
 def test_without_ink_there_is_no_width() -> None:
     assert line_width(np.zeros((8, 8), np.bool_)) == 0
+
+
+def test_lines_that_are_thin_beside_the_others_are_shown() -> None:
+    outline, thin = np.zeros((2, 256, 256), np.uint8)
+    cv2.circle(outline, (128, 128), 95, 255, 6, cv2.LINE_AA)
+    cv2.ellipse(thin, (95, 110), (14, 20), 0, 0, 360, 255, 1, cv2.LINE_AA)
+    cv2.line(thin, (128, 150), (128, 222), 255, 1, cv2.LINE_AA)  # it ends in the outline
+    drawn, within, around = (
+        (each / 255).astype(np.float32) for each in (np.maximum(outline, thin), thin, outline)
+    )
+    frame = Frame.around(drawn, 256)
+    shown = render_model_input(drawn, frame, USUAL_WIDTHS)
+    where = frame.cut(within) > 0.5
+    where &= cv2.dilate(frame.cut(around), np.ones((3, 3), np.uint8)) < 0.1
+    assert where.sum() > 100
+    near = cv2.dilate(shown, np.ones((3, 3), np.uint8)) > 0.5
+    assert near[where].mean() > 0.98
