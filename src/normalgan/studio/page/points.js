@@ -228,8 +228,8 @@ export class Points {
    */
   #spot(pin, width, height) {
     const { pane, camera } = this.board;
-    const { hints, areas } = this.editor.layer;
-    const marks = [...hints, ...areas.map(anchorOf)].map((each) => camera.toPane(each.x, each.y));
+    const { layer: { hints, areas }, suggestions } = this.editor;
+    const marks = [...hints, ...areas.map(anchorOf), ...suggestions].map((each) => camera.toPane(each.x, each.y));
     /** @param {number} a @param {number} b @param {number} most */
     const overlap = (a, b, most) => Math.max(0, Math.min(b, most) - Math.max(a, 0));
     const ways = [[1, 0], [-1, 0], [0, -1], [0, 1], [1, -1], [-1, -1], [1, 1], [-1, 1]];
