@@ -109,7 +109,7 @@ def test_padding_keeps_the_rim_as_it_is_where_engines_blend(how: str) -> None:
     lean = np.array([0.8, 0, 0.6], np.float32)
     whole = replace(preds, extended=np.broadcast_to(lean, (64, 64, 3)).copy())
 
-    def sampled(pad: int | None) -> np.ndarray[Any, Any]:
+    def sampled(pad: int | None) -> Any:
         levels: Any = cv2.imdecode(
             np.frombuffer(whole.encode(alpha=True, pad=pad), np.uint8), cv2.IMREAD_UNCHANGED
         )

@@ -56,6 +56,8 @@ def test_all_files_come_in_one_zip(ball: Studio, tmp_path: Path) -> None:
         for each in archive.namelist():
             if each.endswith(".png"):
                 assert Image.open(io.BytesIO(archive.read(each))).size == (512, 512), each
+        preview = Image.open(io.BytesIO(archive.read("fox_preview.png")))
+        assert preview.mode == "RGBA"  # the result as it is seen, and not the server's
     ball.page.locator("#export").click()  # what was chosen is there again
     assert ball.page.locator("#export-engines :checked").input_value() == "godot"
     ball.page.locator("#export-name").fill("fox")

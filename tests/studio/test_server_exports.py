@@ -109,6 +109,15 @@ def test_the_edge_of_the_alpha_is_smooth(model: Path, tmp_path: Path) -> None:
     assert alpha[2, 2] == 0
 
 
+def test_the_preview_among_all_files_is_the_one_under_the_users_lights(model: Path, tmp_path: Path) -> None:
+    lit = png(np.full((HEIGHT, WIDTH, 4), 99, np.uint8))
+    with serving(model, tmp_path) as client:
+        files = unzipped(exported(client, what="all", format="unity", lit_picture=b64(lit))[1])
+        refused = client.post("/api/export", json=asking(what="all", lit_picture=b64(b"no picture")))
+    assert files["fox_Preview.png"] == lit
+    assert refused.json()["error"] == "the lit picture is no PNG."
+
+
 def test_what_is_no_picture_is_no_line_art(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path) as client:
         answer = client.post("/api/export", json=asking(what="all", line_art=b64(b"no picture")))

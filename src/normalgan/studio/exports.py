@@ -184,6 +184,7 @@ class ExportRequest:
         longest: longer side in pixels; None is the drawing's.
         preset: for what program, if it is all.
         line_art: PNG of the lines, if it is all.
+        lit: PNG of the map under the user's own lights, if it is all; None lights it from the upper left.
     """
 
     name: str
@@ -191,6 +192,7 @@ class ExportRequest:
     longest: int | None
     preset: str = "plain"
     line_art: bytes | None = None
+    lit: bytes | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -222,7 +224,7 @@ class ExportRequest:
         for output in (Mask(), Height(preset.height), AmbientOcclusion(), Curvature(), Specular()):
             (ending,) = output.endings
             yield getattr(names, output.name) + Path(ending).suffix, partial(_encoded, output, ending)
-        yield f"{names.preview}.png", _preview
+        yield f"{names.preview}.png", _preview if self.lit is None else partial(_fixed, self.lit)
         if self.line_art is not None:
             yield f"{names.line}.png", partial(_fixed, self.line_art)
         yield "README.txt", partial(_fixed, f"{preset.notes}\n".encode())
@@ -269,11 +271,23 @@ def read_export_request(fields: Fields) -> ExportRequest:
     if fields.get("size") is not None:
         longest = take_integer(fields, "size", LEAST_SIDE, MOST_SIDE)
     name = check_name(take_text(fields, "name", LONGEST) if "name" in fields else "drawing")
-    art = None
-    if kind == "all" and fields.get("line_art") is not None:
-        art = take_bytes(fields, "line_art")
-        read_png("line art", art)  # what is no picture is none of the files
-    return _request(name, kind, chosen, longest=longest, y=y, alpha=alpha, line_art=art)
+    request = _request(name, kind, chosen, longest=longest, y=y, alpha=alpha)
+    if kind != "all":
+        return request
+    return replace(request, line_art=_picture(fields, "line_art"), lit=_picture(fields, "lit_picture"))
+
+
+def _picture(fields: Fields, field: str) -> bytes | None:
+    """Return the PNG in a field; None without one.
+
+    Raises:
+        InputError: if it is no picture.
+    """
+    if fields.get(field) is None:
+        return None
+    content = take_bytes(fields, field)
+    read_png(field.replace("_", " "), content)  # what is no picture is none of the files
+    return content
 
 
 def _request(

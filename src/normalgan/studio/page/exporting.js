@@ -140,6 +140,7 @@ export class Exporting {
       const lines = await toPng(linesAt(doc, longest));
       if (wish.what === "lines") return { blob: lines, name: `${wish.name}_line.png` };
       more.line_art = await toBase64(lines);
+      more.lit_picture = await toBase64(await this.#lit(longest === own ? null : longest));
     }
     // At its own size the file is of the very pixels that the map on show is of.
     return longest === own ? this.predictor.ask(exported, more) : this.predictor.askAt(longest, exported, more);
