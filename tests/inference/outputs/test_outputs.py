@@ -132,7 +132,7 @@ def test_the_frames_of_a_moving_drawing_have_the_scale_of_the_batch_once(here: P
 
 @pytest.mark.parametrize("engine", ["unity", "unreal", "godot", "godot3", "blender"])
 def test_an_engine_sets_its_conventions_and_is_told_how_to_import(here: Path, engine: str) -> None:
-    assert generate("fox.png", "-o", "plain") == 0
+    assert generate("fox.png", "-o", "plain", "--pad", "16") == 0
     assert generate("fox.png", "-o", "out", "--engine", engine) == 0
     names = {path.name for path in Path("out").iterdir()}
     map_name, sidecar, green, kind = {
