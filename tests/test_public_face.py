@@ -31,7 +31,7 @@ def test_the_public_signatures() -> None:
     assert names(normalgan.load) == ["path_or_name", "size"]
     assert inspect.signature(normalgan.load).parameters["path_or_name"].default == "shipped"
     assert names(normalgan.Predictor.__call__) == ["self", "image", "hints", "mask", "size", "tile"]
-    assert names(normalgan.NormalMap.save) == ["self", "path", "bits", "y", "alpha"]
+    assert names(normalgan.NormalMap.save) == ["self", "path", "bits", "y", "alpha", "pad"]
     public = {name for name in dir(normalgan.NormalMap) if not name.startswith("_")}
     fields = set(normalgan.NormalMap.__dataclass_fields__)
     assert public | fields == {

@@ -31,6 +31,7 @@ def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") ->
         InputError: if it is of another size, or empty.
 
     Example:
+        >>> import numpy as np
         >>> black, clear = np.zeros((8, 8, 3), np.float32), np.zeros((8, 8), np.float32)
         >>> clear[2:4] = 1
         >>> int(mask_of(Picture(black, clear), (8, 8)).sum())
