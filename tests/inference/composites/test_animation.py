@@ -13,6 +13,7 @@ from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import Kind, encode_animation, moving_kind
 from normalgan.inference.composites.series import steadied
+from normalgan.normals import read_png
 from pens import blob, outline
 
 Pixels = NDArray[np.uint8]
@@ -128,6 +129,15 @@ def test_a_frame_for_all_keeps_what_stands_still(here: Path) -> None:
         flicker[frame] = np.ptp(np.stack(shown).astype(int)[:, 40:60, 25:45], axis=0).mean()
     assert flicker["shared"] < 0.5  # of 255
     assert flicker["own"] > 2
+
+
+def test_what_moves_as_a_whole_is_shown_as_if_it_stood_still(here: Path) -> None:
+    animate("moves.gif")
+    for folder, more in (("default", ()), ("own", ("--frame", "own"))):
+        assert generate("moves.gif", "-o", folder, "--bits", "16", *more) == 0
+    for i in range(1, 5):
+        name = f"moves_000{i}_normal.png"
+        assert np.abs(read_png(Path("default", name))[0] - read_png(Path("own", name))[0]).max() < 0.02
 
 
 def test_files_of_one_size_share_a_frame(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

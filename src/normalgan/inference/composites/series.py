@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.mask.masks import MaskOrSource
-from normalgan.inference.network.framing import bounds_of, united
+from normalgan.inference.network.framing import Bounds, bounds_of, united
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import stream
 from normalgan.inference.pipeline import finish
@@ -65,7 +65,8 @@ def predict_series(
         shared: show the network the same square of all: the one that holds the lines of all. What stays where
             it is then has the same pixels in each; and a drawing of few lines is not enlarged to fill it.
         steady: average each drawing's normals with those of its neighbours in the series where they show the
-            same lines, so that what stands still does not flicker; needs ``shared``.
+            same lines, so that what stands still does not flicker; needs ``shared``. What moves as a whole,
+            so that its box keeps its size, is shown in squares that move with it.
         size: longer side of the maps in pixels; None is the drawings'.
 
     Raises:
@@ -75,9 +76,11 @@ def predict_series(
     good = [i for i, each in enumerate(prepared) if isinstance(each, Prepared)]
     if shared and good:
         _check_sizes(members)
-        bounds = united(bounds_of(each.ink) for each in prepared if isinstance(each, Prepared))
-        for i in good:
-            prepared[i] = reframed(_known(prepared[i]), bounds)
+        bounds = [bounds_of(_known(prepared[i]).ink) for i in good]
+        # What moves as a whole stands still in frames about itself, and fills them.
+        if not (steady and _of_one_size(bounds)):
+            for i in good:
+                prepared[i] = reframed(_known(prepared[i]), united(bounds))
     for i in good:
         prepared[i] = hinted(_known(prepared[i]), members[i].hints, members[i].picture.shape)
 
@@ -162,6 +165,12 @@ def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepare
     widths = predictor.backend.line_widths
     given = member.picture, predictor.size, member.mask, None, size
     return prepare(*given, line_widths=widths, flips=member.flips)
+
+
+def _of_one_size(boxes: Sequence[Bounds]) -> bool:
+    """Return whether boxes are equally large, but for the pixel that a soft edge may add."""
+    sizes = np.array([(bottom - top, right - left) for top, bottom, left, right in boxes])
+    return bool((np.ptp(sizes, axis=0) <= 1).all())
 
 
 def _check_sizes(members: Sequence[Member]) -> None:
