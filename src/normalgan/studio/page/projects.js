@@ -168,7 +168,7 @@ export class Projects {
     try {
       rows = await projects.list();
     } catch (error) {
-      if (error instanceof Away) this.status.connection.lost();
+      if (error instanceof Away) this.status.fail(error);
       none = error instanceof Away ? text.offline : text.listFailed;
     }
     $("open-none").textContent = none;
