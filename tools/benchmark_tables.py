@@ -318,6 +318,27 @@ def placement() -> list[str]:
     return lines + table({"17 uniform": rows["paper-uniform-17"]}, gains, "trained with")
 
 
+def thresholds() -> list[str]:
+    """Return the section on the levels of the curvature map that training hints lie on."""
+    results = read("thresholds_64")
+    rows = methods(results)
+    command = f"{RUN.format(plan='thresholds')} --images 10500 \\\n    {MESHES} -o runs/thresholds_64 \\\n"
+    command += f"    --rows {','.join(rows)}\n"
+    command += KEEP.format(name="thresholds_64", options="--by-mesh angular_mean --without distance ")
+    text = "The paper's networks, trained with exactly 17 hints a view on other levels of the curvature map."
+    lines = section("Thresholds of the curvature map", results, text, command)
+    tested = {"no hints": error("0"), "17 uniform": error("uniform-17"), "own 17": error(OWN)}
+    labels = {"paper-uniform-17": "uniform", "paper-curvature-17": "127, 126: mild valleys, the paper's"}
+    named = {labels.get(name, runs[0]["label"]): runs for name, runs in rows.items()}
+    lines += table(named, tested, "trained with hints on")
+    less = {
+        heading: beside(rows["paper-curvature-17"], given)
+        for heading, given in {"no hints": "0", "17 uniform": "uniform-17", "own 17": OWN}.items()
+    }
+    others = {label: runs for label, runs in named.items() if runs is not rows["paper-curvature-17"]}
+    return [*lines, "", "Less the paper's thresholds:", *table(others, less, "trained with hints on")]
+
+
 def critic() -> list[str]:
     """Return the section on the critic."""
     results = read("critic_64")
@@ -533,8 +554,8 @@ def rendering() -> list[str]:
 
 def page() -> str:
     """Return the whole page."""
-    parts: tuple[Callable[[], list[str]], ...] = (comparison, larger, folds, placement, critic, ablation)
-    parts += (drawings, people, shipped, speedrun, rendering)
+    parts: tuple[Callable[[], list[str]], ...] = (comparison, larger, folds, placement, thresholds)
+    parts += (critic, ablation, drawings, people, shipped, speedrun, rendering)
     return INTRODUCTION + "\n".join(line for part in parts for line in part()) + "\n"
 
 
