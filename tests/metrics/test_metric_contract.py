@@ -1,4 +1,4 @@
-"""Every metric against its definition in numpy. What any metric must do, `normalgan.testing` checks."""
+"""Compares every metric with its definition in numpy; `normalgan.testing` checks what all metrics must do."""
 
 from collections.abc import Callable
 from functools import partial

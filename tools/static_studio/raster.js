@@ -73,7 +73,7 @@ export function thicker(marked, width, height, reach) {
   return out;
 }
 
-/** Up to so many pixels a disc is one; from there on, distances by chamfers. */
+/** Largest radius in pixels at which a window is used; a larger disc comes from the distance transform. */
 const WINDOW = 7;
 export const CROSS = [0, 1, 0];
 export const SQUARE = [1, 1, 1];

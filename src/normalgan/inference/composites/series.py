@@ -65,8 +65,8 @@ def predict_series(
         shared: show the network the same square of all: the one that holds the lines of all. What stays where
             it is then has the same pixels in each; and a drawing of few lines is not enlarged to fill it.
         steady: average each drawing's normals with those of its neighbours in the series where they show the
-            same lines, so that what stands still does not flicker; needs ``shared``. What moves as a whole,
-            so that its box keeps its size, is shown in squares that move with it.
+            same lines, so that what stands still does not flicker; needs ``shared``. If the boxes of all
+            drawings have one size, each is shown about itself instead: the object moves as a whole.
         size: longer side of the maps in pixels; None is the drawings'.
 
     Raises:
@@ -77,7 +77,7 @@ def predict_series(
     if shared and good:
         _check_sizes(members)
         bounds = [bounds_of(_known(prepared[i]).ink) for i in good]
-        # What moves as a whole stands still in frames about itself, and fills them.
+        # An object that moves as a whole stands still in frames about itself, and fills them.
         if not (steady and _of_one_size(bounds)):
             for i in good:
                 prepared[i] = reframed(_known(prepared[i]), united(bounds))

@@ -12,6 +12,7 @@ from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
+from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.predictor import Predictor
@@ -42,7 +43,7 @@ def predict_tileset(
     grid: TileGrid,
     name: object,
     hints: Hints | None = None,
-    mask: BoolMask | str | None = None,
+    mask: MaskOrSource = None,
     sprite: Sprite | None = None,
 ) -> NormalMap:
     """Return the map of a tileset, whose tiles fit side by side where those of the drawing do.
@@ -57,7 +58,7 @@ def predict_tileset(
         grid: where its tiles lie.
         name: of its file.
         hints: in pixels of the sheet.
-        mask: (H, W) the objects; or how they are found, as `Predictor` has it.
+        mask: (H, W) the objects; or where they come from, as `prepare` has it.
         sprite: adapts the map to painted tiles.
 
     Raises:

@@ -13,7 +13,7 @@ import { recalled, remember } from "./settings.js";
 import { say, text, wordsOf } from "./text.js";
 
 const KEY = "normalgan-export";
-/** Longer side in pixels of a picture that the server makes to be looked at. */
+/** Longer side in pixels of a preview. */
 const LOOK = 256;
 /** @returns {HTMLSelectElement} */
 const whatList = () => $("export-what");
@@ -48,7 +48,7 @@ export class Exporting {
     /** @type {Record<string, string[]>} the formats of each kind of file, as the menu lists them */
     this.formats = Object.fromEntries([...whatList().options].map((each) => [each.value, (each.dataset.formats ?? "").split(" ")]));
     this.offered = this.formats;
-    /** Counts the pictures that are looked at: of two that are asked for the later one is shown. */
+    /** Counts the previews that were asked for, so that only the latest is shown. */
     this.looks = 0;
     const everything = /** @type {HTMLOptionElement} */ (whatList().querySelector("[value=all]"));
     everything.hidden = true; // the engines' tiles stand for it
@@ -217,7 +217,7 @@ export class Exporting {
     $("export-alpha-row").hidden = what !== "map";
     enable("export-copy", ["png8", "png"].includes(field("export-format").value));
     this.#list();
-    this.#look().catch(() => {}); // the export itself says what is wrong
+    this.#preview().catch(() => {}); // the export itself says what is wrong
   }
 
   /** Lists the files that will be written. */
@@ -232,7 +232,7 @@ export class Exporting {
   }
 
   /** Shows a picture of what will be written. */
-  async #look() {
+  async #preview() {
     if (!this.editor.layer) return;
     const look = ++this.looks;
     const { what, format, y } = this.#wish();

@@ -28,7 +28,7 @@ export class Folder {
     this.endings = /** @type {HTMLInputElement} */ ($("import-file")).accept.split(",").filter((each) => each.startsWith("."));
     /** @type {HTMLInputElement} */
     const chosen = $("open-folder");
-    // Telephones choose no folders.
+    // Phones cannot choose folders.
     $("open-folder-button").hidden = !("webkitdirectory" in chosen);
     $("open-folder-button").addEventListener("click", () => chosen.click());
     chosen.addEventListener("change", () => {
