@@ -23,13 +23,13 @@ from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
 from normalgan.inference.mask.masks import MODEL
-from normalgan.inference.network.onnx_backend import SHIPPED
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import Bits
 from normalgan.studio.drawing_request import DrawingRequest
+from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline
 from web_folder import serve
 

@@ -4,7 +4,7 @@ train_shipped.py OUT [--minutes 40] [--config OVERLAY.yaml …] [--plan PLAN.yam
 
 Renders on all cores, trains by configs/ours.yaml and configs/shipped.yaml (on a GPU in bfloat16, if there is
 one) for what is left of the time but for the measuring, exports, and measures on the plans' held-out meshes.
-OUT then holds ours.onnx, ours.safetensors, and figures.json with what each stage took. Run from the root of
+OUT then holds ours.onnx, and figures.json with what each stage took. Run from the root of
 the repository, with the meshes in data/. A command that was stopped is given again: what is rendered and
 trained is kept.
 """
@@ -54,9 +54,7 @@ def main(arguments: list[str]) -> None:
         overlay.write_text(yaml.safe_dump(_budget(configs, budget, given.out)), encoding="utf-8")
     last = given.out / "checkpoints" / "last.ckpt"
     stage("train", "fit", *said, "--config", overlay, *(["--ckpt_path", last] if last.exists() else []))
-    for suffix, more in ((".onnx", []), (".safetensors", ["--format", "safetensors"])):
-        target = given.out / f"ours{suffix}"
-        stage("export", "export", last, "-o", target, "--half", "--licence", LICENCE, *more)
+    stage("export", "export", last, "-o", given.out / "ours.onnx", "--half", "--licence", LICENCE)
     figures = {}
     for plan in given.plan or [f"configs/benchmark/{kind}.yaml" for kind in KINDS]:
         folder = given.out / "measured" / Path(plan).stem

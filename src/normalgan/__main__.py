@@ -21,6 +21,7 @@ TRAINING_LIBRARIES = (
         "lightning",
         "torchmetrics",
         "safetensors",
+        "onnx",
         "kornia",
         "networkx",
         "embreex",

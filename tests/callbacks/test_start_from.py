@@ -8,7 +8,8 @@ import yaml
 from normalgan.callbacks import StartFrom
 from normalgan.errors import InputError
 from normalgan.models import UNetGenerator
-from normalgan.weights.file import SHIPPED, read_weights
+from normalgan.weights.file import read_weights
+from normalgan.weights.shipped import SHIPPED
 from small import QUIET, data, gan, trainer
 
 ROOT = Path(__file__).parents[2]
@@ -82,7 +83,7 @@ def test_what_cannot_be_begun_with_is_refused(other: Path, meshes: Path, cache: 
     wider = gan(generator=UNetGenerator(size=32, width=8))
     for start, said in (
         (str(other), "whose generator is another one"),
-        ("shipped", "ours.safetensors, whose generator is another one"),
+        ("shipped", "ours.onnx, whose generator is another one"),
         ("/gone.ckpt", "there is no checkpoint"),
         ("/gone.safetensors", "there are no weights"),
     ):

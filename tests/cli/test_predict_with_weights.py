@@ -103,7 +103,7 @@ def test_weights_that_cannot_be_used(
     predict: Callable[..., Outcome], bench: Bench, weights: Path, tmp_path: Path
 ) -> None:
     before = left_in(tmp_path)
-    predict("--data.size", 64).refused("ours.safetensors was trained at 256 pixels, not 64")
+    predict("--data.size", 64).refused("ours.onnx was trained at 256 pixels, not 64")
     predict("--ckpt_path", "gone.safetensors").refused("there are no weights gone.safetensors")
     bench.run("fit", tmp_path / "run", "--ckpt_path", weights).refused("has weights alone")
     bench.run("test", tmp_path / "run").refused("test needs a trained model: --ckpt_path")

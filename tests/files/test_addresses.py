@@ -16,7 +16,7 @@ import normalgan
 from normalgan.__main__ import main
 from normalgan.errors import InputError
 from normalgan.files.addresses import kept_files, local_file, parse_address
-from normalgan.inference.network.onnx_backend import SHIPPED
+from normalgan.weights.shipped import SHIPPED
 
 SHA = hashlib.sha256(SHIPPED.read_bytes()).hexdigest()
 COMMIT = "0123456789abcdef0123456789abcdef01234567"

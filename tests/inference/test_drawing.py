@@ -11,7 +11,7 @@ from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer
 from normalgan.decoding.worker import needed
 from normalgan.inference.composites.layers import encode_layers
-from normalgan.inference.network.onnx_backend import SHIPPED
+from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline
 
 SHAPE = (80, 120)

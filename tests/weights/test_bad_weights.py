@@ -10,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import onnx
 import pytest
 import torch
 from safetensors.torch import save
@@ -17,6 +19,7 @@ from small_weights import SETTINGS, make_weights
 
 from normalgan.errors import InputError
 from normalgan.weights.file import Weights, parse_weights, read_weights
+from normalgan.weights.shipped import SHIPPED
 
 GOOD = make_weights()
 Edit = Callable[[dict[str, str]], object]
@@ -118,6 +121,30 @@ def test_bad_weights_are_refused_in_one_sentence(tmp_path: Path, kind: str) -> N
     assert "\n" not in said
     assert len(said) < 450 + len(str(path))
     assert "antigravity" not in sys.modules
+
+
+def test_bad_onnx_files_are_refused(tmp_path: Path) -> None:
+    away = onnx.numpy_helper.from_array(np.ones(64, np.float32), "generator.a")
+    onnx.external_data_helper.set_external_data(away, str(tmp_path / "bad.onnx"))
+    away.ClearField("raw_data")
+    elsewhere = onnx.helper.make_model(onnx.helper.make_graph([], "g", [], [], [away]))
+    other = onnx.helper.make_model(onnx.helper.make_graph([], "g", [], []))
+    whole = SHIPPED.read_bytes()
+    for content, words in (
+        (b"", "holds weights of another program"),
+        (b"no weights at all", "is damaged or no ONNX"),
+        (whole[:-9000], "is damaged or no ONNX"),
+        (elsewhere.SerializeToString(), "is damaged or no ONNX"),
+        (other.SerializeToString(), "holds weights of another program"),
+        (
+            whole.replace(b"generator.stem.weight", b"generator.stem.weighs"),
+            "are not those of a ResidualUNet",
+        ),
+    ):
+        (tmp_path / "bad.onnx").write_bytes(content)
+        with pytest.raises(InputError, match=words) as refused:
+            read_weights(tmp_path / "bad.onnx")
+        assert "\n" not in str(refused.value)
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:

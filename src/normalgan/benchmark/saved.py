@@ -14,7 +14,8 @@ from normalgan.hints import HINT_SAMPLERS
 from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.class_spec import ClassSpec
-from normalgan.weights.file import SUFFIX, find_weights, read_weights
+from normalgan.weights.file import SUFFIXES, find_weights, read_weights
+from normalgan.weights.shipped import SHIPPED_NAME
 
 __all__ = ["saved_method"]
 
@@ -31,13 +32,12 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
         InputError: if it cannot be used, or was trained at another size.
     """
     path = find_weights(name)
-    match path.suffix.lower():
-        case ".onnx":
-            return _onnx_method(find_model(name), size)
-        case suffix if suffix == SUFFIX:
-            weights = read_weights(path)
-            check_size(path, weights.notes.size, size)
-            return weights_method(weights, device)
+    if path.suffix.lower() == ".onnx" and name != SHIPPED_NAME:  # that of the package may use a GPU by torch
+        return _onnx_method(find_model(name), size)
+    if path.suffix.lower() in SUFFIXES:
+        weights = read_weights(path)
+        check_size(path, weights.notes.size, size)
+        return weights_method(weights, device)
     checkpoint = read_checkpoint(path)
     check_size(path, checkpoint.generator_size(), size)
     return weights_method(checkpoint.weights(size), device)

@@ -13,7 +13,8 @@ from normalgan.files.addresses import is_address
 from normalgan.models import ResidualUNetGenerator
 from normalgan.models.growth import grow
 from normalgan.weights.checkpoint import read_checkpoint
-from normalgan.weights.file import SHIPPED_NAME, SUFFIX, find_weights, read_weights
+from normalgan.weights.file import SUFFIXES, find_weights, read_weights
+from normalgan.weights.shipped import SHIPPED_NAME
 
 __all__ = ["StartFrom"]
 
@@ -25,8 +26,8 @@ class StartFrom(Callback):
     checkpoint determines them.
 
     Args:
-        weights: a file of safetensors, a checkpoint, or ``shipped`` for what comes with the package; its
-            generator is of the same class and settings as the run's.
+        weights: safetensors, an exported ONNX file, a checkpoint, or ``shipped`` for what comes with the
+            package; its generator is of the same class and settings as the run's.
         grow: whether the weights are of a smaller network, with half the resolution, fewer channels or fewer
             blocks; see `normalgan.models.growth`.
         discriminator: whether to take the discriminator's weights too, from a checkpoint.
@@ -65,7 +66,7 @@ class StartFrom(Callback):
         if self.grow:
             _grow(path, pl_module.get_submodule("generator"))
             return
-        saved = path.suffix.lower() == SUFFIX
+        saved = path.suffix.lower() in SUFFIXES
         if self.discriminator and saved:
             raise InputError(
                 f"{path} holds a generator alone; StartFrom takes a discriminator of a checkpoint."

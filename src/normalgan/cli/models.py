@@ -35,8 +35,8 @@ def show(settings: Namespace) -> int:
     """Print the list; return the exit code."""
     # Late: ONNX Runtime takes a third of a second.
     from normalgan.files.addresses import kept_files
-    from normalgan.inference.load import SHIPPED_NAME
     from normalgan.inference.network.onnx_backend import find_model
+    from normalgan.weights.shipped import SHIPPED_NAME
 
     models = [_model(SHIPPED_NAME, find_model()), *(_model(kept.address, kept.path) for kept in kept_files())]
     if settings.json:

@@ -58,8 +58,9 @@ from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
-from normalgan.weights.file import SHIPPED, SHIPPED_NAME, SUFFIX, Weights, find_weights, read_weights
+from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
 from normalgan.weights.local_classes import no_local_classes
+from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
 __all__ = [
     "INSTEAD",
@@ -162,10 +163,10 @@ class _Settings:
 class NormalGANCLI(LightningCLI):
     """fit, validate, test, predict, and render.
 
-    The file that ``ckpt_path`` names decides on the model: a checkpoint or safetensors. ``last`` and ``best``
-    name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict uses
-    these if nothing is named. The path is taken out of the settings before Lightning sees it, which would
-    build from a checkpoint whatever class it names. Only fit gets it back, once the checkpoint was looked at.
+    The file that ``ckpt_path`` names decides on the model: a checkpoint, safetensors or ONNX. ``last`` and
+    ``best`` name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict
+    uses these if nothing is named. The path is taken out of the settings before Lightning sees it, as that
+    would build whatever class a checkpoint names. Only fit gets it back, once the checkpoint was looked at.
 
     There is one parser, the command's, in place of Lightning's parser of subcommands: that checks each
     setting twice, for the command and for all of them, which is half of the time that parsing takes.
@@ -300,7 +301,7 @@ class NormalGANCLI(LightningCLI):
             given = str(named_checkpoint(folder / "last.ckpt", given))
         path = find_weights(given or SHIPPED_NAME)
         config["ckpt_path"] = None
-        if path.suffix.lower() == SUFFIX:
+        if path.suffix.lower() in SUFFIXES:
             self._use_weights(path, command)
         elif command == "fit":
             self._resume(path)
@@ -383,7 +384,7 @@ class NormalGANCLI(LightningCLI):
         self._predict_with(path, command, checkpoint.weights(size))
 
     def _use_weights(self, path: Path, command: str) -> None:
-        """Take the model's settings, and the size of its pictures, from safetensors."""
+        """Take the model's settings, and the size of its pictures, from a file of weights."""
         if command == "fit":
             raise InputError(f"fit cannot go on from {path}, which has weights alone; give a checkpoint.")
         weights = read_weights(path)

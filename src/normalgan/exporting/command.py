@@ -47,8 +47,8 @@ def build_parser() -> LightParser:
     )
     parser.add_argument(
         "model",
-        help="a file that `normalgan fit` saved, such as last.ckpt, a .safetensors of such a model, or "
-        "shipped for that of the package",
+        help="a file that `normalgan fit` saved, such as last.ckpt, a .safetensors or .onnx of such a model, "
+        "or shipped for that of the package",
     )
     parser.add_argument("-o", "--output", default="model.onnx", help="where the model goes")
     named = ", ".join(f"{name} ({suffix})" for name, suffix in SUFFIXES.items())

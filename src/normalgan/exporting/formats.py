@@ -64,7 +64,7 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
         raise InputError(
             "ONNX needs two more packages; install them with pip install 'normalgan[export]'."
         ) from None
-    from normalgan.exporting.onnx_file import finish
+    from normalgan.exporting.onnx_file import finish, simplify
 
     batch = {0: Dim.DYNAMIC}
     with warnings.catch_warnings(), quiet_loggers("torch.onnx", "onnxscript", "onnx_ir", level=logging.ERROR):
@@ -77,11 +77,12 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
             dynamic_shapes=(batch, batch),
             opset_version=18,  # of 2023: what onnxruntime-web and engines have taken up
             dynamo=True,
+            optimize=False,  # it would merge batch norm into convolutions, from which no weights can be read
             verbose=False,
         )
     if program is None:
         raise RuntimeError("torch.onnx.export returned nothing")
-    return finish(program.model_proto, notes)
+    return finish(simplify(program.model_proto), notes)
 
 
 def read_onnx(content: bytes) -> Run:

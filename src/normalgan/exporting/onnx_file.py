@@ -5,13 +5,23 @@ from collections.abc import Mapping
 import numpy as np
 import onnx
 from onnx import ModelProto, NodeProto, TensorProto, helper, numpy_helper, version_converter
+from onnxscript import optimizer
 
 from normalgan.errors import InputError, brief
 
-__all__ = ["finish", "halve", "lowered"]
+__all__ = ["finish", "halve", "lowered", "simplify"]
 
 _SMALL = 64
 """Tensors of fewer elements stay as they are: shapes, scales and the like weigh nothing."""
+
+
+def simplify(model: ModelProto) -> ModelProto:
+    """Return a model in which what depends on constants alone is computed; weights keep their names."""
+    done = ModelProto()
+    done.CopyFrom(model)
+    optimizer.fold_constants(done)
+    optimizer.remove_unused_nodes(done)
+    return done
 
 
 def finish(model: ModelProto, notes: Mapping[str, str]) -> bytes:

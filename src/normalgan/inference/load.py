@@ -5,10 +5,11 @@ from pathlib import Path
 from normalgan.errors import InputError
 from normalgan.files.addresses import local_file
 from normalgan.inference.network.backend import Backend
-from normalgan.inference.network.onnx_backend import SHIPPED_NAME, OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
 from normalgan.inference.predictor import Predictor
+from normalgan.weights.shipped import SHIPPED_NAME
 
-__all__ = ["SHIPPED_NAME", "load"]
+__all__ = ["load"]
 
 
 def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Predictor:

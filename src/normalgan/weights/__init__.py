@@ -1,3 +1,3 @@
-"""Weights: a generator as safetensors, read without running code; and the shipped one."""
+"""Weights: a generator as safetensors or ONNX, read without running code; and the shipped one."""
 
 __all__ = []

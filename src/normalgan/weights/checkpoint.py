@@ -23,7 +23,7 @@ from normalgan.losses import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.registry import Registry, find_imported
 from normalgan.weights.class_spec import ANY_NUMBER, LARGEST, ClassSpec, is_plain
-from normalgan.weights.file import SUFFIX, Weights, read_weights
+from normalgan.weights.file import SUFFIXES, Weights, read_weights
 from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import check_fit
@@ -240,7 +240,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
 
 
 def read_model(path: Path, size: int | None = None) -> Weights:
-    """Return the weights in a file of either kind, safetensors or a checkpoint.
+    """Return the weights in a file of any kind: safetensors, ONNX or a checkpoint.
 
     Args:
         path: of the file.
@@ -249,7 +249,7 @@ def read_model(path: Path, size: int | None = None) -> Weights:
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.
     """
-    return read_weights(path) if path.suffix.lower() == SUFFIX else read_checkpoint(path).weights(size)
+    return read_weights(path) if path.suffix.lower() in SUFFIXES else read_checkpoint(path).weights(size)
 
 
 def uncompiled(name: str) -> str:

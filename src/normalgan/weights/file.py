@@ -1,4 +1,4 @@
-"""Weights as safetensors: tensors and notes, no code; a stranger's file is checked before it is used."""
+"""Weights as safetensors or in our ONNX files: tensors and notes; a stranger's file is checked before use."""
 
 import json
 from collections.abc import Mapping
@@ -16,14 +16,14 @@ from normalgan.files.limits import read_bounded
 from normalgan.models import GENERATORS, Generator
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import build_generator, check_fit
+from normalgan.weights.onnx_tensors import parse_onnx
+from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
-__all__ = ["SHIPPED", "SHIPPED_NAME", "SUFFIX", "Weights", "find_weights", "parse_weights", "read_weights"]
+__all__ = ["SUFFIXES", "Weights", "find_weights", "parse_weights", "read_weights"]
 
-SUFFIX = ".safetensors"
-SHIPPED = Path(__file__).parent / f"ours{SUFFIX}"
-"""The weights that come with the package."""
-SHIPPED_NAME = "shipped"
-"""What they are called where a file is asked for."""
+_ONNX = ".onnx"
+SUFFIXES = (".safetensors", _ONNX)
+"""Endings of files that hold weights and no state of a training."""
 _MOST_HEADER = 2**20  # of names and shapes, a hundred bytes a tensor
 _SMALL = 64  # tensors of fewer elements weigh nothing, and are kept as they are
 
@@ -71,20 +71,20 @@ def parse_weights(content: bytes, name: str = "the file") -> Weights:
 
     Args:
         content: of the file.
-        name: of the file, in what is said of it.
+        name: of the file, in what is said of it; one that ends in .onnx is read as ONNX.
 
     Raises:
         InputError: if it is damaged, holds another model, or one that cannot be built here.
     """
+    is_onnx = name.lower().endswith(_ONNX)
     try:
-        header, _ = _split(content)
-        tensors = load(content)
-        metadata = {str(k): str(v) for k, v in header.get("__metadata__", {}).items()}
-    except Exception as error:  # safetensors' own class of errors, and torch's on types that it does not have
+        metadata, tensors = (parse_onnx if is_onnx else _parse_safetensors)(content)
+    except Exception as error:  # each library has its own classes of errors, and torch others
         if wants_memory(error):
             raise RunError(f"there is too little memory to read {name}; close other programs.") from error
         raise InputError(
-            f"{name} is damaged or no safetensors; give a file that `normalgan export` wrote."
+            f"{name} is damaged or no {'ONNX' if is_onnx else 'safetensors'}; give a file that "
+            "`normalgan export` wrote."
         ) from None
     try:
         notes = ModelMetadata.parse(metadata)
@@ -120,6 +120,12 @@ def read_weights(path: Path) -> Weights:
     except OSError as error:
         raise InputError(f"the weights {path} cannot be read: {error.strerror}.") from None
     return parse_weights(content, str(path))
+
+
+def _parse_safetensors(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:
+    """Return the notes in a file of safetensors, and its tensors by name."""
+    header, _ = _split(content)
+    return {str(k): str(v) for k, v in header.get("__metadata__", {}).items()}, load(content)
 
 
 def _split(content: bytes) -> tuple[dict[str, Any], bytes]:

@@ -12,8 +12,9 @@ from onnx import GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto,
 
 from normalgan.errors import InputError
 from normalgan.inference.network import onnx_backend
-from normalgan.inference.network.onnx_backend import SHIPPED, OnnxBackend
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.onnx_graph import MOST_NODES, check_graph
+from normalgan.weights.shipped import SHIPPED
 from onnx_models import write_model
 
 SIZE = 16

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import cv2
@@ -10,14 +9,13 @@ import numpy as np
 
 from normalgan.arrays import Floats
 from normalgan.inference.reading.picture import Picture, fitted, resize
+from normalgan.weights.shipped import READER
 
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-__all__ = ["SHIPPED", "Reading", "drop_ground", "lines_of", "read"]
+__all__ = ["Reading", "drop_ground", "lines_of", "read"]
 
-SHIPPED = Path(__file__).parents[2] / "weights" / "reader.onnx"
-"""The reader that comes with the package."""
 _SIDES = 256, 384
 """Smallest and largest longer side, in pixels, of the pictures that the network sees."""
 _STRIDE = 32
@@ -125,4 +123,4 @@ def _session() -> "InferenceSession":
     options.log_severity_level = 4
     options.intra_op_num_threads = 1
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    return onnxruntime.InferenceSession(SHIPPED.read_bytes(), options, providers=["CPUExecutionProvider"])
+    return onnxruntime.InferenceSession(READER.read_bytes(), options, providers=["CPUExecutionProvider"])

@@ -16,22 +16,17 @@ from normalgan.files.limits import read_bounded
 from normalgan.inference.network.onnx_graph import check_graph
 from normalgan.inference.network.upsampling import upsampler
 from normalgan.line_widths import line_widths_of
+from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
 __all__ = [
     "LARGEST",
     "MEMORY",
     "PATIENCE",
-    "SHIPPED",
-    "SHIPPED_NAME",
     "SMALLEST",
     "OnnxBackend",
     "find_model",
 ]
 
-SHIPPED = Path(__file__).parents[2] / "weights" / "ours.onnx"
-"""The model that comes with the package."""
-SHIPPED_NAME = "shipped"
-"""What it is called where a file is asked for."""
 PATIENCE = 300.0
 """Seconds by the clock for one picture."""
 MEMORY = 2**31

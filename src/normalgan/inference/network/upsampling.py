@@ -12,6 +12,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.network.extension import extend
 from normalgan.inference.network.framing import around
 from normalgan.inference.preparation import Prepared
+from normalgan.weights.shipped import REFINER
 
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 __all__ = [
     "CELL",
     "RIM",
-    "SHIPPED",
     "Coarse",
     "Refiner",
     "Upsampler",
@@ -28,8 +28,6 @@ __all__ = [
     "upsampler",
 ]
 
-SHIPPED = Path(__file__).parents[2] / "weights" / "refiner.onnx"
-"""The refiner that comes with the package."""
 CELL = 4
 """Its pictures are whole numbers of cells of so many pixels a side."""
 RIM = 16
@@ -87,7 +85,7 @@ class Refiner:
         threads: of one run; 0 takes all cores.
     """
 
-    def __init__(self, path: Path = SHIPPED, threads: int = 1) -> None:
+    def __init__(self, path: Path = REFINER, threads: int = 1) -> None:
         self._path, self._threads = path, threads
 
     @cached_property

@@ -1,0 +1,34 @@
+"""The weights in an ONNX file that `normalgan export` wrote."""
+
+import onnx
+import torch
+from onnx import numpy_helper
+from onnx.external_data_helper import uses_external_data
+from torch import Tensor
+
+__all__ = ["parse_onnx"]
+
+_NETWORK, _HALF = "generator.", ".half"
+_MEAN, _COUNT = "running_mean", "num_batches_tracked"
+
+
+def parse_onnx(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:
+    """Return the notes in a file and the generator's tensors, named as torch names them.
+
+    Batch norm counts its batches, which a graph does not use: the count is 0 here.
+
+    Raises:
+        ValueError: if tensors lie in other files. The package onnx raises errors of its own on damaged ones.
+    """
+    model = onnx.load_from_string(content)
+    tensors: dict[str, Tensor] = {}
+    for stored in model.graph.initializer:
+        if uses_external_data(stored):
+            raise ValueError("tensors in other files")
+        if not stored.name.startswith(_NETWORK):
+            continue  # constants of the graph
+        name = stored.name.removeprefix(_NETWORK).removesuffix(_HALF)
+        tensors[name] = torch.from_numpy(numpy_helper.to_array(stored).copy())
+        if name.endswith(_MEAN):
+            tensors[name.removesuffix(_MEAN) + _COUNT] = torch.zeros((), dtype=torch.int64)
+    return {each.key: each.value for each in model.metadata_props}, tensors
