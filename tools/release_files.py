@@ -120,8 +120,7 @@ def model_card() -> str:
     text = re.sub(r"\[([^\]]*)\]\((?!https?://)[^)]*\)", r"\1", text)
     use = (
         "```sh\npip install normalgan\nnormalgan generate drawing.png -o drawing_normal.png\n```\n\n"
-        "`model.onnx` and `model.safetensors` hold this model. `normalgan models` names the one that "
-        "comes with the package.\n"
+        "`model.onnx` is this model. `normalgan models` names the one that comes with the package.\n"
     )
     title, _, rest = text.partition("\n\n")
     return f"{CARD_FRONT.format(results=results)}\n{title}\n\n{use}\n{rest}"
@@ -146,8 +145,7 @@ def main(folder: Path) -> None:
     hub, weights = folder / "hub", ROOT / "src" / "normalgan" / "weights"
     hub.mkdir(parents=True, exist_ok=True)
     (hub / "README.md").write_text(model_card(), encoding="utf-8")
-    for name in ("onnx", "safetensors"):
-        shutil.copyfile(weights / f"ours.{name}", hub / f"model.{name}")
+    shutil.copyfile(weights / "ours.onnx", hub / "model.onnx")
     (folder / "conda").mkdir(exist_ok=True)
     (folder / "conda" / "recipe.yaml").write_text(recipe(sdist), encoding="utf-8")
     shutil.copyfile(ROOT / "CITATION.cff", folder / "CITATION.cff")
