@@ -159,7 +159,7 @@ class NormalGAN(SavedSettings, Evaluation):
         if discriminator is not None:
             objective.check(discriminator)
         with warnings.catch_warnings():
-            # From the command line the settings are saved; in Python the objects themselves, which is meant.
+            # From the command line the settings are saved; in Python the objects themselves, on purpose.
             warnings.filterwarnings("ignore", message=".*is an instance of `nn.Module`.*")
             self.save_hyperparameters()
         self.automatic_optimization = False

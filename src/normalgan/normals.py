@@ -308,7 +308,7 @@ def read_exr(path: str | Path, most: int = 8192) -> Floats:
         most: pixels that a side has at most.
 
     Raises:
-        InputError: if there is no such file, or it is none of that kind.
+        InputError: if there is no such file, or it is of another kind.
     """
     import OpenEXR
 

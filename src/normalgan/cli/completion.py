@@ -63,6 +63,6 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
         if module != __name__:
             commands.add_subcommand(name, import_module(module).build_parser())
     script: str = whole.get_completion_script(f"shtab-{shell}")
-    # jsonargparse offers classes by where they lie; whoever types begins with their names.
+    # jsonargparse completes the modules of classes, but people type the names of the classes.
     names = "|".join(name for registry in REGISTRIES.values() for name in registry.names())
     return re.sub(rf"\b(?:\w+\.)+({names})\b", r"\1", script)

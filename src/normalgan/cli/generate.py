@@ -354,7 +354,7 @@ class _Found:
         jobs: what is to be predicted.
         missing: what is wrong with the words that name nothing.
         clashing: of drawings that would be written to one file.
-        left_out: what is to be said of layered files and their exports.
+        left_out: warnings about layered files and their exports.
     """
 
     jobs: list[Job]
@@ -364,7 +364,7 @@ class _Found:
 
     @property
     def told(self) -> list[str]:
-        """What is to be said while a folder is watched; what is named and is not there may come."""
+        """What to print while a folder is watched; a file that is named and missing may still come."""
         return [*self.left_out, *map(str, self.clashing)]
 
 

@@ -96,7 +96,7 @@ _LOADERS = {"train_dataloaders", "val_dataloaders", "dataloaders"}
 
 
 def check_trainer(settings: Mapping[str, Any]) -> None:
-    """Refuse what cannot be had under manual optimisation.
+    """Refuse settings that do not work with manual optimisation.
 
     Raises:
         InputError: if such a setting was given; the sentence names the one to use.

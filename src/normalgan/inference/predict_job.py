@@ -53,7 +53,7 @@ class Done:
 
     Args:
         target: where the map is.
-        warning: what is to be said of it, a part of a sentence; empty if nothing is.
+        warning: part of a sentence; empty if all is well.
         held: the files that wait for the other drawings of a command.
         note: what was done that the user may not expect, a part of a sentence; empty if nothing was.
         partial: whether something that is drawn could not be predicted, as the warning says.
@@ -72,7 +72,7 @@ class JobPredictor:
 
     Args:
         predictor: the network.
-        writer: writes what comes of it.
+        writer: writes its map.
         size: longer side of the maps in pixels; None is the drawing's.
         packing: how the drawings of a sheet are found.
         frame: whether the network is shown the same square of all drawings that belong together; None is
@@ -288,7 +288,7 @@ class JobPredictor:
             self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
         warning = "; ".join(filter(None, [found.note, said[0] + more if said else ""]))
-        # A frame that is blank all over is meant so.
+        # A blank frame is blank on purpose.
         return Done(target, warning, held, partial=found.partial or not all(map(_blank, flat)))
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:

@@ -56,7 +56,7 @@ def bodies(faces: Indices) -> tuple[Indices, NDArray[np.bool_]]:
 
 
 def seams(faces: Indices, soft: NDArray[np.bool_]) -> tuple[Indices, Indices]:
-    """Split vertices where the faces about them hang together by no soft edge.
+    """Split vertices whose faces no soft edge connects.
 
     Args:
         faces: (F, 3) vertex indices.

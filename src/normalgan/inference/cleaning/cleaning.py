@@ -1,4 +1,4 @@
-"""Cleaning: from a drawing as it was made to its ink, and to the object where its opacity tells it."""
+"""Cleaning: the ink of a drawing, and the object where the opacity of the drawing shows it."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ class Cleaned:
 
     Args:
         ink: (H, W) in [0, 1], lines about 1 and paper 0.
-        silhouette: (H, W), the object, if the drawing's opacity tells it.
+        silhouette: (H, W), the object, if the drawing's opacity shows it.
     """
 
     ink: Floats

@@ -1,4 +1,4 @@
-"""Patches: what hangs together in a drawing, numbered."""
+"""Patches: the connected parts of a drawing, numbered."""
 
 import cv2
 import numpy as np
@@ -14,9 +14,9 @@ _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 def patches(marked: BoolMask) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
     """Return the number of each pixel's patch, (H, W), and how wide and high each patch is, (N, 2).
 
-    Pixels that touch at a corner hang together. What is not marked is number 0, and has no size. OpenCV
-    measures patches too, but takes many times as long for it as for numbering them; scipy.ndimage does so in
-    no time, but takes longer to import than most drawings to be painted.
+    Pixels that touch at a corner are connected. Unmarked pixels have number 0, whose size is 0. OpenCV
+    measures patches too, but that takes it many times as long as numbering them. scipy.ndimage is fast, but
+    importing it takes longer than predicting most drawings.
 
     >>> patches(np.array([[1, 0, 1], [0, 1, 0], [0, 0, 0], [1, 1, 1]], bool))[1].tolist()
     [[0, 0], [3, 2], [3, 1]]

@@ -15,9 +15,9 @@ _SIDE, _WINDOWS = 256, (3, 5, 7, 11, 17)
 def is_light_on_dark(brightness: Floats) -> bool:
     """Return whether the lines of a drawing (H, W), bright as 1, are lighter than its paper.
 
-    Most of a drawing and its border are paper, and if both are light, it is. Else, as on a desk, what is thin
-    is line: what closing fills is darker than what lies beside it, and what opening takes away lighter.
-    Gaps between lines are wider than lines, so windows grow until one of both prevails.
+    Most of a drawing, and its border, are paper: if both are light, the lines are dark. If not, as on a desk,
+    lines are what is thin: dark ones are filled by morphological closing, light ones removed by opening. Gaps
+    are wider than lines, so the windows grow until dark or light ones prevail.
 
     >>> chalk = np.full((64, 64), 0.1, np.float32)
     >>> chalk[32] = 0.9

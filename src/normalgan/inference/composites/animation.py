@@ -56,7 +56,7 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pag
             return None
         return "gif" if _frames_of_gif(path, content or read_bounded(path, MOST_BYTES)) > 1 else None
     except OSError:
-        return None  # who reads the drawing tells why
+        return None  # reading the drawing raises the error
 
 
 def kind_of(path: Path) -> Kind:
@@ -130,7 +130,7 @@ def _pages_of_tiff(file: BinaryIO) -> int:
         entries = int.from_bytes(file.read(count), order)
         table = file.read(entries * entry + offset) if entries < _MOST_CHUNKS else b""
         if len(table) < entries * entry + offset:
-            break  # cut short: whoever decodes it says so
+            break  # cut short: decoding it raises the error
         tags = [table[at : at + entry] for at in range(0, entries * entry, entry)]
         value = entry - (8 if big else 4)
         kinds = [int.from_bytes(tag[value : value + 4], order) for tag in tags if _is(tag, 254, order)]

@@ -60,7 +60,7 @@ class Format(NamedTuple):
     Args:
         name: in a sentence.
         endings: of its files.
-        parse: what returns the pages of a text; None if the text is of another format.
+        parse: takes a text and returns its pages, or None if the text is in another format.
     """
 
     name: str

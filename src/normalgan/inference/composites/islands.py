@@ -17,7 +17,7 @@ from normalgan.inference.reading.picture import MOST_WORKED, fitted, resize, to_
 __all__ = ["drawn", "find_islands", "in_rows"]
 
 _GAP = 0.004
-"""Half the gap across which parts hang together, as a share of the sheet's longer side."""
+"""Half the gap across which parts count as connected, as a share of the sheet's longer side."""
 _INK, _FAINT = 0.35, 8
 """Ink that is a line; opacity, of 255, that is still none."""
 _SMALL = 0.2
@@ -31,8 +31,8 @@ _Boxes = NDArray[np.intp]
 def find_islands(sheet: Decoded) -> list[Cell]:
     """Return the drawings of a sheet, row by row: islands of opacity, or of connected lines.
 
-    Parts hang together across narrow gaps, and a small part, such as an eye or a spark, belongs to the large
-    one that it is close to.
+    Parts on both sides of a narrow gap count as connected. A small part, such as an eye or a spark, belongs
+    to the large one that it is close to.
 
     Args:
         sheet: its pixels, not reduced.

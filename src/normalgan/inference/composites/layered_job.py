@@ -1,4 +1,4 @@
-"""Layered job: each visible layer of a file predicted separately, and all of them written."""
+"""Layered job: predict each visible layer of a file by itself, and write them all."""
 
 import re
 from dataclasses import dataclass, field
@@ -35,7 +35,7 @@ class LayeredJob:
 
     Args:
         predictor: the network.
-        writer: writes what comes of them.
+        writer: writes their maps.
         size: longer side of the maps in pixels; None is the drawing's.
         shared: whether the frames of a layer that moves share what the network is shown, and are steadied.
         strength: what the slopes of all maps are multiplied by.

@@ -1,6 +1,6 @@
 """Layers: those of a layered file, read one by one, and predicted ones written back as a layered file.
 
-A PSD is written as PSD, a KRA or ORA as ORA, which Krita and GIMP open, an Aseprite file as such.
+A PSD is written as PSD, a KRA or ORA as ORA, which Krita and GIMP open, an Aseprite file as an Aseprite file.
 """
 
 import io
@@ -45,7 +45,7 @@ def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None
         with io.BytesIO(content) if content is not None else path.open("rb") as file:
             return _KINDS.get(kind_of(file.read(128)))
     except OSError:
-        return None  # who reads the drawing tells why
+        return None  # reading the drawing raises the error
 
 
 def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:

@@ -30,7 +30,7 @@ def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[st
 
     Returns:
         The cells in their order, those that overlap with what is their own, and for each two that show the
-        same part what is to be said of it, a part of a sentence.
+        same part a warning, which is part of a sentence.
     """
     counts = np.zeros(sheet.pixels.shape[:2], np.uint16)
     for cell in cells:

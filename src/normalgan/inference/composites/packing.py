@@ -1,4 +1,4 @@
-"""Packing: how the drawings of a sheet are found: a grid, an atlas, or what hangs together."""
+"""Packing: how the drawings of a sheet are found: a grid, an atlas, or connected parts."""
 
 from dataclasses import dataclass
 from pathlib import Path

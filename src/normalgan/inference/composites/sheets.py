@@ -92,7 +92,7 @@ def predict_sheet(
         mask: (H, W) the objects; or where they come from, as `prepare` has it.
         shared: whether the network is shown the same square of all cells, which are then of one size.
         flips: x and y in pixels of the sheet, as `prepare` has them.
-        said: what is to be said of the sheet besides, parts of a sentence.
+        said: other warnings about the sheet, each part of a sentence.
 
     Raises:
         InputError: if no cell can be predicted, or cells that share a frame differ in size.
@@ -183,7 +183,7 @@ def _assembled(
 
 
 def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str]) -> str:
-    """Return what is to be said of the cells, a part of a sentence; empty if nothing is."""
+    """Return a warning about the cells, which is part of a sentence; empty if all is well."""
     said = [(cell, left_flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
     named = [*others, *(f"{cell.name}: {words}" for cell, words in said if words)]
     more = f"; and so on, {len(named)} in all" if len(named) > _NAMED else ""

@@ -53,7 +53,7 @@ class TileGrid:
         return width // (self.width + self.spacing), height // (self.height + self.spacing)
 
     def check(self, shape: tuple[int, int], name: object) -> str:
-        """Return what is to be said of a picture (H, W) with a rest that holds no whole tile; else empty.
+        """Return a warning about a picture (H, W) whose last tiles are cut off; empty if none are.
 
         Raises:
             InputError: if it has no tile, too many, tiny ones, or another size than the tileset's file says.
@@ -91,7 +91,7 @@ class TileGrid:
 
 
 def parse_tile_size(text: str) -> TileGrid:
-    """Return the grid of a text.
+    """Return the grid that a text describes.
 
     Raises:
         InputError: if the text is not like ``16x16`` or ``16x16,margin=1,spacing=2``.

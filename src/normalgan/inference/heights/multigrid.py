@@ -32,7 +32,7 @@ class Solver:
 
     def solve(self, matrix: sparse.csr_array, wanted: _Vector, start: _Vector) -> _Vector:
         """Return the solution (n,) of a symmetric positive matrix (n, n) from a guess."""
-        # Here: half a second that only those wait for who want a height.
+        # Imported here: it takes half a second, and only heights need it.
         import pyamg
         from threadpoolctl import threadpool_limits
 
@@ -42,7 +42,7 @@ class Solver:
             nonlocal steps
             steps += 1
 
-        # Inner products of BLAS threads that wait for one another on busy cores took ten times all else.
+        # On busy cores BLAS threads wait for one another: inner products took ten times all else.
         with threadpool_limits(1, user_api="blas"):
             if self._cycle is None:
                 self._cycle = pyamg.ruge_stuben_solver(matrix).aspreconditioner()

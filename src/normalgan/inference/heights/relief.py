@@ -102,7 +102,7 @@ def write_relief(path: str | Path, mesh: Any) -> None:
     if path.suffix.lower() == ".glb":
         write_bytes(path, encode_relief(mesh, "glb"))
         return
-    text, beside = _obj(mesh, "_".join(path.stem.split()))  # a space in its name ends it for readers
+    text, beside = _obj(mesh, "_".join(path.stem.split()))  # readers end a name at a space
     for name, content in beside.items():
         write_bytes(path.with_name(name), content)
     write_bytes(path, text)

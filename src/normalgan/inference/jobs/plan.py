@@ -192,7 +192,7 @@ def plan(
         ending: of a normal map's name, such as ``_normal.png``.
         others: endings of what else is written.
         may_clash: whether two drawings may go to one file, as somebody else sees to that.
-        also_read: what is read besides, such as the model.
+        also_read: other files that are read, such as the model.
 
     Raises:
         InputError: if something that is read would be written over, or two files would have one name.

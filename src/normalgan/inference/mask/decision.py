@@ -118,7 +118,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         [1, 0]
     """
     shape = (ink.shape[0], ink.shape[1])
-    # A small drawing's lines hang together only between its pixels.
+    # In a small drawing, lines are connected only between pixels.
     side = min(max(*shape, _SIDE // 2), _SIDE)
     size = shape if side == max(shape) else fitted(shape, side)
     small_ink = ink if size == shape else resize(ink, size)

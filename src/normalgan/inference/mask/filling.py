@@ -82,7 +82,7 @@ def _grown(seeds: BoolMask, barrier: BoolMask, reach: float) -> BoolMask:
     box = around(seeds, int(reach) + 1)
     free = (~barrier[box] & _thicker(seeds[box], reach + 0.5)).astype(np.uint8)
     grown = seeds[box].astype(np.uint8)
-    # Steps to the side only: a slanted line may hang together by its pixels' corners.
+    # Steps to the side only: the pixels of a slanted line may touch at their corners only.
     step = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
     for _ in range(int(np.ceil(reach * np.sqrt(2)))):
         grown = np.minimum(cv2.dilate(grown, step), free)

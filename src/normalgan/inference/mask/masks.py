@@ -1,4 +1,4 @@
-"""Masks: pictures that say where the object is in a drawing; one rule for whoever gives them."""
+"""Masks: pictures that say where the object is in a drawing; one rule, wherever they come from."""
 
 from pathlib import Path
 

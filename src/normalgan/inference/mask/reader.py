@@ -117,7 +117,7 @@ def _opaque(picture: Picture) -> Floats:
 
 @cache
 def _session() -> "InferenceSession":
-    import onnxruntime  # takes a third of a second, and who gives a mask does without
+    import onnxruntime  # takes a third of a second, which a given mask saves
 
     options = onnxruntime.SessionOptions()
     options.log_severity_level = 4

@@ -111,7 +111,7 @@ def _fields(message: memoryview) -> Iterator[tuple[int, memoryview]]:
     """Yield the number and the bytes of each field of a protobuf message.
 
     Raises:
-        ValueError: if it is none.
+        ValueError: if it is not one.
         IndexError: if it is cut short.
     """
     at = 0

@@ -64,7 +64,7 @@ def has_skin(path: Path) -> bool:
     try:
         return bool(_tree(path)[0].get("skins"))
     except InputError:
-        return False  # whoever loads it as a mesh says how it is broken
+        return False  # loading it as a mesh raises the error
 
 
 def read_container(path: Path) -> Container:

@@ -20,7 +20,7 @@ def read_gltf(path: Path) -> tuple[dict[str, Any], bytes | None]:
 
     Raises:
         InputError: if it is too large.
-        ValueError, LookupError, struct.error, RecursionError: if it is none.
+        ValueError, LookupError, struct.error, RecursionError: if it is not glTF.
     """
     data, binary = mesh_bytes(path), None
     if path.suffix.lower() == ".glb":

@@ -42,7 +42,7 @@ def thin(inked: BoolMask) -> list[tuple[Doubles, Doubles]]:
     >>> points[5:8].tolist(), width[5:8].tolist()
     ([[11.5, 4.5], [10.5, 4.5], [9.5, 4.5]], [3.0, 3.0, 3.0])
     """
-    from skimage.morphology import skeletonize  # takes half a second: only for who draws with a brush
+    from skimage.morphology import skeletonize  # takes half a second, and only brushes need it
 
     skeleton: BoolMask = skeletonize(inked)
     rows, columns = np.nonzero(skeleton)

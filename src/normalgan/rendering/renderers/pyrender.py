@@ -36,7 +36,7 @@ class PyrenderRenderer(Renderer):
         """Return the maps of ``mesh`` seen by ``camera``; see `Renderer.render`.
 
         Raises:
-            InputError: if OpenGL cannot be had.
+            InputError: if OpenGL is not available.
         """
         pixels = _open_context().draw(mesh, camera, size)
         mask = pixels[..., 3] > 0
