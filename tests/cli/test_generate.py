@@ -286,7 +286,9 @@ def test_without_a_model_it_says_so(
 
 def test_help_ends_well(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["generate", "--help"]) == 0
-    assert "paint normal maps" in capsys.readouterr().out.lower()
+    out = capsys.readouterr().out
+    assert "predict normal maps" in out.lower()
+    assert "type:" not in out  # as Python spells it, which no artist reads
 
 
 def test_previews_heights_and_reliefs_come_beside_the_map(here: Path) -> None:

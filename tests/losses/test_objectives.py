@@ -19,7 +19,7 @@ from normalgan.models import UNetDiscriminator
 def test_wasserstein_signs(objective: Wasserstein) -> None:
     real, fake = (torch.tensor([[3.0]]),), (torch.tensor([[1.0]]),)
     assert objective.discriminator_loss(real, fake) == -2  # falls as true maps score higher
-    assert objective.generator_loss(fake) == -1  # falls as painted maps score higher
+    assert objective.generator_loss(fake) == -1  # falls as predicted maps score higher
 
 
 def test_cross_entropy_at_chance_is_log_two() -> None:

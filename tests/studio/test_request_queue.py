@@ -144,7 +144,7 @@ def test_only_so_many_tabs_wait() -> None:
         await until(running.begun)
         tasks += [ask(queue, tab, 1, lambda: "done") for tab in "bc"]
         await asyncio.sleep(0)
-        with pytest.raises(TooManyError, match="too many drawings wait"):
+        with pytest.raises(TooManyError, match="too many drawings are waiting"):
             await queue.do("d", 1, lambda: "never", never)
         tasks.append(ask(queue, "b", 2, lambda: "newer"))  # takes the place that it has
         running.finish.set()

@@ -75,7 +75,7 @@ def test_too_many_tabs_at_once_are_told_to_wait(served: Studio) -> None:
         connection.close()
     assert {answer.status for answer in answers} == {200, 429}
     assert len(refused) == 24 - 1 - 16
-    assert refused[0] == {"error": "too many drawings wait to be painted; try again in a moment."}
+    assert refused[0] == {"error": "too many drawings are waiting; try again in a moment."}
 
 
 def test_a_body_without_end_is_refused_and_not_kept(served: Studio) -> None:

@@ -134,7 +134,7 @@ def test_what_does_its_part_passes(tmp_path: Path) -> None:
     ("metric", "sentence"),
     [
         (OfTheBatch(), "once a picture without an object was counted too"),
-        (EverywhereMeasured(), "after what was painted off the mask was changed"),
+        (EverywhereMeasured(), "after the prediction off the mask was changed"),
         (Alone(), "when two processes measured a part each"),
     ],
 )

@@ -117,7 +117,7 @@ OBJECTIVE_FAULTS = [
         Mirrored,
         "Mirrored does not lower discriminator_loss as true maps score higher; the discriminator wants",
     ),
-    (HalfBlind, "HalfBlind does not raise discriminator_loss as painted maps score higher"),
+    (HalfBlind, "HalfBlind does not raise discriminator_loss as predicted maps score higher"),
     (Pooled, "Pooled weighs a head of 16 scores and a head of one as .*; heads count equally"),
     (
         OtherDice,

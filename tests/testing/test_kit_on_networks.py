@@ -165,9 +165,9 @@ class Saturates(Predictor):
 GENERATOR_FAULTS = [
     (TwoChannels, r"TwoChannels returned \(2, 2, 64, 64\) for a condition of .*; it must return normals"),
     (Doubles, "Doubles returned torch.float64 for a condition of torch.float32; it must keep the type"),
-    (Loud, r"Loud painted a component of .*; each component must lie in \[-1, 1\], as by tanh"),
-    (Unsure, "Unsure painted a confidence of 0 or less; the fourth channel must be above 0"),
-    (Explodes, "Explodes painted what is no number; its answer must be finite"),
+    (Loud, r"Loud predicted a component of .*; each component must lie in \[-1, 1\], as by tanh"),
+    (Unsure, "Unsure predicted a confidence of 0 or less; the fourth channel must be above 0"),
+    (Explodes, "Explodes predicted what is no number; its answer must be finite"),
     (Lonely, "Lonely raised RuntimeError .* when asked for batches of any number; forward must take"),
     (TrainsAnother, "TrainsAnother predicts otherwise than forward returns; what is trained"),
     (PlainTuple, "PlainTuple returned Tensor from predict; it must return Predictions"),

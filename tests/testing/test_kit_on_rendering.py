@@ -141,8 +141,8 @@ class Loose(Renderer):
 RENDERER_FAULTS = [
     (Tuple, "Tuple returned tuple; render must return Maps of size × size pixels"),
     (Doubles, r"Doubles returned normal \(33, 33, 3\) of float64 for 33 pixels; it must be .* of float32"),
-    (Long, "Long painted a normal whose length is 1 off from 1; normals on the object are unit vectors"),
-    (Painted, "Painted painted normals off the object; there they are zero"),
+    (Long, "Long rendered a normal whose length is 1 off from 1; normals on the object are unit vectors"),
+    (Painted, "Painted rendered normals off the object; there they are zero"),
     (Near, "Near has a finite depth off the object; there it is infinite"),
     (
         Flipped,

@@ -45,11 +45,11 @@ FIGURES = {
     "l2": "L2",
 }
 RELIEF = {
-    "nz_bias": "n_z painted - true",
+    "nz_bias": "n_z predicted - true",
     "nz_bias_rim": "the same at the rim",
     "angular_rim": "error at the rim",
     "angular_deep": "deep inside",
-    "gradient_ratio": "change from pixel to pixel, painted / true",
+    "gradient_ratio": "change from pixel to pixel, predicted / true",
     "mask_iou": "mask IoU",
     "calibration_error": "calibration error",
 }

@@ -13,10 +13,10 @@ Commands:
   fit        train a generator on rendered meshes
   validate   measure a checkpoint on the validation split
   test       measure a checkpoint on the test split: table, baselines, gallery
-  predict    paint normal maps for sketches of your own
+  predict    predict normal maps for sketches of your own
   render     only render the training samples to disk
   sketch     draw a mesh from a view, as SVG or PNG
-  generate   paint normal maps for drawings with an exported model, without torch
+  generate   predict normal maps for drawings with an exported model, without torch
   convert    normal and height maps to another format, direction or kind
   mcp        serve these to assistants as tools (MCP)
   studio     draw, pin normals, light and export in the browser, with an exported model

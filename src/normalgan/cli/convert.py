@@ -36,19 +36,45 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("map", help="a normal map (PNG, TIFF, EXR), or a grey height map")
     parser.add_argument("-o", "--output", required=True, help="where it goes: .png, .tiff or .exr")
-    parser.add_argument("--from", dest="source", type=_Kind, default="normal", help="what the map holds")
-    parser.add_argument("--to", type=_Kind, default="normal", help="what to write: normals, or their heights")
     parser.add_argument(
-        "--from_y", "--from-y", type=Green, default="up", help="green of the map: up is OpenGL"
+        "--from", dest="source", type=_Kind, default="normal", help="what the map holds (default %(default)s)"
     )
-    parser.add_argument("--y", type=Green, default="up", help="green to write; down is DirectX")
-    parser.add_argument("--bits", type=Bits, default=8, help="of each channel of a normal map as PNG")
-    parser.add_argument("--strength", type=Strength, default=1.0, help="factor of the slopes")
+    parser.add_argument("--to", type=_Kind, default="normal", help="what to write (default %(default)s)")
     parser.add_argument(
-        "--scale", type=float | None, help="pixels from black to white of a height map; null for all of them"
+        "--from_y",
+        "--from-y",
+        type=Green,
+        default="up",
+        help="where green points in the map: up is OpenGL (default %(default)s)",
+    )
+    parser.add_argument(
+        "--y",
+        type=Green,
+        default="up",
+        help="where green points in the output: down is DirectX (default %(default)s)",
+    )
+    parser.add_argument(
+        "--bits",
+        type=Bits,
+        default=8,
+        help="bits of each channel of a normal map as PNG (default %(default)s)",
+    )
+    parser.add_argument(
+        "--strength", type=Strength, default=1.0, help="factor of the slopes (default %(default)s)"
+    )
+    parser.add_argument(
+        "--scale",
+        type=float | None,
+        help="pixels from black to white of a height map; by default the whole range of the heights",
     )
     parser.add_argument("--detail", type=str | None, help="a normal map of details to lay over it; repeated")
-    parser.add_argument("--detail_y", "--detail-y", type=Green, default="up", help="green of the details")
+    parser.add_argument(
+        "--detail_y",
+        "--detail-y",
+        type=Green,
+        default="up",
+        help="where green points in the details (default %(default)s)",
+    )
     return parser
 
 

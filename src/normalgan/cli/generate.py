@@ -44,7 +44,7 @@ LOOK = 0.5
 
 
 def run(arguments: list[str]) -> int:
-    """Paint what the arguments ask for and return the exit code.
+    """Predict what the arguments ask for and return the exit code.
 
     Raises:
         InputError: if something that was given cannot be used.
@@ -120,7 +120,7 @@ def _packing(settings: Namespace) -> Packing:
         raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
     if settings.layers and packed:
         raise InputError(
-            "--layers paints each layer whole; leave --sheet, --split, --atlas and --tileset out."
+            "--layers predicts each layer as a whole; leave --sheet, --split, --atlas and --tileset out."
         )
     return Packing(settings.sheet, settings.split, settings.atlas, settings.tileset)
 
@@ -229,7 +229,7 @@ class _Batch:
         return 1 if self._failed else 0
 
     def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
-        """Paint drawings, and say what came of each.
+        """Predict drawings, and print the outcome of each.
 
         Args:
             predictor: the network.
@@ -280,7 +280,7 @@ class _Batch:
         find: Callable[[], "_Found"],
         found: "_Found",
     ) -> None:
-        """Paint what is saved, as it is saved, until Ctrl-C; of drawings that share a frame, all of them.
+        """Predict drawings whenever they are saved, until Ctrl-C; of those that share a frame, all.
 
         Raises:
             RunError: if a folder that was named is gone.

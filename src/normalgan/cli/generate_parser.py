@@ -7,7 +7,7 @@ from typing import Literal
 
 from jsonargparse.typing import ClosedUnitInterval
 
-from normalgan.cli.light_parser import LightParser
+from normalgan.cli.light_parser import LightParser, choices
 from normalgan.cli.output_options import add_output_options
 from normalgan.cli.ranges import Side, Strength
 from normalgan.inference.network.tile import Tile
@@ -41,7 +41,7 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     parser = LightParser(
         prog="normalgan generate",
         usage="%(prog)s SKETCH... [-o FOLDER] [--SETTING VALUE]...",
-        description="Paint normal maps for drawings.",
+        description="Predict normal maps for drawings.",
     )
     parser.add_argument(
         "sketches", nargs="+", help="files, folders or globs of drawings; - reads one from standard input"
@@ -50,12 +50,15 @@ def build_parser(engine: Engine | None = None) -> LightParser:
         "-o",
         "--output",
         default="normals",
-        help="folder where the maps go; of one drawing also a file, or - for standard output",
+        help="folder where the maps go (default %(default)s); for one drawing also a file, or - for standard "
+        "output",
     )
-    parser.add_argument("--dry-run", action="store_true", help="only say what would be read and written")
-    drawing = parser.add_argument_group("How a drawing is painted")
+    parser.add_argument("--dry-run", action="store_true", help="only print what would be read and written")
+    drawing = parser.add_argument_group("The drawing")
     drawing.add_argument(
-        "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
+        "--model",
+        type=str | None,
+        help="a file or an address of a model that normalgan export wrote; by default the package's own",
     )
     drawing.add_argument(
         "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
@@ -63,9 +66,9 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     drawing.add_argument(
         "--mask",
         type=str | None,
-        help="where the object is: a file, a folder of <sketch>_mask.png, outline to fill what lines "
-        "enclose, reader to let a small network vote on that, or model to leave it to the model; null is its "
-        "opacity if that tells, else reader",
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline (all that lines enclose), "
+        "reader (a small network decides on each region), or model (the model's guess); by default the "
+        "drawing's opacity if that shows the object, else reader",
     )
     drawing.add_argument(
         "--hole",
@@ -79,21 +82,22 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     drawing.add_argument(
         "--explain",
         type=str | None,
-        help="a folder for pictures of how each mask was found: ink, outline, votes on regions, presence",
+        help="a folder for pictures that show how each mask was found: ink, outline, votes on regions, "
+        "presence",
     )
     drawing.add_argument(
         "--size",
         type=Side | None,
-        help="longer side of the map in pixels; null is the drawing's, 1024 of an SVG",
+        help="longer side of the map in pixels; by default the drawing's, 1024 for an SVG",
     )
     drawing.add_argument(
-        "--strength", type=Strength, default=1.0, help="what the slopes of the map are multiplied by"
+        "--strength", type=Strength, default=1.0, help="factor of the map's slopes (default %(default)s)"
     )
     drawing.add_argument(
         "--detail",
         type=ClosedUnitInterval,
         default=0.0,
-        help="share of the slopes of the drawing's own shading that is added to the form, 0 to 1",
+        help="how much of the drawing's own shading is added as relief, 0 to 1 (default %(default)s)",
     )
     drawing.add_argument(
         "--pixel-art",
@@ -103,6 +107,7 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     drawing.add_argument(
         "--tile",
         type=Tile | None,
+        metavar=choices(Tile),
         help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
     )
     _add_folders(parser.add_argument_group("Folders"))
@@ -116,11 +121,13 @@ def build_parser(engine: Engine | None = None) -> LightParser:
 
 def _add_folders(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
-        "--recursive", action="store_true", help="search folders to the bottom, and mirror them in the output"
+        "--recursive", action="store_true", help="search subfolders too, and mirror them in the output"
     )
-    group.add_argument("--skip-existing", action="store_true", help="leave drawings out that have a map")
+    group.add_argument("--skip-existing", action="store_true", help="leave out drawings that have a map")
     group.add_argument(
-        "--watch", action="store_true", help="go on, and paint what is saved as it is saved; Ctrl-C ends it"
+        "--watch",
+        action="store_true",
+        help="keep running, and predict each drawing when it is saved; Ctrl-C ends it",
     )
 
 
@@ -129,13 +136,14 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--split",
         type=Literal["auto"] | None,  # type: ignore[arg-type]
+        metavar="auto",
         help="auto finds a sheet's drawings: islands of opacity or of connected lines",
     )
     group.add_argument(
         "--atlas",
         type=str | None,  # type: ignore[arg-type]
-        help="where a sheet's sprites lie, by TexturePacker, Aseprite, libGDX, Spine, Starling, Phaser, "
-        "Cocos2d, Unity or Godot, or a folder of such files",
+        help="the file with the places of a sheet's sprites, from TexturePacker, Aseprite, libGDX, Spine, "
+        "Starling, Phaser, Cocos2d, Unity or Godot, or a folder of such files",
     )
     group.add_argument(
         "--tileset",
@@ -147,14 +155,16 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--layers",
         action="store_true",
-        help="paint each visible layer of a PSD, KRA, ORA or Aseprite file for itself, and write all as a "
-        "layered file; as files of their own with --bits 16, --engine, or another --format",
+        help="predict each visible layer of a PSD, KRA, ORA or Aseprite file separately, and write them as a "
+        "layered file; with --bits 16, --engine or another --format, each layer has a file of its own",
     )
     group.add_argument(
         "--frame",
         type=Literal["own", "shared"] | None,  # type: ignore[arg-type]
-        help="what the model is shown: each drawing as large as can be, or the same square of all, so that "
-        "what stands still stays so; null is shared for an animation, own else",
+        metavar="{own,shared}",
+        help="what the model is shown: own makes each drawing as large as possible; shared shows the same "
+        "square of all, so that what stands still does not flicker; by default shared for an animation, else "
+        "own",
     )
 
 

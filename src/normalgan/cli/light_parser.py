@@ -1,14 +1,16 @@
 """LightParser: for the commands that need no Lightning; it answers mistakes as those do that train."""
 
+import argparse
 from collections.abc import Mapping
-from typing import Any, NoReturn
+from types import UnionType
+from typing import Any, Literal, NoReturn, Union, get_args, get_origin
 
 from normalgan.cli.class_settings import OwnDefaultsParser
 from normalgan.cli.parser_errors import explain
 from normalgan.errors import InputError
 from normalgan.registry import Registry
 
-__all__ = ["LightParser"]
+__all__ = ["LightParser", "choices"]
 
 
 class LightParser(OwnDefaultsParser):
@@ -17,6 +19,10 @@ class LightParser(OwnDefaultsParser):
     plugins: Mapping[str, Registry[Any]] = {}
     """The registry behind each setting that names a plug-in."""
 
+    def __init__(self, *args: Any, **settings: Any) -> None:
+        # jsonargparse's own formatter adds each option's type as Python spells it.
+        super().__init__(*args, formatter_class=argparse.HelpFormatter, **settings)
+
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
         """Raise `InputError` in place of a usage page."""
         if self.exit_on_error:
@@ -24,3 +30,16 @@ class LightParser(OwnDefaultsParser):
                 explain(message, self.plugins, [action.dest for action in self._actions])
             ) from ex
         super().error(message, ex)
+
+
+def choices(kind: Any) -> str | None:
+    """Return how ``--help`` shows an option's value: its choices; None if there are others than words.
+
+    >>> choices(Literal["png", "exr"] | None), choices(Literal["batch"] | float)
+    ('{png,exr}', None)
+    """
+    kinds = get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
+    named = [each for each in kinds if each is not type(None)]
+    if not named or any(get_origin(each) is not Literal for each in named):
+        return None
+    return f"{{{','.join(str(word) for each in named for word in get_args(each))}}}"

@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple, get_type_hints
 from docstring_parser import DocstringStyle, parse
 from jsonargparse import ArgumentParser
 
+from normalgan.cli.light_parser import choices
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import Format
 from normalgan.inference.outputs import OUTPUTS, Normal, Output
@@ -39,16 +40,22 @@ def add_output_options(
         InputError: if a plug-in's option is taken.
     """
     formats: Any = Format if form else Format | None
-    group.add_argument(f"--{section}format", type=formats, default=form, help=_told(Normal)["format"])
+    form_help = _told(Normal)["format"].rstrip(".")
+    group.add_argument(
+        f"--{section}format", type=formats, default=form, metavar=choices(formats), help=form_help
+    )
     for kind in (Normal, *OUTPUTS):
         for option in _options(kind):
             if section and option.name == "engine":
                 continue  # it changes defaults, which generate does as it reads its command line
             name = option.name if section else option.name.replace("_", "-")
             flag = option.type is bool and not section
-            how = {"action": "store_true"} if flag else {"type": option.type, "default": option.default}
+            how: dict[str, Any] = {"action": "store_true"}
+            if not flag:
+                how = {"type": option.type, "default": option.default, "metavar": choices(option.type)}
+            said = "" if section or option.default in {None, False} else f" (default {option.default})"
             try:
-                group.add_argument(f"--{section}{name}", help=option.help, **how)
+                group.add_argument(f"--{section}{name}", help=f"{option.help}{said}", **how)
             except (argparse.ArgumentError, ValueError):
                 raise InputError(
                     f"the output {kind.__name__} has an option --{name}, and so has the command; "

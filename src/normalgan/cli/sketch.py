@@ -69,26 +69,61 @@ def build_parser() -> LightParser:
         "mesh",
         help="a mesh file, or an embedded animal: a species such as horse, or one of its kind: horse-7",
     )
-    parser.add_argument("-o", "--output", default="sketch.svg", help="where the drawing goes, .svg or .png")
-    parser.add_argument("--normal", type=str | None, help="where its normal map goes, .png; null for nowhere")
-    parser.add_argument("--size", type=Side, default=512, help="side of the drawing in pixels")
-    parser.add_argument("--azimuth", type=float, default=45.0, help="degrees from the front, +Z, towards +X")
-    parser.add_argument("--elevation", type=float, default=15.0, help="degrees above the horizon")
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="sketch.svg",
+        help="where the drawing goes, .svg or .png (default %(default)s)",
+    )
+    parser.add_argument(
+        "--normal", type=str | None, help="where its normal map goes, .png; by default none is written"
+    )
+    parser.add_argument(
+        "--size", type=Side, default=512, help="side of the drawing in pixels (default %(default)s)"
+    )
+    parser.add_argument(
+        "--azimuth",
+        type=float,
+        default=45.0,
+        help="degrees from the front, +Z, towards +X (default %(default)s)",
+    )
+    parser.add_argument(
+        "--elevation", type=float, default=15.0, help="degrees above the horizon (default %(default)s)"
+    )
     parser.add_argument("--roll", type=float, default=0.0, help="degrees counter-clockwise")
     parser.add_argument(
-        "--field_of_view", type=Degrees | None, help="degrees the object takes up; null is orthographic"
+        "--field_of_view",
+        type=Degrees | None,
+        help="degrees the object takes up; by default the view is orthographic",
     )
-    parser.add_argument("--margin", type=Margin, default=0.06, help="share of the side left free around it")
+    parser.add_argument(
+        "--margin",
+        type=Margin,
+        default=0.06,
+        help="share of the side left free around it (default %(default)s)",
+    )
     parser.add_argument("--orientation", type=str | None, help="JSON file that says how the mesh is turned")
     parser.add_argument(
         "--clip", type=str | None, help="animation of a rigged glTF file; the view is one for all its moments"
     )
-    parser.add_argument("--time", type=float | None, help="moment of the clip in seconds; null is its first")
+    parser.add_argument(
+        "--time", type=float | None, help="moment of the clip in seconds; by default its first"
+    )
     parser.add_argument("--crease_angle", type=float | None, help="degrees from which an edge is sharp")
-    parser.add_argument("--lines", type=LineDrawing, help="the style")
-    parser.add_argument("--renderer", type=Renderer, help="of the maps")
-    parser.add_argument("--hand", type=Hand | None, help="who draws; null draws the exact lines")
-    parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; null is clean ink")
+    parser.add_argument(
+        "--lines",
+        type=LineDrawing,
+        help="the style of the lines, a class that `normalgan plugins` lists (default SuggestiveContours)",
+    )
+    parser.add_argument(
+        "--renderer",
+        type=Renderer,
+        help="what renders the mesh, a class that `normalgan plugins` lists (default EmbreeRenderer)",
+    )
+    parser.add_argument(
+        "--hand", type=Hand | None, help="how unsteadily the lines are drawn; by default they are exact"
+    )
+    parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; by default clean ink")
     parser.add_argument(
         "--seed", type=NonNegativeInt, default=0, help="of the style's choices, the hand and the medium"
     )

@@ -360,7 +360,9 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
         layered = _layered(content, least, most)
         if layered is None:
             _refuse_foreign(content)
-            raise RefusedError("has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted")
+            raise RefusedError(
+                "has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be predicted"
+            )
         found, pixels = [], 0
         with _unreadable_refused():
             for layer in layered.layers():
@@ -408,7 +410,7 @@ def tileset(content: bytes, least: int, most: int) -> Message:
 def _check_parts(count: int, pixels: int, name: str) -> None:
     if not 0 < count <= MOST_PARTS or pixels > MOST_PIXELS:
         raise RefusedError(
-            f"has {count} {name} of {pixels} pixels together; {MOST_PARTS} of {MOST_PIXELS} can be painted"
+            f"has {count} {name} of {pixels} pixels together; {MOST_PARTS} of {MOST_PIXELS} can be predicted"
         )
 
 

@@ -56,16 +56,16 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--opset",
         type=_Opset | None,
-        help="version of ONNX's operators, for older runtimes; null is 18",
+        help="version of ONNX's operators, for older runtimes (default 18)",
     )
     parser.add_argument("--half", action="store_true", help="store the weights in 16 bits")
     parser.add_argument(
-        "--size", type=ModelSide | None, help="side of the pictures; null is what it was trained at"
+        "--size", type=ModelSide | None, help="side of the pictures; by default that of its training"
     )
     parser.add_argument(
         "--licence",
         type=str | None,
-        help="of the weights, written into the file; null is what the model says",
+        help="licence of the weights, written into the file; by default what the model says",
     )
     return parser
 

@@ -30,8 +30,8 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
     backend = _backend(str(path_or_name), size)
     if size not in (None, backend.size):
         raise InputError(
-            f"{path_or_name} paints pictures of {backend.size} pixels, not {size}; leave size out: drawings "
-            "of any size are shown to it so."
+            f"{path_or_name} predicts pictures of {backend.size} pixels, not {size}; leave size out: "
+            "drawings of any size are resized for it."
         )
     return Predictor(backend)
 

@@ -44,18 +44,24 @@ def build_parser() -> LightParser:
         help="what to open: a project's name, a .normalgan file, or a drawing",
     )
     parser.add_argument(
-        "--model", type=str | None, help="what normalgan export wrote; null is the package's own"
+        "--model", type=str | None, help="a model that normalgan export wrote; by default the package's own"
     )
-    parser.add_argument("--port", type=int, default=8400, help="of this machine; 0 takes a free one")
+    parser.add_argument(
+        "--port",
+        type=int,
+        default=8400,
+        help="port on this machine (default %(default)s); 0 takes a free one",
+    )
     parser.add_argument(
         "--address",
         default="127.0.0.1",
-        help="where to listen; 0.0.0.0 in a container, whose port is published on 127.0.0.1 of its host",
+        help="where to listen (default %(default)s); 0.0.0.0 in a container, whose port is published on "
+        "127.0.0.1 of its host",
     )
     parser.add_argument(
-        "--projects", type=str | None, help="folder of the projects; null is the user's own for data"
+        "--projects", type=str | None, help="folder of the projects; by default in the user's folder for data"
     )
-    parser.add_argument("--no-browser", action="store_true", help="only say the address")
+    parser.add_argument("--no-browser", action="store_true", help="only print the address")
     return parser
 
 

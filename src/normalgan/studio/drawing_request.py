@@ -133,7 +133,7 @@ class DrawingRequest:
         return paint_mask(inked, (_read_mask_stroke(*each) for each in enumerate(self.mask_strokes, 1)))
 
     def edit(self, normals: Floats, mask: NDArray[np.bool_], shape: tuple[int, int]) -> Floats:
-        """Return a painted map held to what the hand says: areas in their order, then pins, exactly.
+        """Return a predicted map with the user's areas, in their order, and then the pins applied exactly.
 
         Args:
             normals: (h, w, 3), unit.

@@ -83,7 +83,7 @@ class Predictor:
         Args:
             drawing: the drawing.
             longest: longer side of the map in pixels; None is the drawing's own.
-            check: called between the steps; what it raises ends the painting.
+            check: called between the steps; what it raises ends the prediction.
 
         Raises:
             InputError: if the drawing cannot be used.

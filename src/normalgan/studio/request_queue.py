@@ -88,7 +88,7 @@ class RequestQueue:
         if number < self._newest.get(tab, number):
             return None
         if tab not in self._waiting and len(self._waiting) >= self._most:
-            raise TooManyError("too many drawings wait to be painted; try again in a moment.")
+            raise TooManyError("too many drawings are waiting; try again in a moment.")
         self._remember(tab, number)
         entry: _Entry[T] = _Entry(tab, work, stop, asyncio.get_running_loop().create_future())
         older, self._waiting[tab] = self._waiting.get(tab), entry  # type: ignore[assignment]

@@ -56,13 +56,15 @@ def _range(generator: Generator, size: int) -> None:
         predicted = _predict(generator.eval(), scale * given(2, size)[0])
         normals, confidence = predicted[:, :3], predicted[:, 3:]
         demand(
-            predicted.isfinite().all(), generator, "painted what is no number", "its answer must be finite"
+            predicted.isfinite().all(), generator, "predicted what is no number", "its answer must be finite"
         )
         largest = float(normals.abs().max())
         asked = "each component must lie in [-1, 1], as by tanh"
-        demand(largest <= 1 + 1e-5, generator, f"painted a component of {largest:.3g}", asked)
+        demand(largest <= 1 + 1e-5, generator, f"predicted a component of {largest:.3g}", asked)
         positive = bool((confidence > 0).all())
-        demand(positive, generator, "painted a confidence of 0 or less", "the fourth channel must be above 0")
+        demand(
+            positive, generator, "predicted a confidence of 0 or less", "the fourth channel must be above 0"
+        )
 
 
 @torch.no_grad()
@@ -73,7 +75,7 @@ def _predictions(generator: Generator, size: int) -> None:
     demand(good, generator, f"returned {class_name(preds)} from predict", "it must return Predictions")
     channels, predicted = preds.channels(), _predict(generator, condition)
     same = channels.shape == predicted.shape and torch.allclose(channels, predicted, atol=1e-5)
-    asked = "what is trained and what is painted must be the same; override both or forward alone"
+    asked = "what is trained and what is predicted must be the same; override both or forward alone"
     demand(same, generator, "predicts otherwise than forward returns", asked)
 
 

@@ -80,7 +80,7 @@ def _masked(metric: MapMetric) -> None:
     half[..., : mask.shape[-1] // 2] = 0
     other = preds + (1 - half) * 0.7
     one, two = _value(metric, (preds, target, half)), _value(metric, (other, target, half))
-    _same(metric, one, two, "after what was painted off the mask was changed")
+    _same(metric, one, two, "after the prediction off the mask was changed")
 
 
 def _batches(metric: MapMetric) -> None:

@@ -69,7 +69,7 @@ def _directions(objective: AdversarialObjective) -> None:
     asked = "the generator wants its maps to be taken for true, and high scores mean true"
     demand(slope < 0, objective, "does not lower generator_loss as scores rise", asked)
     loss = objective.discriminator_loss(true, predicted)
-    asked = "the discriminator wants high scores of true maps and low ones of painted maps"
+    asked = "the discriminator wants high scores of true maps and low ones of predicted maps"
     demand(
         _slope(loss, true) < 0,
         objective,
@@ -79,7 +79,7 @@ def _directions(objective: AdversarialObjective) -> None:
     demand(
         _slope(loss, predicted) > 0,
         objective,
-        "does not raise discriminator_loss as painted maps score higher",
+        "does not raise discriminator_loss as predicted maps score higher",
         asked,
     )
 

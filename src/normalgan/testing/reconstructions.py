@@ -95,7 +95,7 @@ def _gradient(reconstruction: Reconstruction) -> None:
     target, mask = pictures(2)
     for place, normals in (
         ("at the truth", target),
-        ("where nothing is painted", 0 * target),
+        ("where nothing is predicted", 0 * target),
         ("halfway", target / 2),
     ):
         loss, directions, _ = _compare(reconstruction, normals, target, mask)

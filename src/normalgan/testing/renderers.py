@@ -72,13 +72,13 @@ def _unit(renderer: Renderer) -> None:
     length = np.linalg.norm(maps.normal[maps.mask], axis=-1)
     off = float(np.abs(length - 1).max())
     asked = "normals on the object are unit vectors, never blended with the background"
-    demand(off < 1e-3, renderer, f"painted a normal whose length is {off:.2g} off from 1", asked)
+    demand(off < 1e-3, renderer, f"rendered a normal whose length is {off:.2g} off from 1", asked)
 
 
 def _background(renderer: Renderer) -> None:
     maps = _render(renderer, ellipsoid(), camera(ellipsoid()))
     demand(
-        not maps.normal[~maps.mask].any(), renderer, "painted normals off the object", "there they are zero"
+        not maps.normal[~maps.mask].any(), renderer, "rendered normals off the object", "there they are zero"
     )
     good = bool(np.isposinf(maps.depth[~maps.mask]).all())
     demand(good, renderer, "has a finite depth off the object", "there it is infinite")
@@ -132,7 +132,7 @@ def _empty(renderer: Renderer) -> None:
     maps = _render(renderer, ellipsoid(), away(ellipsoid()))
     nothing = not maps.mask.any() and not maps.normal.any()
     demand(
-        nothing, renderer, "painted something in a frame without the object", "the maps of nothing are empty"
+        nothing, renderer, "rendered something in a frame without the object", "the maps of nothing are empty"
     )
 
 

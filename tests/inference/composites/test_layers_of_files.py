@@ -180,7 +180,7 @@ def test_a_speck_is_a_drawing_too(here: Path) -> None:
     [
         (
             ["flat.png"],
-            "flat.png has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be painted",
+            "flat.png has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be predicted",
         ),
         (["flat.png", "--bits", "16"], "flat.png has no layers"),
         (["paper.ora"], "none of its layers holds a drawing"),
@@ -188,9 +188,9 @@ def test_a_speck_is_a_drawing_too(here: Path) -> None:
         (["fox.ora", "-o", ".", "--suffix", ""], "fox.ora is read and would be written over"),
         (
             ["fox.ora", "--mask", "flat.png"],
-            "fox.ora is painted layer by layer; a mask or hints are those of one",
+            "fox.ora is predicted layer by layer; a mask or hints belong to one",
         ),
-        (["fox.ora", "--sheet", "2x1"], "--layers paints each layer whole"),
+        (["fox.ora", "--sheet", "2x1"], "--layers predicts each layer as a whole"),
     ],
 )
 def test_what_cannot_be_done_is_told(

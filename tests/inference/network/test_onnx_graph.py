@@ -203,13 +203,13 @@ def test_a_small_number_that_asks_for_much_memory_gets_none(tmp_path: Path, of_w
     content = made(steps, shape).SerializeToString()
     assert check_graph("large.onnx", content) is (of_what == "the input")
     (tmp_path / "large.onnx").write_bytes(content)
-    with pytest.raises(InputError, match=r"large\.onnx takes more than 2 GiB of memory to paint"):
+    with pytest.raises(InputError, match=r"large\.onnx takes more than 2 GiB of memory to predict"):
         OnnxBackend(tmp_path / "large.onnx").predict(np.zeros((SIZE, SIZE), np.float32))
 
 
 def test_a_model_of_no_possible_size_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.onnx").write_bytes(made([VECTORS], size=100_000).SerializeToString())
-    with pytest.raises(InputError, match="paints pictures of 100000 × 100000 pixels; 8 to 2048 a side"):
+    with pytest.raises(InputError, match="predicts pictures of 100000 × 100000 pixels; 8 to 2048 a side"):
         OnnxBackend(tmp_path / "bad.onnx")
 
 
@@ -223,7 +223,7 @@ def test_a_model_that_takes_too_long_is_ended(tmp_path: Path, monkeypatch: pytes
     (tmp_path / "slow.onnx").write_bytes(made(steps, weights).SerializeToString())
     model = OnnxBackend(tmp_path / "slow.onnx")
     monkeypatch.setattr(onnx_backend, "PATIENCE", 0.5)
-    with pytest.raises(InputError, match=r"slow\.onnx takes more than 0 seconds to paint"):
+    with pytest.raises(InputError, match=r"slow\.onnx takes more than 0 seconds to predict"):
         model.predict(np.zeros((SIZE, SIZE), np.float32))
 
 

@@ -39,7 +39,7 @@ class PsdFile(LayeredFile):
     def _read_layers(self) -> Iterator[Layer]:
         if self._psd.color_mode.name not in {"RGB", "GRAYSCALE"}:
             raise UnreadableError(
-                f"has its colours in {self._psd.color_mode.name}; layers of RGB and of greys can be painted"
+                f"has its colours in {self._psd.color_mode.name}; layers of RGB and of greys can be predicted"
             )
         yield from _group(self._psd, self._psd, (), 255, self.notes)
 

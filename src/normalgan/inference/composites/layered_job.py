@@ -63,7 +63,7 @@ class LayeredJob:
         """
         if job.files.hints is not None or isinstance(job.files.mask, Path):
             raise InputError(
-                f"{drawing.path} is painted layer by layer; a mask or hints are those of one drawing."
+                f"{drawing.path} is predicted layer by layer; a mask or hints belong to one drawing."
             )
         found = drawing.layers
         drawn = [layer for layer in found.layers if not is_plain(layer, found.shape)]

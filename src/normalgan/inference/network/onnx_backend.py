@@ -112,8 +112,8 @@ class OnnxBackend:
             )
         if not SMALLEST <= side <= LARGEST:
             raise InputError(
-                f"the model {path} paints pictures of {side} × {side} pixels; "
-                f"{SMALLEST} to {LARGEST} a side can be painted."
+                f"the model {path} predicts pictures of {side} × {side} pixels; "
+                f"{SMALLEST} to {LARGEST} a side are possible."
             )
         self.size: int = side
         """Side of the model's pictures in pixels."""
@@ -172,13 +172,13 @@ class OnnxBackend:
             return [np.asarray(output) for output in self._session.run(names, given, run)]
         except Exception as error:  # as above
             if late.is_set():
-                why = f"takes more than {PATIENCE:.0f} seconds to paint"
+                why = f"takes more than {PATIENCE:.0f} seconds to predict"
             elif wants_memory(error):
                 raise RunError(
                     f"there is too little memory to run the model {self._path}; close other programs."
                 ) from error
             elif "BFCArena" in str(error):
-                why = f"takes more than {MEMORY >> 30} GiB of memory to paint"
+                why = f"takes more than {MEMORY >> 30} GiB of memory to predict"
             else:
                 why = f"cannot be run: {brief(error)[:200]}"
             raise InputError(f"the model {self._path} {why}.") from error

@@ -20,7 +20,8 @@ class Height(Output):
 
     Args:
         format: png is 16 bits from the lowest to the highest, tiff floats in pixels.
-        height_scale: pixels from black to white of a height png; batch takes those of the highest drawing.
+        height_scale: pixels of height between black and white of a png; batch takes those of the highest
+            drawing.
 
     Raises:
         InputError: if they do not go together.

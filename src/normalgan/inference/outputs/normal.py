@@ -24,15 +24,16 @@ class Normal(Output):
     """The normal map.
 
     Args:
-        format: of the map; exr and tiff hold floats; null is that of the file that -o names, png of a folder.
-        suffix: of the map's name, after the drawing's.
-        bits: of each channel of a PNG.
-        y: up is green as in OpenGL, down as in DirectX.
-        alpha: write the object's mask as alpha channel.
-        pad: pixels around the object that carry the colour of its edge, for engines that blend neighbours;
-            null is 16 with alpha, pack or engine, else 0, which leaves all of the background flat.
-        pack: normal_specular writes the specular map as alpha channel; null packs nothing.
-        engine: sets y, bits and suffix as it wants them, and writes what it imports the map by.
+        format: format of the map; exr and tiff hold floats; by default that of the file that -o names,
+            else png.
+        suffix: what the name of the map ends in, after that of the drawing.
+        bits: bits of each channel of a PNG.
+        y: where green points: up as in OpenGL, down as in DirectX.
+        alpha: write the mask of the object as alpha channel.
+        pad: pixels around the object that get the colour of its edge, for engines that blend neighbours;
+            by default 16 with alpha, pack or engine, else 0, which leaves all of the background flat.
+        pack: what else the map holds: normal_specular writes the specular map as alpha channel.
+        engine: sets y, bits and suffix for an engine, and writes the file by which it imports the map.
 
     Raises:
         InputError: if they do not go together.

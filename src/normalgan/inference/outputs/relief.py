@@ -20,7 +20,7 @@ class Relief(Output):
 
     Args:
         format: glb is one file for engines, obj is text for other programs.
-        faces: triangles of the relief at most; null is four for each pixel.
+        faces: triangles of the relief at most; by default four for each pixel.
 
     Raises:
         InputError: if so few triangles close no relief.
