@@ -64,7 +64,7 @@ def test_predict_and_python_paint_the_same_bytes_by_torch(drawings: Path, tmp_pa
 
 
 def test_generate_studio_and_python_paint_the_same_bytes_by_onnx(drawings: Path, tmp_path: Path) -> None:
-    from normalgan.inference.network.onnx_backend import SHIPPED
+    from normalgan.weights.shipped import SHIPPED
 
     out = tmp_path / "out"
     where = ("--hints", str(tmp_path), "--mask", str(tmp_path), "--bits", "16")

@@ -58,9 +58,9 @@ def follow(what: str, drawing: Path) -> Chain:
             with TemporaryDirectory() as folder:
                 main(["generate", str(drawing), "-o", folder])
         else:
-            from normalgan.inference.network.onnx_backend import SHIPPED
             from normalgan.studio.drawing_request import DrawingRequest
             from normalgan.studio.predictor import Predictor
+            from normalgan.weights.shipped import SHIPPED
 
             Predictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes(), [], None), None, lambda: None)
     finally:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import onnx
 import onnxruntime
 import pytest
 import torch
@@ -9,7 +10,8 @@ import torch
 from normalgan.errors import RunError
 from normalgan.files.torch_files import load_torch_file
 from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
-from normalgan.weights import file
+from normalgan.weights.file import read_weights
+from normalgan.weights.shipped import SHIPPED
 
 
 @pytest.mark.parametrize("error", [MemoryError(), RuntimeError("Exception during loading: std::bad_alloc")])
@@ -28,6 +30,6 @@ def test_too_little_memory_is_not_a_bad_file(
         patched.setattr(torch, "load", fail)
         with pytest.raises(RunError, match=r"too little memory to read .*a\.ckpt"):
             load_torch_file(tmp_path / "a.ckpt")
-    monkeypatch.setattr(file, "load", fail)
-    with pytest.raises(RunError, match=r"too little memory to read .*ours\.safetensors"):
-        file.read_weights(file.SHIPPED)
+    monkeypatch.setattr(onnx, "load_from_string", fail)
+    with pytest.raises(RunError, match=r"too little memory to read .*ours\.onnx"):
+        read_weights(SHIPPED)
