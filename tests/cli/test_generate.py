@@ -375,6 +375,8 @@ def test_a_hole_is_cut_where_a_point_says(here: Path, capfd: pytest.CaptureFixtu
     for point, sentence in (
         ("5,5", "fox.png: no enclosed region lies at x 5, y 5; give a point inside closed lines"),
         ("5", "--hole 5 is not a point; give x,y in pixels of the drawing"),
+        ("nan,5", "--hole nan,5 is not a point"),
+        ("5,inf", "--hole 5,inf is not a point"),
     ):
         assert generate("fox.png", "--hole", point) == 2
         assert sentence in capfd.readouterr().err

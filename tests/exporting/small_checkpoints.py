@@ -8,7 +8,7 @@ import torch
 from normalgan.models import Generator, ResidualUNetGenerator, UNetGenerator
 
 UNET: dict[str, Any] = {"size": 32, "width": 4}
-RESIDUAL: dict[str, Any] = {"widths": [8, 8, 16], "blocks": [1, 1, 1], "patch": 2}
+RESIDUAL: dict[str, Any] = {"widths": [8, 8, 16], "blocks": [1, 1, 1], "patch": 2, "mirror": True}
 
 
 def make_generator(kind: str) -> Generator:

@@ -1,5 +1,6 @@
 """normalgan generate: from drawings to normal maps by a model as ONNX, without torch."""
 
+import math
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -139,9 +140,11 @@ def _points(given: Sequence[str]) -> list[tuple[float, float]]:
         try:
             x, y = map(float, each.split(","))
         except ValueError:
+            x = y = math.nan
+        if not math.isfinite(x) or not math.isfinite(y):
             raise InputError(
                 f"--hole {each} is not a point; give x,y in pixels of the drawing, such as --hole 120,80."
-            ) from None
+            )
         points.append((x, y))
     return points
 

@@ -279,7 +279,8 @@ def mean_of_mirrored(preds: Predictions) -> Predictions:
         The predictions of the first N drawings, each averaged with its mirror image.
     """
     direction, presence, confidence = preds
-    count = len(direction) // 2  # and slices: ONNX's exporter cannot take halves by chunk
+    # By shape and not len, which a trace would keep as a number; and slices, as ONNX's exporter has no chunk.
+    count = direction.shape[0] // 2
     here, there = direction[:count], _turned(direction[count:].flip(3))
     if confidence is not None:
         sure, mirrored = confidence[:count], confidence[count:].flip(3)

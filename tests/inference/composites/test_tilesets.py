@@ -146,6 +146,7 @@ def test_a_tileset_of_tiled_says_where_the_tiles_are(here: Path, name: str, text
     [
         ("16", "give width x height of a tile in pixels"),
         ("4x4", "a tile of 4 × 4 pixels is too small"),
+        ("0x16", "a tile of 0 × 16 pixels is too small"),
         ("500x500", "has 0 tiles of 500 × 500"),
         ("map.tmx", "map.tmx is no tileset of Tiled"),
         ("collection.tsx", "collection of pictures"),

@@ -58,7 +58,6 @@ class TileGrid:
         Raises:
             InputError: if it has no tile, too many, tiny ones, or another size than the tileset's file says.
         """
-        columns, rows = self.counts(shape)
         height, width = shape
         if self.size is not None and self.size != (width, height):
             raise InputError(
@@ -70,6 +69,7 @@ class TileGrid:
                 f"a tile of {self.width} × {self.height} pixels is too small; it has {SMALLEST} a side at "
                 "least."
             )
+        columns, rows = self.counts(shape)
         if not 0 < columns * rows <= MOST_TILES:
             raise InputError(
                 f"{name} of {width} × {height} pixels has {columns * rows} tiles of {self.width} × "
