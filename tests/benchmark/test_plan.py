@@ -50,7 +50,7 @@ def test_plans_are_told_from_overlays() -> None:
 def test_a_plan_takes_what_it_does_not_say_from_its_base(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text("data: {size: 32}")
     trained = {"name": "a", "label": "A", "configs": ["mine.yaml"]}
-    written(tmp_path, plan(seeds=[3, 4], data={"animals": 3, "size": 64}, reference="paper"))
+    written(tmp_path, plan(seeds=[3, 4], data={"animals": {"count": 3}, "size": 64}, reference="paper"))
     child = tmp_path / "child.yaml"
     child.write_text(
         yaml.safe_dump({"base": "plan.yaml", "name": "c", "data": {"size": 32}, "rows": [trained]})

@@ -63,7 +63,7 @@ def test_and_so_is_one_that_a_file_names_in_either_way(setting: str, tmp_path: P
         ("data: {sizes: 32}", ["there is no setting data.sizes. Did you mean data.size?"]),
         ("data: {views: {margn: 0.1}}", ["no setting data.views.margn. Did you mean data.views.margin?"]),
         ("data: {meshes: {a: 1}}", ["expected text or a list or null, not {'a': 1}"]),
-        ("data: {fractions: [0.5, 0.5]}", ["expected a tuple with 3 elements, not [0.5, 0.5]."]),
+        ("data: {split: {fractions: [0.5, 0.5]}}", ["expected a tuple with 3 elements, not [0.5, 0.5]."]),
         ("data:", ['"data" in the configuration', "is empty"]),
         ("trainer: 3", ['"trainer" in the configuration', "is 3"]),
         ("trainer: {max_epoch: 3}", ["Did you mean trainer.max_epochs?"]),
@@ -89,8 +89,8 @@ def test_a_bad_setting_is_one_sentence(tmp_path: Path, yaml: str, words: list[st
     [
         ("data: {size: 48}", ["a power of two", "not 48"]),
         ("data: {size: -3}", ["-3"]),
-        ("data: {fractions: [0.9, 0.9, 0.9]}", ["sum to 1"]),
-        ("data: {batch_size: 0}", ["data.batch_size must be 1 or more, not 0."]),
+        ("data: {split: {fractions: [0.9, 0.9, 0.9]}}", ["sum to 1"]),
+        ("data: {batch_size: 0}", ["batch_size of MeshDataModule is 0; it must be 1 or more."]),
         ("trainer: {accelerator: quantum}", ["a setting cannot be used", "accelerator='quantum'"]),
         (
             "trainer: {gradient_clip_val: 1.0}",

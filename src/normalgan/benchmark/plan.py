@@ -19,7 +19,7 @@ __all__ = ["PLACEMENTS", "Plan", "Row", "Settings", "is_plan", "read_plan", "rea
 
 Settings = dict[str, Any]
 _DRAWN = ("hand", "lines", "medium")
-_MESHES = ("meshes", "split_file", "orientation", "fractions", "poses", "crease_angle", "test_views")
+_MESHES = ("meshes", "reading", "split", "test_views")
 _TEST_DATA = (*_DRAWN, *_MESHES)
 """Settings of the data that may be others for the test split; its size is that of the networks."""
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
