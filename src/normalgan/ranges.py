@@ -1,8 +1,8 @@
 """Ranges: what numbers a setting takes, said in its annotation and checked in its class's constructor."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from normalgan.errors import InputError
@@ -41,7 +41,7 @@ class Range:
         """Return the range in words, which `--help` shows as a part of the type."""
         if self.most == math.inf:
             return f"more than {self.least:g}" if self.above else f"{self.least:g} or more"
-        first = f"above {self.least:g}" if self.above else f"from {self.least:g}"
+        first = f"above {self.least:g}, up" if self.above else f"from {self.least:g}"
         return f"{first} to {'below ' if self.below else ''}{self.most:g}"
 
 
@@ -52,11 +52,15 @@ Positive = Annotated[float, Range(0, above=True)]
 Share = Annotated[float, Range(0, 1)]
 
 
-def check_ranges(settings: object) -> None:
+def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None:
     """Check all settings of an object that its constructor annotates with a `Range`.
 
-    The last line of ``__init__``, where every such setting is an attribute of its parameter's name. A
-    dataclass says ``__post_init__ = check_ranges``.
+    Call it in ``__post_init__``, or at the end of ``__init__``. A tuple that is annotated as a whole holds
+    two numbers, low then high.
+
+    Args:
+        settings: the object.
+        values: the settings by name; None takes the object's attributes.
 
     Raises:
         InputError: if one lies outside its range.
@@ -65,22 +69,25 @@ def check_ranges(settings: object) -> None:
         >>> @dataclass
         ... class Blur:
         ...     radius: Positive = 1.0
-        ...     __post_init__ = check_ranges
+        ...     def __post_init__(self) -> None:
+        ...         check_ranges(self)
         >>> Blur(radius=0)
         Traceback (most recent call last):
         normalgan.errors.InputError: radius of Blur is 0; it must be more than 0.
     """
     for name, hint in _hints(type(settings)).items():
-        value = getattr(settings, name)
-        for number, allowed in _numbers(hint, value):
-            if number not in allowed:
-                each = "it" if number is value else "each number"
-                raise InputError(f"{name} of {type(settings).__name__} is {value}; {each} must be {allowed}.")
+        value = getattr(settings, name) if values is None else values[name]
+        for given, allowed in _given(hint, value):
+            pair = isinstance(given, list | tuple)
+            numbers = given if pair else [given]
+            if any(number not in allowed for number in numbers) or (pair and not _rising(numbers)):
+                right = "it must be" if given is value else "each number must be"
+                right += " two numbers, low then high," if pair else ""
+                raise InputError(f"{name} of {type(settings).__name__} is {value}; {right} {allowed}.")
 
 
-@cache
-def _hints(kind: type) -> dict[str, Any]:
-    found = get_type_hints(kind.__init__, include_extras=True)  # type: ignore[misc]
+def _hints(kind: type[Any]) -> dict[str, Any]:
+    found = get_type_hints(kind.__init__, include_extras=True)
     return {name: hint for name, hint in found.items() if _ranged(hint)}
 
 
@@ -88,13 +95,17 @@ def _ranged(hint: Any) -> bool:
     return get_origin(hint) is Annotated or any(map(_ranged, get_args(hint)))
 
 
-def _numbers(hint: Any, value: Any) -> list[tuple[float, Range]]:
-    """Return the numbers in a value, each with its range: one, those of a list or tuple, or none."""
+def _rising(numbers: Sequence[float]) -> bool:
+    return len(numbers) == 2 and numbers[0] <= numbers[1]
+
+
+def _given(hint: Any, value: Any) -> list[tuple[Any, Range]]:
+    """Return what a value holds that has a range, a number or a pair, and the range."""
     if value is None:
         return []
     if get_origin(hint) is Annotated:
         return [(value, each) for each in hint.__metadata__ if isinstance(each, Range)]
     inner = [each for each in get_args(hint) if each not in (type(None), ...)]
     if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):
-        return [pair for item in value for pair in _numbers(inner[0], item)]
-    return [pair for each in inner for pair in _numbers(each, value)]
+        return [pair for item in value for pair in _given(inner[0], item)]
+    return [pair for each in inner for pair in _given(each, value)]

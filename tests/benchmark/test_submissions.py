@@ -114,10 +114,9 @@ def test_a_submission_that_cannot_be_used_is_answered_by_a_sentence(tmp_path: Pa
         read_submission(folder)
 
 
-def data(**settings: object) -> MeshDataModule:
-    return MeshDataModule(
-        None, **{"animals": EmbeddedAnimals(3), "split": Split((0.34, 0.33, 0.33)), "size": 32, **settings}
-    )  # type: ignore[arg-type]
+def data(**settings: Any) -> MeshDataModule:
+    three = {"animals": EmbeddedAnimals(3), "split": Split((0.34, 0.33, 0.33)), "size": 32}
+    return MeshDataModule(**{**three, **settings})
 
 
 def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> None:

@@ -61,10 +61,11 @@ def predict(
     bits: Bits = 8,
     model: NormalGAN | None = None,
     batch_size: int = 2,
-    **given: str,
+    mask: str = "model",
+    hints: str | None = None,
 ) -> list[str]:
     run = trainer(out.parent, callbacks=[NormalMapWriter(out, Outputs(Normal(bits=bits)))])
-    asked = Prediction(str(sketches), **({"mask": "model"} | given))
+    asked = Prediction(str(sketches), hints, mask)
     module = data(sketches, sketches, prediction=asked, batch_size=batch_size)
     run.predict(model or gan(generator=Half(size=32, width=4)), module, return_predictions=False)
     return sorted(path.name for path in out.iterdir())

@@ -31,7 +31,8 @@ class MeshReading:
     variants: Count = 0
     variation: Variation = Variation()  # noqa: RUF009  # frozen
 
-    __post_init__ = check_ranges
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,10 @@ class EmbeddedAnimals:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        if isinstance(self.species, str):  # Python would read a lone name letter by letter
+        species: object = self.species
+        if isinstance(species, str):  # Python would read a lone name letter by letter
             raise InputError(
-                f"data.animals.species is a list of names, such as [{self.species!r}], not {self.species!r}."
+                f"data.animals.species is a list of names, such as [{species!r}], not {species!r}."
             )
 
 
@@ -106,7 +108,8 @@ class Storage:
     local_cache_size: PositiveInt = 20 * 10**9
     render_workers: Count = 2
 
-    __post_init__ = check_ranges
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True)

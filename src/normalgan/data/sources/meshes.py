@@ -43,7 +43,8 @@ class MeshGroup:
     split_file: str | None = None
     postures: Share = 0.0
 
-    __post_init__ = check_ranges
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
         """Return the group's meshes by split.
@@ -99,7 +100,8 @@ class Animals(DataSource):
     species: tuple[str, ...] = ("quadrupeds",)
     variants: Count = 0
 
-    __post_init__ = check_ranges
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
         """Return the animals by split.

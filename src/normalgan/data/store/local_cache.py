@@ -48,7 +48,8 @@ class LocalCache:
     folder: str
     size: PositiveInt = 20 * 10**9
 
-    __post_init__ = check_ranges
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def read(
         self, key: str, fetch: Callable[[], bytes], start: int | None = None, stop: int | None = None
