@@ -89,11 +89,11 @@ class NormalGAN(SavedSettings, Evaluation):
             strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
         share_every: every so many generator steps, log the ratio of the adversarial to the reconstruction
             gradient norm, as ``train/adversarial_share`` (at its weights) and
-            ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two passes
-            backward more.
+            ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more
+            backward passes.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
-        refined: whether its maps, enlarged to a drawing's size, are mended by the refiner of the package,
+        refined: whether its maps, enlarged to a drawing's size, are refined by the refiner of the package,
             which was trained for the weights that come with it.
         line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
             as drawn when it predicts; lines of other widths are redrawn 1.25 pixels wide. About those of its

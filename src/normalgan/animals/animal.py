@@ -1,4 +1,4 @@
-"""Animals by species and number, and herds of them: the data the package brings along."""
+"""Generated animals: one by its species and number, or many."""
 
 import hashlib
 from collections.abc import Sequence

@@ -183,8 +183,8 @@ def _paths(source: str) -> list[Path]:
 def _has_polygons(path: Path) -> bool:
     """Return whether a PLY has faces of more than three corners.
 
-    These were cut up in another way once. PLYs of triangles keep the fingerprint that their samples are
-    stored under.
+    Such faces were split into triangles differently before. A PLY of triangles keeps its fingerprint, and so
+    its stored samples.
     """
     try:
         return path.suffix.lower() == ".ply" and not read_ply(mesh_bytes(path)).triangular
