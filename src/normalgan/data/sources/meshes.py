@@ -88,7 +88,7 @@ class Meshes(MeshGroup, DataSource):
 @DATA_SOURCES.register
 @dataclass(frozen=True)
 class Animals(DataSource):
-    """The embedded procedural animals, the default; `data.animals` is short for it.
+    """The embedded procedural animals, the default; `data.animals.count` is short for it.
 
     Args:
         count: how many there are.
