@@ -15,6 +15,7 @@ from lightning.pytorch import Trainer, seed_everything
 
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.settings import EmbeddedAnimals
 from normalgan.gan import NormalGAN
 from normalgan.hints import NoHints
 from normalgan.losses import Wasserstein
@@ -52,7 +53,7 @@ class Settings:
 def data(settings: Settings, hand: Hand | None, train_views: int, cache: str) -> MeshDataModule:
     """Return animals and views that are the same whoever draws them."""
     return MeshDataModule(
-        animals=settings.animals,
+        animals=EmbeddedAnimals(settings.animals),
         size=settings.size,
         train_views=train_views,
         val_views=1,

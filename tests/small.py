@@ -7,6 +7,7 @@ import torch
 from lightning.pytorch import Trainer
 
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.settings import Split, Storage
 from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints
 from normalgan.losses import Wasserstein
@@ -26,13 +27,13 @@ QUIET = (
 def data(meshes: Path, cache: Path, **settings: Any) -> MeshDataModule:
     """Three meshes to train on, one to validate and one to test: six, two and two samples."""
     defaults: dict[str, Any] = {
-        "fractions": (0.6, 0.2, 0.2),
+        "split": Split((0.6, 0.2, 0.2)),
         "lines": OccludingContours(resolution=64),
         "size": 32,
         "train_views": 2,
         "val_views": 2,
         "test_views": 2,
-        "render_workers": 0,
+        "storage": Storage(render_workers=0),
         "batch_size": 2,
     }
     return MeshDataModule(str(meshes), cache=str(cache), **(defaults | settings))

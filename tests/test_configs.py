@@ -215,9 +215,9 @@ def test_every_number_has_its_source(method: str) -> None:
 def test_files_that_configurations_name_are_there() -> None:
     for name in (*complete(), "fourleg/meshes"):
         data = written(name)["data"]
-        for key in ("split_file", "orientation", "sketches"):
-            if key in data:
-                assert (ROOT / data[key]).exists(), f"{name}: {data[key]}"
+        for group, key in (("split", "file"), ("reading", "orientation"), ("prediction", "sketches")):
+            if key in data.get(group, {}):
+                assert (ROOT / data[group][key]).exists(), f"{name}: {data[group][key]}"
 
 
 def test_choices_are_made_without_the_meshes_of_the_test() -> None:

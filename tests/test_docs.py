@@ -82,18 +82,26 @@ def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_sav
     monkeypatch.chdir(tmp_path)
     assert main(["export", "mine.ckpt", "-o", "model.safetensors", "--format", "safetensors"]) == 0
     sketch = str(ROOT / "examples" / "sketches" / "horse.png")
-    command = ["predict", "--ckpt_path", "mine.ckpt", "--data.size", "32", "--data.sketches", sketch]
+    command = [
+        "predict",
+        "--ckpt_path",
+        "mine.ckpt",
+        "--data.size",
+        "32",
+        "--data.prediction.sketches",
+        sketch,
+    ]
     assert main([*command, "--trainer.accelerator", "cpu", "--trainer.enable_progress_bar", "false"]) == 0
     assert list((tmp_path / "normals").glob("*_normal.png"))
     plan = {
         **{"name": "Ten lines", "images": 1, "gallery": 1},
         "rows": [{"name": "mean", "label": "mean", "classical": "constant"}],
         "data": {
-            "animals": 3,
-            "fractions": [0.34, 0.33, 0.33],
+            "animals": {"count": 3},
+            "split": {"fractions": [0.34, 0.33, 0.33]},
             "size": 32,
             **{"train_views": 1, "val_views": 1, "test_views": 1},
-            "render_workers": 0,
+            "storage": {"render_workers": 0},
         },
     }
     (tmp_path / "plan.yaml").write_text(yaml.safe_dump(plan))

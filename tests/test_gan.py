@@ -312,10 +312,10 @@ def test_bf16_trains_and_measures_in_full_precision(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"n_critic": 0}, "n_critic must be 1 or more, not 0"),
-        ({"adversarial_weight": -1.0}, "adversarial_weight must be 0 or more"),
-        ({"distractor_consistency": -1.0}, "distractor_consistency must be 0 or more, not -1.0"),
-        ({"gradient_clip": 0.0}, "gradient_clip must be greater than 0, or null, not 0.0"),
+        ({"n_critic": 0}, "n_critic of NormalGAN is 0; it must be 1 or more"),
+        ({"adversarial_weight": -1.0}, "adversarial_weight of NormalGAN is -1.0"),
+        ({"distractor_consistency": -1.0}, "distractor_consistency of NormalGAN is -1.0"),
+        ({"gradient_clip": 0.0}, "gradient_clip of NormalGAN is 0.0; it must be more than 0"),
         ({"objective": WassersteinGradientPenalty()}, "without batch norm"),
     ],
 )
@@ -366,7 +366,7 @@ def test_a_share_that_is_logged_changes_nothing(tmp_path: Path) -> None:
     for gan in (logged, plain):
         trainer(tmp_path).fit(gan, loader())
     assert same(weights(logged), weights(plain))
-    with pytest.raises(InputError, match=r"share_every must be 0 or more steps, not -1"):
+    with pytest.raises(InputError, match=r"share_every of NormalGAN is -1; it must be 0 or more"):
         make(share_every=-1)
 
 

@@ -13,7 +13,7 @@ SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 RINGS = {
     "the ground": (
         {"errors", "batch", "arrays", "version"},
-        {"files", "registry", "line_widths", "contracts"},
+        {"files", "registry", "line_widths", "contracts", "ranges"},
         {"normals", "commit", "seeds", "progress", "decoding", "warning_filters"},
     ),
     "the method": (

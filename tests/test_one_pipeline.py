@@ -12,6 +12,7 @@ from studio_client import b64, serving
 import normalgan
 from normalgan.__main__ import main
 from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.data.settings import Prediction
 from normalgan.inference.network.torch_backend import TorchBackend
 from normalgan.inference.outputs import Normal
 from normalgan.inference.outputs.outputs import Outputs
@@ -53,7 +54,7 @@ def given(drawing: Path) -> dict[str, Any]:
 def test_predict_and_python_paint_the_same_bytes_by_torch(drawings: Path, tmp_path: Path) -> None:
     model = gan()
     folder = str(tmp_path)
-    module = data(drawings, tmp_path, sketches=str(drawings), hints=folder, mask=folder, batch_size=3)
+    module = data(drawings, tmp_path, prediction=Prediction(str(drawings), folder, folder), batch_size=3)
     run = trainer(tmp_path, callbacks=[NormalMapWriter(tmp_path / "out", Outputs(Normal(alpha=True)))])
     run.predict(model, module, return_predictions=False)
     predictor = Predictor(TorchBackend(model.generator, 32))

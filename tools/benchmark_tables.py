@@ -220,7 +220,7 @@ def folds() -> list[str]:
     results = read("folds_64")
     rows = methods(results)
     command = f"for k in 0 1 2 3 4; do {RUN.format(plan='fourlegs')} --images 10500 \\\n"
-    command += f"    {MESHES} data.split_file=configs/fourleg/folds/$k.json \\\n"
+    command += f"    {MESHES} data.split.file=configs/fourleg/folds/$k.json \\\n"
     command += "    --rows paper,ours -o runs/fold$k; done\n"
     command += (
         "python tools/join_folds.py configs/benchmark/fourlegs.yaml runs/fold?/results.json \\\n"

@@ -10,6 +10,7 @@ from statistics import median
 import torch
 
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.settings import EmbeddedAnimals, MeshReading, Split
 from normalgan.hints import CurvatureHints
 from normalgan.hints.draw import draw_hints_by_name
 from normalgan.rendering.renderers.embree import EmbreeRenderer
@@ -20,7 +21,8 @@ from normalgan.rendering.views import Views
 def main(meshes: str, size: int = 256, views: int = 10, orientation: str | None = None) -> None:
     """Render the maps of so many views of each mesh, seed 0, and count."""
     given = None if meshes == "animals" else meshes
-    data = MeshDataModule(given, animals=20, orientation=orientation, fractions=(1.0, 0.0, 0.0), size=size)
+    animals, reading = EmbeddedAnimals(20), MeshReading(orientation)
+    data = MeshDataModule(given, animals=animals, reading=reading, split=Split((1.0, 0.0, 0.0)), size=size)
     every: list[int] = []
     for source in data.sources["train"]:
         mesh, counts = source.load(), []

@@ -94,7 +94,7 @@ def creases() -> bytes:
             mesh = MeshFile(str(path), crease_angle=angle).load()
             camera = framed(mesh.vertices, look_at_origin(30.0, 25.0, 0.0), None, 0.04)
             pictures.append(colours(EmbreeRenderer().render(mesh, camera, SIZE)))
-    return panels([pictures], [["by default: all smooth", "--data.crease_angle 40"]], SIZE)
+    return panels([pictures], [["by default: all smooth", "--data.reading.crease_angle 40"]], SIZE)
 
 
 def flow() -> bytes:

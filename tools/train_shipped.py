@@ -47,7 +47,7 @@ def main(arguments: list[str]) -> None:
         took[name] = round(took.get(name, 0) + monotonic() - start, 1)
 
     said = [part for config in configs for part in ("--config", config)]
-    stage("render", "render", *said, "--data.render_workers", str(given.workers))
+    stage("render", "render", *said, "--data.storage.render_workers", str(given.workers))
     budget = 60 * given.minutes * (1 - MEASURING) - (monotonic() - started)
     overlay = given.out / "budget.yaml"
     if not overlay.exists():  # a run that goes on has its own clock

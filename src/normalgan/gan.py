@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Iterable
-from typing import cast
+from typing import Annotated, cast
 
 import torch
 from lightning.pytorch.callbacks import LearningRateFinder
@@ -31,6 +31,7 @@ from normalgan.models.compilation import check_compile, compiled_predict
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
+from normalgan.ranges import Count, NonNegative, Positive, PositiveInt, Range, check_ranges
 from normalgan.saved_settings import SavedSettings
 from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
@@ -88,11 +89,11 @@ class NormalGAN(SavedSettings, Evaluation):
             strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
         share_every: every so many generator steps, log the ratio of the adversarial to the reconstruction
             gradient norm, as ``train/adversarial_share`` (at its weights) and
-            ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two passes
-            backward more.
+            ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more
+            backward passes.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: of the hints and the noise.
-        refined: whether its maps, enlarged to a drawing's size, are mended by the refiner of the package,
+        refined: whether its maps, enlarged to a drawing's size, are refined by the refiner of the package,
             which was trained for the weights that come with it.
         line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
             as drawn when it predicts; lines of other widths are redrawn 1.25 pixels wide. About those of its
@@ -113,13 +114,13 @@ class NormalGAN(SavedSettings, Evaluation):
         generator_optimizer: OptimizerCallable = _rmsprop,
         discriminator_optimizer: OptimizerCallable = _rmsprop,
         lr_scheduler: Callable[[Optimizer], LRScheduler] | None = None,
-        adversarial_weight: float = 1.0,
+        adversarial_weight: NonNegative = 1.0,
         reconstruction: Reconstruction = L1AndHints(),  # noqa: B008  # frozen
-        gradient_clip: float | None = None,
-        n_critic: int = 5,
-        hint_noise: float = 0.0,
-        distractor_consistency: float = 0.0,
-        share_every: int = 0,
+        gradient_clip: Positive | None = None,
+        n_critic: PositiveInt = 5,
+        hint_noise: Annotated[float, Range(0, 90)] = 0.0,
+        distractor_consistency: NonNegative = 0.0,
+        share_every: Count = 0,
         noise_at_test: bool = False,
         seed: int = 0,
         refined: bool = False,
@@ -127,18 +128,6 @@ class NormalGAN(SavedSettings, Evaluation):
         compile: bool | str = False,
     ) -> None:
         super().__init__()
-        if n_critic < 1:
-            raise InputError(f"n_critic must be 1 or more, not {n_critic}.")
-        if gradient_clip is not None and gradient_clip <= 0:
-            raise InputError(f"gradient_clip must be greater than 0, or null, not {gradient_clip}.")
-        if share_every < 0:
-            raise InputError(f"share_every must be 0 or more steps, not {share_every}.")
-        if adversarial_weight < 0:
-            raise InputError(f"adversarial_weight must be 0 or more, not {adversarial_weight}.")
-        if not 0 <= hint_noise <= 90:
-            raise InputError(f"hint_noise must be 0 to 90 degrees, not {hint_noise}.")
-        if distractor_consistency < 0:
-            raise InputError(f"distractor_consistency must be 0 or more, not {distractor_consistency}.")
         kinds: dict[str, tuple[object, type]] = {
             "generator": (generator, Generator),
             "discriminator": (discriminator, Discriminator),
@@ -183,6 +172,7 @@ class NormalGAN(SavedSettings, Evaluation):
         self.line_widths = check_line_widths(line_widths)
         self.compile_generator = check_compile(compile)
         self._generate: Callable[[Tensor], Predictions] | None = None  # of the run that is under way
+        check_ranges(self)
 
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage, and compile the generator if asked."""

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable
-from typing import Any, overload
+from typing import Annotated, Any, overload
 
 import torch
 from torch import Tensor, nn
 from torch.optim import RAdam
 
-from normalgan.errors import InputError
+from normalgan.ranges import Range, check_ranges
 
 __all__ = ["MuonRAdam", "orthogonalized"]
 
@@ -84,13 +84,12 @@ class MuonRAdam(RAdam):
         lr: float = 1e-3,
         betas: tuple[float, float] = (0.9, 0.999),
         weight_decay: float = 0.0,
-        momentum: float = 0.95,
+        momentum: Annotated[float, Range(0, 1, below=True)] = 0.95,
         narrowest: int = 16,
     ) -> None:
-        if not 0 <= momentum < 1:
-            raise InputError(f"the optimiser's momentum must be 0 or more and below 1, not {momentum}.")
         super().__init__(params, lr=lr, betas=betas, weight_decay=weight_decay, decoupled_weight_decay=True)
         self.momentum = momentum
+        check_ranges(self)
         self.narrowest = narrowest
 
     @overload

@@ -50,7 +50,7 @@ def test_plans_are_told_from_overlays() -> None:
 def test_a_plan_takes_what_it_does_not_say_from_its_base(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text("data: {size: 32}")
     trained = {"name": "a", "label": "A", "configs": ["mine.yaml"]}
-    written(tmp_path, plan(seeds=[3, 4], data={"animals": 3, "size": 64}, reference="paper"))
+    written(tmp_path, plan(seeds=[3, 4], data={"animals": {"count": 3}, "size": 64}, reference="paper"))
     child = tmp_path / "child.yaml"
     child.write_text(
         yaml.safe_dump({"base": "plan.yaml", "name": "c", "data": {"size": 32}, "rows": [trained]})
@@ -113,10 +113,10 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
     ("wrong", "words"),
     [
         (plan(images="many"), ["plan.yaml", "images", "a whole number, not many"]),
-        (plan(images=0), ["images must be 1 or more in a plan, not 0"]),
+        (plan(images=0), ["images of Plan is 0; it must be 1 or more"]),
         (plan(sedes=[1]), ["there is no setting sedes", "Did you mean seeds?"]),
         (plan(seeds=[]), ["a plan needs seeds"]),
-        (plan(seeds=[-1]), ["seeds must all be 0 or more"]),
+        (plan(seeds=[-1]), ["seeds of Plan is [-1]; each number must be 0 or more"]),
         (plan(checkpoint="first"), ["checkpoint", "first"]),
         (plan(reference="theirs"), ["the plan has no row theirs; it has mean, paper"]),
         (plan(rows=3), ["are no list of settings"]),
@@ -126,7 +126,7 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
             ["medium, meshes, ", "test_views alone, not size"],
         ),
         (plan(placements=["worst"]), ["placements if and only if it has placement_counts"]),
-        (plan(noise_degrees=[-3]), ["noise_degrees must all be 0 or more"]),
+        (plan(noise_degrees=[-3]), ["noise_degrees of Plan is [-3.0]; each number must be 0 or more"]),
         (plan(rows=[]), ["a plan needs rows"]),
         (plan(rows=[{"name": "a", "label": "A"}]), ["row a", "must have either configs or classical"]),
         (plan(rows=[{"name": "a", "label": "A", "classical": "median"}]), ["row a", "classical", "median"]),

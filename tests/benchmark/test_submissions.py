@@ -20,6 +20,7 @@ from normalgan.benchmark.specification import check_specification, specify
 from normalgan.benchmark.submissions import read_submission, write_inputs
 from normalgan.benchmark.table import ranked_error
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.settings import EmbeddedAnimals, MeshReading, Split
 from normalgan.errors import InputError
 from normalgan.hints import NoHints, hints_at
 from normalgan.rendering.lines import Silhouette, SuggestiveContours
@@ -113,8 +114,9 @@ def test_a_submission_that_cannot_be_used_is_answered_by_a_sentence(tmp_path: Pa
         read_submission(folder)
 
 
-def data(**settings: object) -> MeshDataModule:
-    return MeshDataModule(None, **{"animals": 3, "fractions": (0.34, 0.33, 0.33), "size": 32, **settings})  # type: ignore[arg-type]
+def data(**settings: Any) -> MeshDataModule:
+    three = {"animals": EmbeddedAnimals(3), "split": Split((0.34, 0.33, 0.33)), "size": 32}
+    return MeshDataModule(**{**three, **settings})
 
 
 def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> None:
@@ -124,9 +126,9 @@ def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> Non
         specify(data(batch_size=3), HintTests([0, 50])) == found
     )  # neither changes a figure it is compared by
     for name, other in (
-        ("meshes", specify(data(animals=4, fractions=(0.5, 0.25, 0.25)), tests)),
+        ("meshes", specify(data(animals=EmbeddedAnimals(4), split=Split((0.5, 0.25, 0.25))), tests)),
         ("views", specify(data(test_views=7), tests)),
-        ("views", specify(data(seed=5, split_file=None), tests)),
+        ("views", specify(data(seed=5), tests)),
         ("hints", specify(data(), HintTests([0, 15], seed=1))),
         ("size", specify(data(size=64), tests)),
     ):
@@ -134,10 +136,7 @@ def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> Non
 
     across = specify(data(lines=Silhouette()), tests, data())
     assert across["views"] != found["views"]
-    assert (
-        across["training"]
-        != specify(data(lines=Silhouette()), tests, data(seed=5, split_file=None))["training"]
-    )
+    assert across["training"] != specify(data(lines=Silhouette()), tests, data(seed=5))["training"]
     assert specify(data(), tests, data()) == found
 
     path = tmp_path / "v2.json"
@@ -181,8 +180,8 @@ def test_the_frozen_specification_holds_for_its_own_sizes_alone() -> None:
 @pytest.mark.parametrize(
     ("track", "settings"),
     [
-        ("people", {"meshes": "people/*.ply", "fractions": (0.9, 0.04, 0.06)}),
-        ("props", {"meshes": "objects/*.glb", "fractions": (0.9, 0.04, 0.06), "crease_angle": 40.0}),
+        ("people", {"meshes": "people/*.ply"}),
+        ("props", {"meshes": "objects/*.glb", "reading": {"crease_angle": 40.0}}),
     ],
 )
 def test_tracks_are_those_of_the_meshes(track: str, settings: dict[str, Any]) -> None:
@@ -194,10 +193,10 @@ def test_tracks_are_those_of_the_meshes(track: str, settings: dict[str, Any]) ->
     frozen = json.loads((folder / "v3.json").read_text(encoding="utf-8"))["sizes"]
     plan = read_plan(folder / f"{track}.yaml").data
     assert plan["meshes"].endswith(settings["meshes"])
-    assert {k: v for k, v in plan.items() if k in settings and k != "meshes"} == {
-        k: list(v) if isinstance(v, tuple) else v for k, v in settings.items() if k != "meshes"
-    }
-    settings = {**settings, "meshes": str(meshes / settings["meshes"])}
+    assert plan.get("reading", {}) == settings.get("reading", {})
+    assert plan["split"] == {"fractions": [0.9, 0.04, 0.06]}
+    reading, split = MeshReading(**plan.get("reading", {})), Split((0.9, 0.04, 0.06))
+    settings = {"meshes": str(meshes / settings["meshes"]), "reading": reading, "split": split}
     lines = SuggestiveContours(**plan["lines"]["init_args"])
     (wanted,) = (one for one in frozen if (one["track"], one["size"]) == (track, 256))
     found = specify(MeshDataModule(**settings, lines=lines, test_views=plan["test_views"]), HintTests([0]))

@@ -15,7 +15,7 @@ from normalgan.benchmark.runs import Run
 from normalgan.benchmark.training import fit, measured_checkpoint, read_result, read_state, run_all
 from normalgan.errors import InputError, RunError
 
-DATA = {"animals": 3, "fractions": [0.34, 0.33, 0.33], "size": 32}
+DATA = {"animals": {"count": 3}, "split": {"fractions": [0.34, 0.33, 0.33]}, "size": 32}
 
 
 class Bench:
@@ -103,13 +103,13 @@ def test_other_settings_are_said_and_not_mixed(tmp_path: Path) -> None:
     bench.go([run(tmp_path, "a")])
     with pytest.raises(InputError, match=r"seed0 was made with other settings \(data\.size\)"):
         read_state(run(tmp_path, "a", size=64), "e")
-    assert read_state(run(tmp_path, "a", cache="elsewhere", render_workers=7), "e") == "done"
+    assert read_state(run(tmp_path, "a", cache="elsewhere", storage={"render_workers": 7}), "e") == "done"
 
 
 def test_other_meshes_are_other_settings(tmp_path: Path) -> None:
     Bench().go([run(tmp_path, "a")])
-    with pytest.raises(InputError, match=r"data\.animals, meshes\."):
-        read_state(run(tmp_path, "a", animals=6), "e")
+    with pytest.raises(InputError, match=r"data\.animals\.count, meshes\."):
+        read_state(run(tmp_path, "a", animals={"count": 6}), "e")
 
 
 def test_another_way_to_measure_does_not_train_again(tmp_path: Path) -> None:

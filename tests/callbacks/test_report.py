@@ -151,7 +151,7 @@ def test_what_is_drawn_is_what_was_measured(meshes: Path, cache: Path, tmp_path:
 def test_what_it_cannot_report_on_is_refused(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="needs the MeshDataModule"):
         trainer(tmp_path, callbacks=[TestReport()]).test(gan(), loader())
-    with pytest.raises(InputError, match="samples must be 1 or more, not 0"):
+    with pytest.raises(InputError, match="samples of TestReport is 0; it must be 1 or more"):
         TestReport(samples=0)
 
 

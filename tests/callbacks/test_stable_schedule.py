@@ -52,7 +52,10 @@ def test_a_resumed_run_stays_at_the_rate_and_a_cool_down_branches_off(
 
 @pytest.mark.parametrize(
     ("settings", "message"),
-    [({"warmup": -1}, "warmup=-1; use 0 or more"), ({"cooldown": 0}, "cooldown=0; use 1 or more")],
+    [
+        ({"warmup": -1}, "warmup of StableSchedule is -1"),
+        ({"cooldown": 0}, "cooldown of StableSchedule is 0"),
+    ],
 )
 def test_bad_numbers_are_refused(settings: dict[str, int], message: str) -> None:
     with pytest.raises(InputError, match=message):

@@ -83,11 +83,11 @@ def test_a_second_schedule_is_refused(meshes: Path, cache: Path, tmp_path: Path)
 
 @pytest.mark.parametrize("seconds", [0, -1, float("inf"), float("nan")])
 def test_a_budget_is_a_time(seconds: float) -> None:
-    with pytest.raises(InputError, match="use a time greater than 0"):
+    with pytest.raises(InputError, match=r"seconds of WallClockSchedule is .*; it must be more than 0"):
         WallClockSchedule(seconds)
 
 
 @pytest.mark.parametrize("warmup", [-0.1, 1.0])
 def test_warming_up_is_a_share(warmup: float) -> None:
-    with pytest.raises(InputError, match="use a share from 0 to below 1"):
+    with pytest.raises(InputError, match="it must be from 0 to below 1"):
         WallClockSchedule(10, warmup)

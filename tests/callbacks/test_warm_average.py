@@ -42,7 +42,7 @@ def test_the_saved_weights_are_the_average_by_hand(meshes: Path, cache: Path, tm
 
 @pytest.mark.parametrize("decay", [-0.1, 1.0, float("nan")])
 def test_a_decay_that_forgets_nothing_is_refused(decay: float) -> None:
-    with pytest.raises(InputError, match=r"WarmAverage was given decay=.*; use a share"):
+    with pytest.raises(InputError, match=r"decay of WarmAverage is .*; it must be from 0 to below 1"):
         WarmAverage(decay)
 
 

@@ -70,7 +70,12 @@ def test_a_full_disk_leaves_no_part_of_a_map(
     outcome = bench.run(
         "predict",
         tmp_path / "run",
-        *("--ckpt_path", trained / "checkpoints" / "last.ckpt", "--data.sketches", tmp_path / "line.png"),
+        *(
+            "--ckpt_path",
+            trained / "checkpoints" / "last.ckpt",
+            "--data.prediction.sketches",
+            tmp_path / "line.png",
+        ),
         *("--output.folder", tmp_path / "maps"),
     )
     outcome.refused(f"the disk is full at {tmp_path}/maps/line_normal.png;", code=1)

@@ -35,7 +35,7 @@ def test_bad_meshes_are_named_and_left_out(bench: Bench, tmp_path: Path) -> None
         "render",
         tmp_path / "run",
         *("--data.meshes", f"[{','.join(map(str, [*good, *paths]))}]"),
-        *("--data.split_file", few, "--data.cache", tmp_path / "cache"),
+        *("--data.split.file", few, "--data.cache", tmp_path / "cache"),
         *("--data.train_views", 1, "--data.val_views", 1, "--data.test_views", 1),
     )
     assert outcome.code == 0, outcome.err
@@ -63,7 +63,7 @@ def test_a_split_of_bad_meshes_alone_fails(bench: Bench, tmp_path: Path, name: s
         "fit",
         tmp_path / "run",
         *("--data.meshes", f"[{bench.meshes}/ball.ply,{bench.meshes}/can.stl,{bad}]"),
-        *("--data.split_file", few, "--data.cache", tmp_path / "cache"),
+        *("--data.split.file", few, "--data.cache", tmp_path / "cache"),
     )
     outcome.refused("none of the 1 meshes for val can be used", str(bad), reason)
     assert left_in(tmp_path) == sorted([name, "few.json"])
@@ -83,10 +83,10 @@ def test_meshes_that_are_not_there(bench: Bench, tmp_path: Path) -> None:
 
 def test_split_and_orientation_files_that_cannot_be_used(bench: Bench, tmp_path: Path) -> None:
     wrong = split(tmp_path / "wrong.json", train=["ball"], val=["box"], test=["ball-9"])
-    bench.run("fit", tmp_path / "run", "--data.split_file", wrong).refused("names ball-9", "no such mesh")
-    bench.run("fit", tmp_path / "run", "--data.split_file", tmp_path / "gone.json").refused("cannot be read")
+    bench.run("fit", tmp_path / "run", "--data.split.file", wrong).refused("names ball-9", "no such mesh")
+    bench.run("fit", tmp_path / "run", "--data.split.file", tmp_path / "gone.json").refused("cannot be read")
     (tmp_path / "text.json").write_text("no json")
-    for setting in ("--data.split_file", "--data.orientation"):
+    for setting in ("--data.split.file", "--data.reading.orientation"):
         bench.run("fit", tmp_path / "run", setting, tmp_path / "text.json").refused("text.json", "JSON")
     few = ("--data.meshes", f"[{bench.meshes}/ball.ply,{bench.meshes}/box.obj]")
     bench.run("fit", tmp_path / "run", *few).refused("2 meshes cannot be split in 3 parts")

@@ -20,7 +20,7 @@ def predict(trained: Path, tmp_path: Path) -> Callable[..., Outcome]:
         return run(
             *("predict", "--ckpt_path", checkpoint, "--data.size", 32, "--output.folder", tmp_path / "maps"),
             *("--trainer.accelerator", "cpu", "--trainer.enable_progress_bar", "false"),
-            *("--data.sketches", tmp_path / "sketches", *arguments),
+            *("--data.prediction.sketches", tmp_path / "sketches", *arguments),
         )
 
     return predict
@@ -89,20 +89,22 @@ def test_a_sketch_of_any_mode_is_read_rightly(predict: Callable[..., Outcome], t
 
 def test_sketches_that_are_not_there(predict: Callable[..., Outcome], tmp_path: Path) -> None:
     predict().refused("no sketch found at", "sketches")
-    predict("--data.sketches", tmp_path / "gone.png").refused("no sketch found at", "gone.png")
-    predict("--data.sketches", "null").refused("predict needs drawings: --data.sketches")
+    predict("--data.prediction.sketches", tmp_path / "gone.png").refused("no sketch found at", "gone.png")
+    predict("--data.prediction.sketches", "null").refused(
+        "predict needs drawings: --data.prediction.sketches"
+    )
     assert not (tmp_path / "maps").exists()
 
 
 def test_hints_that_cannot_be_used(predict: Callable[..., Outcome], tmp_path: Path) -> None:
     Image.fromarray(drawing()).save(tmp_path / "sketches" / "ring.png")
     hints = tmp_path / "hints"
-    predict("--data.hints", hints).refused("there is no file or folder", "for the hints")
+    predict("--data.prediction.hints", hints).refused("there is no file or folder", "for the hints")
     hints.mkdir()
-    predict("--data.hints", hints).refused("holds no hints for any sketch")
+    predict("--data.prediction.hints", hints).refused("holds no hints for any sketch")
     # What else they may not be is asked of what reads them, in inference/reading/test_drawings.py.
     Image.new("RGBA", (40, 40), (128, 128, 128, 255)).save(hints / "ring_hints.png")
-    predict("--data.hints", hints).refused("ring_hints.png", "is no normal")
+    predict("--data.prediction.hints", hints).refused("ring_hints.png", "is no normal")
     assert not (tmp_path / "maps").exists()
 
 

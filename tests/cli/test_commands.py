@@ -83,7 +83,7 @@ def test_predict_paints_each_sketch_at_its_own_size(
     outcome = bench.run(
         "predict",
         tmp_path,
-        *("--ckpt_path", last(trained), "--data.sketches", tmp_path / "sketches"),
+        *("--ckpt_path", last(trained), "--data.prediction.sketches", tmp_path / "sketches"),
         *("--output.folder", tmp_path / "maps", "--output.bits", bits),
     )
     assert outcome.code == 0, outcome.err
@@ -105,11 +105,11 @@ def test_hints_change_what_is_painted(bench: Bench, trained: Path, tmp_path: Pat
     colours[28:36, 28:36] = [*encode(np.array([0.8, 0.0, 0.6])), 255]
     Image.fromarray(colours).save(tmp_path / "hints" / "ball_hints.png")
     maps = []
-    for name, hints in (("with", ["--data.hints", tmp_path / "hints"]), ("without", [])):
+    for name, hints in (("with", ["--data.prediction.hints", tmp_path / "hints"]), ("without", [])):
         outcome = bench.run(
             "predict",
             tmp_path,
-            *("--ckpt_path", last(trained), "--data.sketches", tmp_path / "sketches"),
+            *("--ckpt_path", last(trained), "--data.prediction.sketches", tmp_path / "sketches"),
             *("--output.folder", tmp_path / name, *hints),
         )
         assert outcome.code == 0, outcome.err

@@ -47,7 +47,7 @@ def test_fit_test_and_predict_on_pairs(tmp_path: Path) -> None:
     assert plain["no_hints"] == own["no_hints"]
     assert plain["hints"] != own["hints"]
     predicted = on_pairs(
-        *("predict", tmp_path, pairs, "--ckpt_path", last, "--data.sketches", pairs / "a0.png"),
+        *("predict", tmp_path, pairs, "--ckpt_path", last, "--data.prediction.sketches", pairs / "a0.png"),
         *("--output.folder", tmp_path / "out"),
     )
     assert predicted.code == 0, predicted.err

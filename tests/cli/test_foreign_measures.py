@@ -84,7 +84,12 @@ def test_they_are_used_by_short_name(bench: Bench, tmp_path: Path, site: Path) -
         "rows": [{"name": "constant", "label": "facing us", "classical": "constant"}],
         "data": {
             **{"meshes": str(bench.meshes), "cache": str(bench.cache), "size": 32, "train_views": 4},
-            **{"val_views": 2, "test_views": 2, "render_workers": 0, "fractions": [0.6, 0.2, 0.2]},
+            **{
+                "val_views": 2,
+                "test_views": 2,
+                "storage": {"render_workers": 0},
+                "split": {"fractions": [0.6, 0.2, 0.2]},
+            },
             "lines": {"class_path": "SuggestiveContours", "init_args": {"resolution": 128}},
         },
     }

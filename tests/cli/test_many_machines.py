@@ -41,10 +41,17 @@ def test_training_streams_from_s3_with_a_cache_nearby(
 ) -> None:
     with s3_server() as endpoint:
         bucket = fresh_bucket(endpoint, monkeypatch)
-        settings = ("--data.cache", bucket, "--data.memory", 0, "--data.local_cache", tmp_path / "nearby")
+        settings = (
+            "--data.cache",
+            bucket,
+            "--data.storage.memory",
+            0,
+            "--data.storage.local_cache",
+            tmp_path / "nearby",
+        )
         trained = bench.run("fit", tmp_path / "run", *settings, "--trainer.max_epochs", 1)
         assert trained.code == 0, trained.err
         kept = [path for path in (tmp_path / "nearby").rglob("*") if path.is_file() and path.stat().st_size]
         assert len(kept) == 2 * 3  # the shard to train on and that to validate, three objects each
-        small = bench.run("fit", tmp_path / "small", *settings, "--data.local_cache_size", 0)
-        small.refused("the local cache's size is 0; it must be 1 byte or more.")
+        small = bench.run("fit", tmp_path / "small", *settings, "--data.storage.local_cache_size", 0)
+        small.refused("local_cache_size of Storage is 0; it must be 1 or more.")

@@ -1,6 +1,5 @@
 import os
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -10,6 +9,7 @@ from PIL import Image, ImageDraw
 from torch import Tensor
 
 from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.data.settings import Prediction
 from normalgan.errors import InputError, RunError
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs import AmbientOcclusion, Curvature, Height, ModelInput, Normal, Specular
@@ -56,10 +56,17 @@ def draw(folder: Path, **sizes: tuple[int, int]) -> Path:
 
 
 def predict(
-    sketches: Path, out: Path, bits: Bits = 8, model: NormalGAN | None = None, **settings: Any
+    sketches: Path,
+    out: Path,
+    bits: Bits = 8,
+    model: NormalGAN | None = None,
+    batch_size: int = 2,
+    mask: str = "model",
+    hints: str | None = None,
 ) -> list[str]:
     run = trainer(out.parent, callbacks=[NormalMapWriter(out, Outputs(Normal(bits=bits)))])
-    module = data(sketches, sketches, sketches=str(sketches), **({"mask": "model"} | settings))
+    asked = Prediction(str(sketches), hints, mask)
+    module = data(sketches, sketches, prediction=asked, batch_size=batch_size)
     run.predict(model or gan(generator=Half(size=32, width=4)), module, return_predictions=False)
     return sorted(path.name for path in out.iterdir())
 
@@ -127,7 +134,7 @@ def test_a_file_is_no_folder(tmp_path: Path) -> None:
 def test_an_unwritable_folder_is_found_out_before_anything_is_painted(tmp_path: Path) -> None:
     model = gan(generator=Failing(size=32, width=4))
     run = trainer(tmp_path, callbacks=[NormalMapWriter("/proc/self")])
-    module = data(tmp_path, tmp_path, sketches=str(draw(tmp_path / "in", a=(40, 40))))
+    module = data(tmp_path, tmp_path, prediction=Prediction(str(draw(tmp_path / "in", a=(40, 40)))))
     with pytest.raises(InputError, match="the normal maps cannot be written to /proc/self: "):
         run.predict(model, module)
     assert model.generator.calls == 0
@@ -179,7 +186,7 @@ def test_of_several_drawings_one_that_is_no_picture_is_named_and_the_others_are_
 def test_a_drawing_is_not_written_over(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40))
     run = trainer(tmp_path, callbacks=[NormalMapWriter(drawings, Outputs(Normal(suffix="")))])
-    module = data(drawings, drawings, sketches=str(drawings))
+    module = data(drawings, drawings, prediction=Prediction(str(drawings)))
     with pytest.raises(InputError, match=r"a\.png is read and would be written over"):
         run.predict(gan(), module)
 
@@ -191,7 +198,7 @@ def test_all_that_generate_writes_can_be_had(tmp_path: Path) -> None:
         Outputs(Normal("exr", y="down", suffix="_n"), (ModelInput(), Height("tiff"))),
     )
     run = trainer(tmp_path, callbacks=[writer])
-    module = data(drawings, drawings, sketches=str(drawings), map_size=80)
+    module = data(drawings, drawings, prediction=Prediction(str(drawings), map_size=80))
     run.predict(gan(generator=Half(size=32, width=4)), module, return_predictions=False)
     left = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert left == ["a_height.tiff", "a_input.png", "a_n.exr"]
@@ -206,7 +213,7 @@ def test_shading_strength_and_one_scale_of_heights_are_those_of_generate(tmp_pat
     network = gan(generator=Half(size=32, width=4))
     for name, strength in (("plain", 1.0), ("flat", 0.0)):
         writer = NormalMapWriter(tmp_path / name, wanted, strength)
-        module = data(drawings, drawings, sketches=str(drawings))
+        module = data(drawings, drawings, prediction=Prediction(str(drawings)))
         trainer(tmp_path, callbacks=[writer]).predict(network, module, return_predictions=False)
     endings = ("ao", "curvature", "height", "normal", "specular")
     left = sorted(path.name for path in (tmp_path / "plain").iterdir())

@@ -31,7 +31,7 @@ def predict(tmp_path: Path) -> Callable[..., Outcome]:
     Image.fromarray(ring).save(tmp_path / "ring.png")
 
     def predict(*arguments: object) -> Outcome:
-        where = ("--data.sketches", tmp_path / "ring.png", "--trainer.accelerator", "cpu")
+        where = ("--data.prediction.sketches", tmp_path / "ring.png", "--trainer.accelerator", "cpu")
         return run("predict", *where, "--output.folder", tmp_path / "maps", *arguments)
 
     return predict

@@ -125,7 +125,7 @@ def test_it_loads_neither_torch_nor_lightning() -> None:
         (["horse", "--lines", "Sugestive"], "no LineDrawing named 'Sugestive'. Did you mean Sug"),
         (
             ["horse", "--hand.strength", "[2,3]"],
-            "a setting cannot be used: the hand's strength is (2.0, 3.0)",
+            "a setting cannot be used: strength of Hand is (2.0, 3.0)",
         ),
         (["horse", "--widht", "3"], "there is no setting widht."),
         ([], "missing: mesh."),

@@ -67,7 +67,14 @@ def test_inference_does_not_need_the_hint_sampler(folder: Path, sampler: dict[st
     drawing = Path(__file__).parents[2] / "examples" / "sketches" / "fox.png"
     more = ("--trainer.accelerator", "cpu", "--trainer.enable_progress_bar", "false")
     for model in ("m.ckpt", "m.safetensors") if "class_path" in sampler else ["m.ckpt"]:
-        given = ("--data.size", 32, "--data.sketches", drawing, "--output.folder", Path(f"of_{model}"))
+        given = (
+            "--data.size",
+            32,
+            "--data.prediction.sketches",
+            drawing,
+            "--output.folder",
+            Path(f"of_{model}"),
+        )
         done = run("predict", "--ckpt_path", model, *given, *more)
         assert done.code == 0, done.err
         assert list(Path(f"of_{model}").glob("fox*"))

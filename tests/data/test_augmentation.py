@@ -242,14 +242,14 @@ def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"flip": 2.0}, "flip must be between 0 and 1, not 2.0"),
-        ({"scale": (1.2, 0.8)}, "two positive numbers in order"),
+        ({"flip": 2.0}, r"flip of Augmentation is 2.0"),
+        ({"scale": (1.2, 0.8)}, "two numbers, low then high, more than 0"),
         ({"rotation": -1.0}, "0 or more"),
-        ({"distractor_strokes": 1.5}, "distractor_strokes must be between 0 and 1, not 1.5"),
-        ({"fills": -0.5}, "fills must be between 0 and 1, not -0.5"),
-        ({"decals": 1.5}, "decals must be between 0 and 1, not 1.5"),
-        ({"hatching": 1.5}, "hatching must be between 0 and 1, not 1.5"),
-        ({"shear": 60.0}, "shear must be between 0 and 45 degrees, not 60.0"),
+        ({"distractor_strokes": 1.5}, r"distractor_strokes of Augmentation is 1.5"),
+        ({"fills": -0.5}, r"fills of Augmentation is -0.5"),
+        ({"decals": 1.5}, r"decals of Augmentation is 1.5"),
+        ({"hatching": 1.5}, r"hatching of Augmentation is 1.5"),
+        ({"shear": 60.0}, r"shear of Augmentation is 60.0"),
     ],
 )
 def test_settings_are_checked(settings: dict[str, float], message: str) -> None:

@@ -15,6 +15,7 @@ from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.items import Item
 from normalgan.data.loading.loaders import EqualShare
+from normalgan.data.settings import MeshReading, Split
 from normalgan.rendering import Mesh
 from small import QUIET, data, gan, trainer
 
@@ -54,7 +55,7 @@ def test_splits_are_by_mesh_and_never_by_view(meshes: Path, cache: Path) -> None
     assert set.union(*shown) == {"ball", "box", "can", "hat", "pill"}
     assert not any(a & b for a, b in itertools.combinations(shown, 2))
     assert [{source.name for source in module.sources[split]} for split in SPLITS] == shown
-    other = data(meshes, cache, split_seed=1)
+    other = data(meshes, cache, split=Split((0.6, 0.2, 0.2), seed=1))
     assert [[s.name for s in other.sources[x]] for x in SPLITS] != [
         [s.name for s in module.sources[x]] for x in SPLITS
     ]
@@ -63,14 +64,14 @@ def test_splits_are_by_mesh_and_never_by_view(meshes: Path, cache: Path) -> None
 def test_split_file_is_honoured(meshes: Path, cache: Path, tmp_path: Path) -> None:
     split = {"train": ["hat"], "val": ["can"], "test": ["ball", "box", "pill"]}
     (tmp_path / "split.json").write_text(json.dumps(split))
-    module = data(meshes, cache, split_file=str(tmp_path / "split.json"))
+    module = data(meshes, cache, split=Split(file=str(tmp_path / "split.json")))
     assert {part: [s.name for s in sources] for part, sources in module.sources.items()} == split
 
 
 def test_orientation_file_is_honoured(meshes: Path, cache: Path, tmp_path: Path) -> None:
     quarter = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
     (tmp_path / "up.json").write_text(json.dumps({"hat": {"rotation": quarter}}))
-    plain, turned = data(meshes, cache), data(meshes, cache, orientation=str(tmp_path / "up.json"))
+    plain, turned = data(meshes, cache), data(meshes, cache, reading=MeshReading(str(tmp_path / "up.json")))
     np.testing.assert_allclose(
         loaded(turned, "hat").vertices, loaded(plain, "hat").vertices @ np.array(quarter).T, atol=1e-5
     )
@@ -161,7 +162,9 @@ def test_training_order_goes_on_when_resumed(meshes: Path, cache: Path, tmp_path
 @pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")
 def test_a_run_resumed_with_other_data_says_what_is_other(meshes: Path, cache: Path, tmp_path: Path) -> None:
     seen_in(data(meshes, cache), tmp_path, epochs=1)
-    other = data(meshes, cache, batch_size=3, seed=1, split_seed=1, augmentation=Augmentation())
+    other = data(
+        meshes, cache, batch_size=3, seed=1, split=Split((0.6, 0.2, 0.2), seed=1), augmentation=Augmentation()
+    )
     with pytest.warns(UserWarning, match="the checkpoint was trained with other data") as caught:
         seen_in(other, tmp_path, 2, last(tmp_path))
     (told,) = [str(warning.message) for warning in caught if "other data" in str(warning.message)]

@@ -11,6 +11,7 @@ from PIL import Image, ImageDraw
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.recipe import Loadable
+from normalgan.data.settings import EmbeddedAnimals, Prediction, Split, Storage
 from normalgan.data.sources import DataSource, SplitSettings
 from normalgan.errors import InputError
 from normalgan.normals import encode
@@ -40,7 +41,7 @@ def test_drawings_and_their_hints_are_served_in_order(meshes: Path, cache: Path,
     dots[40, 30] = (*encode(np.array([0.6, 0.0, 0.8])), 255)
     Image.fromarray(dots).save(tmp_path / "hints" / "b_hints.png")
     module = data(
-        meshes, cache, sketches=str(tmp_path / "*.png"), hints=str(tmp_path / "hints"), batch_size=2
+        meshes, cache, prediction=Prediction(str(tmp_path / "*.png"), str(tmp_path / "hints")), batch_size=2
     )
     module.setup("predict")
     batches = list(module.predict_dataloader())
@@ -57,7 +58,7 @@ def test_drawings_and_their_hints_are_served_in_order(meshes: Path, cache: Path,
 
 
 def test_predicting_renders_nothing(meshes: Path, tmp_path: Path) -> None:
-    module = data(meshes, tmp_path / "cache", sketches=str(drawing(tmp_path)))
+    module = data(meshes, tmp_path / "cache", prediction=Prediction(str(drawing(tmp_path))))
     predicted = trainer(tmp_path).predict(gan(), module)
     assert predicted is not None
     assert isinstance(predicted[0], torch.Tensor)
@@ -66,23 +67,19 @@ def test_predicting_renders_nothing(meshes: Path, tmp_path: Path) -> None:
 
 
 def test_bad_settings_are_explained(meshes: Path, cache: Path) -> None:
-    settings = [
-        ({"animals": 0}, "data.animals must be 1 or more, not 0"),
-        ({"batch_size": 0}, "data.batch_size must be 1 or more, not 0"),
-        ({"workers": -1}, "data.workers must be 0 or more, not -1"),
-        ({"render_workers": -2}, "data.render_workers must be 0 or more, not -2"),
-        ({"memory": -1}, "data.memory must be 0 or more"),
-    ]
-    for given, message in settings:
-        with pytest.raises(InputError, match=message):
-            data(meshes, cache, **given)
+    with pytest.raises(InputError, match="batch_size of MeshDataModule is 0; it must be 1 or more"):
+        data(meshes, cache, batch_size=0)
+    with pytest.raises(InputError, match="memory of Storage is -1; it must be 0 or more"):
+        Storage(memory=-1)
+    with pytest.raises(InputError, match="extra_postures of EmbeddedAnimals is 2; it must be from 0 to 1"):
+        EmbeddedAnimals(extra_postures=2)
 
 
 def test_what_cannot_be_used_is_named(meshes: Path, cache: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=re.escape(str(tmp_path / "none"))):
         _ = data(tmp_path / "none", cache).sources
     with pytest.raises(InputError, match="three shares"):
-        _ = data(meshes, cache, fractions=(0.5, 0.5, 0.5)).sources
+        _ = data(meshes, cache, split=Split((0.5, 0.5, 0.5))).sources
     with pytest.raises(InputError, match="views a mesh are asked for train"):
         data(meshes, tmp_path, train_views=0).prepare_data()
     with pytest.raises(InputError, match="render them first"):
@@ -90,7 +87,7 @@ def test_what_cannot_be_used_is_named(meshes: Path, cache: Path, tmp_path: Path)
     with pytest.raises(InputError, match="predict needs drawings"):
         data(meshes, cache).setup("predict")
     with pytest.raises(InputError, match="no sketch found"):
-        data(meshes, cache, sketches=str(tmp_path / "none.png")).setup("predict")
+        data(meshes, cache, prediction=Prediction(str(tmp_path / "none.png"))).setup("predict")
 
 
 def test_one_bad_mesh_is_left_out_and_the_rest_is_used(meshes: Path, tmp_path: Path) -> None:
@@ -102,7 +99,7 @@ def test_one_bad_mesh_is_left_out_and_the_rest_is_used(meshes: Path, tmp_path: P
     (tmp_path / "split.json").write_text(
         json.dumps({"train": ["bad", "ball", "box"], "val": ["can"], "test": ["hat", "pill"]})
     )
-    module = data(folder, tmp_path / "cache", split_file=str(tmp_path / "split.json"))
+    module = data(folder, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")))
     with pytest.warns(UserWarning, match="the mesh bad is left out"):
         module.prepare_data()
     used = {module.train_dataset[i]["name"].split("/")[0] for i in range(len(module.train_dataset))}
@@ -110,9 +107,9 @@ def test_one_bad_mesh_is_left_out_and_the_rest_is_used(meshes: Path, tmp_path: P
 
 
 def test_animals_are_the_default() -> None:
-    module = MeshDataModule(animals=6)
+    module = MeshDataModule(animals=EmbeddedAnimals(6))
     assert [len(module.sources[split]) for split in SPLITS] == [4, 1, 1]
-    other = MeshDataModule(animals=6, seed=1)
+    other = MeshDataModule(animals=EmbeddedAnimals(6), seed=1)
     assert {s.fingerprint() for s in module.sources["train"]}.isdisjoint(
         s.fingerprint() for s in other.sources["train"]
     )
@@ -121,15 +118,15 @@ def test_animals_are_the_default() -> None:
 @pytest.mark.slow
 def test_animals_are_rendered(tmp_path: Path) -> None:
     module = MeshDataModule(
-        animals=3,
-        fractions=(0.4, 0.3, 0.3),
+        animals=EmbeddedAnimals(3),
+        split=Split((0.4, 0.3, 0.3)),
         lines=OccludingContours(),
         size=32,
         train_views=2,
         val_views=1,
         test_views=1,
         cache=str(tmp_path),
-        render_workers=0,
+        storage=Storage(render_workers=0),
     )
     module.prepare_data()
     for i in range(2):
@@ -140,7 +137,8 @@ def test_animals_are_rendered(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("split", ["val", "test"])
 def test_a_split_that_is_empty_and_asked_for_is_named(split: str) -> None:
-    module = MeshDataModule(animals=3, fractions=(0.5, 0.5 * (split == "test"), 0.5 * (split == "val")))
+    shares = Split((0.5, 0.5 * (split == "test"), 0.5 * (split == "val")))
+    module = MeshDataModule(animals=EmbeddedAnimals(3), split=shares)
     with pytest.raises(InputError, match=f"^there is nothing in the split {split}, which is asked for; give"):
         getattr(module, f"{split}_dataset")
 
@@ -174,7 +172,6 @@ def test_a_source_that_gives_no_splits_is_named() -> None:
             {"augmentation": True},
             r"^data\.augmentation must be an object of a class of BatchAug.* not a bool",
         ),
-        ({"species": "birds"}, r"^data\.species is a list of names, such as \['birds'\], not 'birds'\.$"),
     ],
 )
 def test_what_python_may_give_and_a_command_may_not_is_told_at_once(
@@ -182,3 +179,8 @@ def test_what_python_may_give_and_a_command_may_not_is_told_at_once(
 ) -> None:
     with pytest.raises(InputError, match=sentence):
         MeshDataModule(**given)  # type: ignore[arg-type]
+
+
+def test_a_lone_species_is_not_read_letter_by_letter() -> None:
+    with pytest.raises(InputError, match=r"^data\.animals\.species is a list of names, such as \['birds'\]"):
+        EmbeddedAnimals(species="birds")  # type: ignore[arg-type]

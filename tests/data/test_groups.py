@@ -5,6 +5,7 @@ import pytest
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.recipe import Loadable
+from normalgan.data.settings import EmbeddedAnimals, Split
 from normalgan.data.sources import MeshGroup
 from normalgan.errors import InputError
 from normalgan.rendering import MeshFile
@@ -25,7 +26,7 @@ def copy_meshes(meshes: Path, tmp_path: Path) -> Path:
 
 def test_each_group_is_read_and_split_in_its_own_way(meshes: Path, things: Path, cache: Path) -> None:
     groups = [MeshGroup(str(meshes), variants=1), MeshGroup(str(things), crease_angle=40.0)]
-    module = MeshDataModule(groups=groups, cache=str(cache), fractions=(0.6, 0.2, 0.2))
+    module = MeshDataModule(groups=groups, cache=str(cache), split=Split((0.6, 0.2, 0.2)))
     for split, count in (("train", 3), ("val", 1), ("test", 1)):
         sources = module.sources[split]
         edged = [s for s in sources if isinstance(s, MeshFile) and s.crease_angle == 40]
@@ -38,7 +39,7 @@ def test_each_group_is_read_and_split_in_its_own_way(meshes: Path, things: Path,
 
 def test_groups_come_behind_meshes_without_one(meshes: Path, things: Path, cache: Path) -> None:
     alone = data(meshes, cache).sources
-    module = data(meshes, cache, groups=[MeshGroup(str(things))], extra_animals=2)
+    module = data(meshes, cache, groups=[MeshGroup(str(things))], animals=EmbeddedAnimals(extra=2))
     for split in ("train", "val", "test"):
         assert names(module.sources[split])[: len(alone[split])] == names(alone[split])
     assert len(module.sources["train"]) == 3 + 3 + 2
@@ -46,9 +47,5 @@ def test_groups_come_behind_meshes_without_one(meshes: Path, things: Path, cache
 
 
 def test_what_cannot_be_a_group_is_refused(things: Path) -> None:
-    with pytest.raises(InputError, match="poses of a group of meshes is -1; give 0 or more"):
-        MeshGroup(str(things), poses=-1)
-    with pytest.raises(InputError, match="postures of a group of meshes is 2; it is a share of the poses"):
-        MeshGroup(str(things), postures=2)
     with pytest.raises(InputError, match="no pattern that matches a mesh"):
         _ = MeshDataModule(groups=[MeshGroup(str(things / "none*.ply"))]).sources

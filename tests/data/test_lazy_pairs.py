@@ -12,6 +12,7 @@ from PIL import Image
 from test_datamodule import Seen
 
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.settings import Split, Storage
 from normalgan.data.sources import Pairs
 from normalgan.errors import InputError
 from pairs_on_disk import SIZE, write_pairs
@@ -35,8 +36,8 @@ def pairs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def on(pairs: Path, cache: Path, fractions: tuple[float, float, float], workers: int = 0) -> MeshDataModule:
-    settings = {"size": 32, "batch_size": 2, "render_workers": 0, "workers": workers}
-    return MeshDataModule(source=Pairs(str(pairs)), cache=str(cache), fractions=fractions, **settings)  # type: ignore[arg-type]
+    settings = {"size": 32, "batch_size": 2, "storage": Storage(render_workers=0), "workers": workers}
+    return MeshDataModule(source=Pairs(str(pairs)), cache=str(cache), split=Split(fractions), **settings)  # type: ignore[arg-type]
 
 
 def fitted(module: MeshDataModule, folder: Path, **settings: Any) -> Seen:
@@ -111,7 +112,7 @@ def test_a_pair_that_cannot_be_validated_on_has_an_empty_mask(pairs: Path, tmp_p
 def test_a_sample_that_is_lost_while_it_is_trained_on_is_prepared_again(pairs: Path, tmp_path: Path) -> None:
     module = on(pairs, tmp_path, (1.0, 0.0, 0.0))
     module.prepare_data()
-    module.memory = 0
+    module.storage = Storage(memory=0, render_workers=0)
     before = module.train_dataset[0]
     (cache,) = tmp_path.glob("*/samples.zarr/train/normal/c")
     shutil.rmtree(cache)

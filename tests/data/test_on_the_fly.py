@@ -8,6 +8,7 @@ from test_datamodule import last, names, ready, sample_names, seen_in
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.stream import FreshViews
+from normalgan.data.settings import Split
 from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 
@@ -72,14 +73,14 @@ def test_a_bad_mesh_is_left_out_before_training(meshes: Path, tmp_path: Path) ->
     split = {"train": ["bad", "ball", "box"], "val": ["can"], "test": ["hat", "pill"]}
     (tmp_path / "split.json").write_text(json.dumps(split))
     for _ in range(2):  # told again when asked again
-        module = flying(folder, tmp_path / "cache", split_file=str(tmp_path / "split.json"))
+        module = flying(folder, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")))
         with pytest.warns(UserWarning, match="the mesh bad is left out"):
             module.prepare_data()
     assert {name.split("/")[0] for name in sample_names(module)[0]} == {"ball", "box"}
     (tmp_path / "split.json").write_text(
         json.dumps(split | {"train": ["bad"], "val": ["can", "ball", "box"]})
     )
-    hopeless = flying(folder, tmp_path / "cache", split_file=str(tmp_path / "split.json"))
+    hopeless = flying(folder, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")))
     with (
         pytest.warns(UserWarning, match="the mesh bad is left out"),
         pytest.raises(InputError, match="none of the 1 meshes for train can be used; the first:"),

@@ -11,6 +11,7 @@ from normalgan.__main__ import main
 from normalgan.animals import GROUPS, Animal
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.recipe import Loadable
+from normalgan.data.settings import EmbeddedAnimals, MeshReading, Split
 from normalgan.data.sources import MeshGroup
 from normalgan.errors import InputError
 from normalgan.rendering import MeshFile
@@ -34,19 +35,20 @@ def write_rig(path: Path) -> None:
 
 
 def test_species_and_groups_in_turn() -> None:
-    module = MeshDataModule(animals=8, species=["birds", "horse"], fractions=(1.0, 0.0, 0.0))
+    module = MeshDataModule(
+        animals=EmbeddedAnimals(8, species=("birds", "horse")), split=Split((1.0, 0.0, 0.0))
+    )
     animals = [s for s in module.sources["train"] if isinstance(s, Animal)]
     assert {animal.species for animal in animals} == {*GROUPS["birds"][:7], animals[-1].species}
-    assert {a.species for a in MeshDataModule(animals=40).sources["train"] if isinstance(a, Animal)} <= set(
-        GROUPS["quadrupeds"]
-    )
+    many = MeshDataModule(animals=EmbeddedAnimals(40)).sources["train"]
+    assert {a.species for a in many if isinstance(a, Animal)} <= set(GROUPS["quadrupeds"])
     with pytest.raises(InputError, match="Did you mean birds"):
-        _ = MeshDataModule(species=["brids"]).sources
+        _ = MeshDataModule(animals=EmbeddedAnimals(species=("brids",))).sources
 
 
 def test_variants_join_the_meshes_to_train_on_alone(meshes: Path, cache: Path) -> None:
     plain = data(meshes, cache).sources
-    module = data(meshes, cache, variants=2, variation=Variation(bend=30.0))
+    module = data(meshes, cache, reading=MeshReading(variants=2, variation=Variation(bend=30.0)))
     assert {split: names(module.sources[split]) for split in ("val", "test")} == {
         split: names(plain[split]) for split in ("val", "test")
     }
@@ -61,7 +63,7 @@ def test_poses_of_a_rig_stay_on_one_side_of_the_split(meshes: Path, cache: Path,
     for name in ("ant", "bee", "cow", "doe", "elk"):
         write_rig(tmp_path / f"{name}.gltf")
     (tmp_path / "box.obj").write_bytes((meshes / "box.obj").read_bytes())
-    module = data(tmp_path, cache, poses=3, variants=1)
+    module = data(tmp_path, cache, reading=MeshReading(poses=3, variants=1))
     rest = data(tmp_path, cache).sources
     for split, sources in module.sources.items():
         posed = [s for s in sources if isinstance(s, (RiggedFile, MeshFile))]
@@ -78,7 +80,9 @@ def test_postures_are_for_training_alone(cache: Path, tmp_path: Path) -> None:
     for name in ("ant", "bee", "cow", "doe", "elk"):
         write_rig(tmp_path / f"{name}.gltf")
     module = MeshDataModule(
-        groups=[MeshGroup(str(tmp_path), poses=2, postures=0.5)], fractions=(0.6, 0.2, 0.2), cache=str(cache)
+        groups=[MeshGroup(str(tmp_path), poses=2, postures=0.5)],
+        split=Split((0.6, 0.2, 0.2)),
+        cache=str(cache),
     )
     for split, sources in module.sources.items():
         shares = [source.postures for source in sources if isinstance(source, RiggedFile)]
@@ -87,7 +91,8 @@ def test_postures_are_for_training_alone(cache: Path, tmp_path: Path) -> None:
 
 def test_extra_animals_join_the_meshes_to_train_on_alone(meshes: Path, cache: Path) -> None:
     plain = data(meshes, cache).sources
-    sources = data(meshes, cache, extra_animals=2, species=["birds"], variants=1).sources
+    animals = EmbeddedAnimals(extra=2, species=("birds",))
+    sources = data(meshes, cache, animals=animals, reading=MeshReading(variants=1)).sources
     assert {split: names(sources[split]) for split in ("val", "test")} == {
         split: names(plain[split]) for split in ("val", "test")
     }
@@ -97,19 +102,14 @@ def test_extra_animals_join_the_meshes_to_train_on_alone(meshes: Path, cache: Pa
 
 
 def test_a_share_of_the_extra_animals_holds_postures(meshes: Path, cache: Path) -> None:
-    wanted = data(meshes, cache, extra_animals=6, species=["horse"], extra_postures=1.0).sources["train"][-6:]
+    animals = EmbeddedAnimals(extra=6, species=("horse",), extra_postures=1.0)
+    wanted = data(meshes, cache, animals=animals).sources["train"][-6:]
     assert all(isinstance(animal, Animal) and animal.pose is not None for animal in wanted)
 
 
 def test_extra_animals_need_meshes_to_join() -> None:
-    with pytest.raises(InputError, match=r"data\.meshes names none; data\.animals says how many"):
-        MeshDataModule(extra_animals=3)
-
-
-@pytest.mark.parametrize("name", ["extra_animals", "poses", "variants"])
-def test_numbers_are_checked(meshes: Path, cache: Path, name: str) -> None:
-    with pytest.raises(InputError, match=f"data.{name} must be 0 or more, not -1"):
-        data(meshes, cache, **{name: -1})
+    with pytest.raises(InputError, match=r"data\.meshes names none; data\.animals\.count says how"):
+        MeshDataModule(animals=EmbeddedAnimals(extra=3))
 
 
 def test_hand_and_medium_enter_the_recipe(meshes: Path, cache: Path) -> None:
@@ -127,8 +127,7 @@ def test_the_command_line_reads_them(meshes: Path, tmp_path: Path) -> None:
         "data": {
             "hand": {"wobble": 0.01, "strength": [0.5, 1.0]},
             "medium": {"tint": 0.05},
-            "variants": 1,
-            "variation": {"bend": 5.0},
+            "reading": {"variants": 1, "variation": {"bend": 5.0}},
             "lines": {"class_path": "OccludingContours"},
         }
     }

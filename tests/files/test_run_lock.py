@@ -77,7 +77,7 @@ def test_commands_start_without_fcntl(tmp_path: Path, meshes: Path) -> None:
     ]
     drawing = Path(__file__).parents[2] / "examples" / "sketches" / "horse.png"
     predict = [
-        "--data.sketches",
+        "--data.prediction.sketches",
         drawing,
         "--trainer.accelerator",
         "cpu",

@@ -46,12 +46,12 @@ def test_files_that_a_configuration_names_are_found_from_any_folder(
     named = yaml.safe_load((shipped_folder() / "fourleg" / "meshes.yaml").read_text())["data"]
     wanted = json.loads((ROOT / "configs" / "fourleg" / "split.json").read_text())
     names = [name for part in wanted.values() for name in part]
-    assert split_by_file(Path(named["split_file"]), names) == wanted
-    assert read_orientations(named["orientation"])
-    own = tmp_path / named["split_file"]
+    assert split_by_file(Path(named["split"]["file"]), names) == wanted
+    assert read_orientations(named["reading"]["orientation"])
+    own = tmp_path / named["split"]["file"]
     own.parent.mkdir(parents=True)
     own.write_text('{"train": ["a"], "val": [], "test": []}')
-    assert split_by_file(Path(named["split_file"]), ["a"])["train"] == ["a"]  # a file of that name wins
+    assert split_by_file(Path(named["split"]["file"]), ["a"])["train"] == ["a"]  # a file of that name wins
     with pytest.raises(InputError, match=r"configs/fourleg/splits\.json"):
         split_by_file(Path("configs/fourleg/splits.json"), ["a"])
 

@@ -91,9 +91,9 @@ def test_curvature_at_a_count_takes_the_selected_points_first() -> None:
 
 @pytest.mark.parametrize("kind", [FarthestPointHints, WorstErrorHints])
 def test_a_negative_count_is_refused(kind: type[FarthestPointHints | WorstErrorHints]) -> None:
-    with pytest.raises(InputError, match=r"was given count=-1; use 0 or more points"):
+    with pytest.raises(InputError, match=r"count of \w+ is -1; it must be 0 or more"):
         kind(-1)
-    with pytest.raises(InputError, match=r"was given spacing=-0.5; use 0 or more"):
+    with pytest.raises(InputError, match=r"spacing of WorstErrorHints is -0.5; it must be 0 or more"):
         WorstErrorHints(3, spacing=-0.5)
-    with pytest.raises(InputError, match=r"was given count=-2; use 0 or more points, or null"):
+    with pytest.raises(InputError, match=r"count of CurvatureHints is -2; it must be 0 or more"):
         CurvatureHints(count=-2)

@@ -55,12 +55,9 @@ def test_zero_hints_are_legal() -> None:
     assert UniformHints(0, 0).sample(normal, mask, seeded()).sum() == 0
 
 
-@pytest.mark.parametrize(("minimum", "maximum"), [(5, 4), (-1, 4)])
-def test_bad_bounds_say_what_would_be_right(minimum: int, maximum: int) -> None:
-    with pytest.raises(
-        InputError, match=f"minimum={minimum} and maximum={maximum}; use whole numbers with 0 <="
-    ):
-        UniformHints(minimum, maximum)
+def test_bad_bounds_say_what_would_be_right() -> None:
+    with pytest.raises(InputError, match="minimum=5 and maximum=4; use a minimum that is not larger"):
+        UniformHints(5, 4)
 
 
 def test_no_hints_gives_none_and_draws_nothing() -> None:
@@ -97,5 +94,5 @@ def test_a_share_of_the_samples_gets_none() -> None:
     counts = where.sum(dim=(1, 2, 3))
     assert (counts == 0).float().mean() == pytest.approx(0.25, abs=0.06)
     assert set(counts.tolist()) == {0, 2, 3, 4, 5}
-    with pytest.raises(InputError, match=r"none=1\.5; it is a share, from 0 to 1"):
+    with pytest.raises(InputError, match=r"none of UniformHints is 1\.5; it must be from 0 to 1"):
         UniformHints(none=1.5)

@@ -160,7 +160,7 @@ def test_each_sprite_of_a_sheet_is_alone_and_turned_ones_are_upright() -> None:
 
 @pytest.mark.parametrize("detail", [-0.1, 1.5, float("nan")])
 def test_a_detail_that_is_no_share_is_refused(detail: float) -> None:
-    with pytest.raises(InputError, match=r"^detail is .*; use 0 for the inferred form alone, up to 1\.$"):
+    with pytest.raises(InputError, match=r"^detail of Sprite is .*; it must be from 0 to 1\.$"):
         Sprite(detail=detail)
 
 

@@ -31,5 +31,5 @@ def test_its_gradient_is_finite_where_nothing_is_painted() -> None:
 
 
 def test_a_negative_weight_is_refused() -> None:
-    with pytest.raises(InputError, match="l2_weight must be 0 or more, not -1"):
+    with pytest.raises(InputError, match=r"l2_weight of CosineAndL2 is -1\.0; it must be 0 or more"):
         CosineAndL2(l2_weight=-1.0)

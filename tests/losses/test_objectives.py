@@ -65,9 +65,9 @@ def test_gradient_penalty_refuses_batch_norm() -> None:
 
 
 def test_settings_are_checked() -> None:
-    with pytest.raises(InputError, match="weight_clip must be positive, not 0"):
+    with pytest.raises(InputError, match="weight_clip of Wasserstein is 0; it must be more than 0"):
         Wasserstein(weight_clip=0)
-    with pytest.raises(InputError, match="gradient_penalty must be 0 or more, not -1"):
+    with pytest.raises(InputError, match=r"gradient_penalty of .* is -1; it must be 0 or more"):
         WassersteinGradientPenalty(gradient_penalty=-1)
 
 

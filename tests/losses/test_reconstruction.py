@@ -122,14 +122,17 @@ def test_a_generator_without_confidence_is_refused() -> None:
 
 @pytest.mark.parametrize(
     ("settings", "message"),
-    [({"l1_weight": -1}, "l1_weight must be"), ({"hint_weight": -1}, "hint_weight must")],
+    [
+        ({"l1_weight": -1}, "l1_weight of L1AndHints is -1"),
+        ({"hint_weight": -1}, "hint_weight of L1AndHints is -1"),
+    ],
 )
 def test_negative_weights_are_refused(settings: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         L1AndHints(**settings)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="presence_weight must be 0 or more, not -1"):
+    with pytest.raises(InputError, match="presence_weight of AngularLikelihood is -1"):
         AngularLikelihood(presence_weight=-1)
-    with pytest.raises(InputError, match="angle_weight must be 0 or more, not -2"):
+    with pytest.raises(InputError, match="angle_weight of AngularLikelihood is -2"):
         AngularLikelihood(angle_weight=-2)
 
 
@@ -163,5 +166,5 @@ def test_a_stride_compares_one_pixel_of_each_square() -> None:
     whole = AngularLikelihood(angle_weight=1.0).terms(preds, normal, mask, mask)["angle"].value.item()
     assert len(set(values)) == 4
     assert abs(sum(values) / len(values) - whole) < 0.03
-    with pytest.raises(InputError, match="stride must be 1 or more, not 0"):
+    with pytest.raises(InputError, match="stride of AngularLikelihood is 0; it must be 1 or more"):
         AngularLikelihood(stride=0)

@@ -154,11 +154,11 @@ def test_specks_are_left_out(style: LineDrawing) -> None:
 def test_bad_settings_say_what_would_be_right() -> None:
     with pytest.raises(InputError, match="line_width of OccludingContours is -1"):
         OccludingContours(line_width=-1.0)
-    with pytest.raises(InputError, match="resolution of SuggestiveContours is 0; it must be greater"):
+    with pytest.raises(InputError, match="resolution of SuggestiveContours is 0; it must be 1 or more"):
         SuggestiveContours(resolution=0)
-    with pytest.raises(InputError, match="angle between 0 and 180"):
+    with pytest.raises(InputError, match="crease of OccludingContours is 200"):
         OccludingContours(crease=200.0)
-    with pytest.raises(InputError, match="theta is 95"):
+    with pytest.raises(InputError, match="theta of SuggestiveContours is 95"):
         SuggestiveContours(theta=95.0)
-    with pytest.raises(InputError, match=r"shortest of SuggestiveContours is -0\.1; it cannot be negative"):
+    with pytest.raises(InputError, match=r"shortest of SuggestiveContours is -0\.1; it must be 0 or more"):
         SuggestiveContours(shortest=-0.1)

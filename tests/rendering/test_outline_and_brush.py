@@ -117,7 +117,7 @@ def test_an_empty_picture_and_a_single_pixel_have_no_lines() -> None:
 
 @pytest.mark.parametrize("style", [Silhouette, Brush])
 def test_a_pen_without_width_is_refused(style: type[Silhouette | Brush]) -> None:
-    with pytest.raises(InputError, match=r"line_width of \w+ is 0; it must be greater than 0"):
+    with pytest.raises(InputError, match=r"line_width of \w+ is 0; it must be more than 0"):
         style(line_width=0)
 
 

@@ -109,14 +109,14 @@ def test_a_line_seen_end_on_still_gets_a_frame() -> None:
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ({"azimuth": (90, 10)}, r"azimuth is \(90, 10\); it must be two angles, low then high"),
-        ({"elevation": (-100, 10)}, "elevation is .* from -90 to 90 degrees"),
-        ({"roll": (0, 200)}, "roll is"),
-        ({"roll": (0, float("nan"))}, "roll is"),
-        ({"field_of_view": (0, 30)}, "field_of_view is .* from 1 to 120 degrees"),
-        ({"perspective": 1.5}, "perspective is 1.5; it is a share, from 0 to 1"),
-        ({"margin": 0.5}, "margin is 0.5; it must lie from 0 to below 0.5"),
-        ({"margin": float("nan")}, "margin is nan"),
+        ({"azimuth": (90, 10)}, r"azimuth of Views is \(90, 10\); it must be two numbers, low then high"),
+        ({"elevation": (-100, 10)}, "elevation of Views is .* from -90 to 90"),
+        ({"roll": (0, 200)}, "roll of Views is"),
+        ({"roll": (0, float("nan"))}, "roll of Views is"),
+        ({"field_of_view": (0, 30)}, "field_of_view of Views is .* from 1 to 120"),
+        ({"perspective": 1.5}, "perspective of Views is 1.5; it must be from 0 to 1"),
+        ({"margin": 0.5}, "margin of Views is 0.5; it must be from 0 to below 0.5"),
+        ({"margin": float("nan")}, "margin of Views is nan"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(setting: dict[str, Any], message: str) -> None:

@@ -18,7 +18,7 @@ images: 100
 seeds: [0, 1]
 hints: 15
 hint_counts: [0, 5, 50]
-data: {data.size: 64, data.animals: 3}
+data: {data.size: 64, data.animals.count: 3}
 rows:
   - {name: mean, label: mean normal, classical: mean}
   - {name: ours, label: ours, group: ours, configs: [configs/ours.yaml], settings: {model.n_critic: 1}}

@@ -166,11 +166,11 @@ def test_our_own_configurations_are_safe(folder: Path, path: Path) -> None:
 def test_a_safe_configuration_sets_everything_else(folder: Path) -> None:
     settings = {
         "groups": [{"meshes": "horse.obj"}],
-        "variation": {"scale": 0.1},
+        "reading": {"variation": {"scale": 0.1}},
         "views": {"perspective": 0.2},
         "hand": {"wobble": 0.001},
         "medium": {"noise": 0.01},
-        "split_file": "split.json",  # no import path
+        "split": {"file": "split.json"},  # no import path
     }
     config = written(folder, {"data": settings, "trainer": {"default_root_dir": "theirs"}})
     assert run([*COMMAND, "--safe-config", "--config", str(config)]) == 0

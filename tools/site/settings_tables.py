@@ -4,7 +4,7 @@ import re
 from argparse import SUPPRESS, Action
 from collections.abc import Iterable
 from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from jsonargparse import ArgumentParser, Namespace
 
@@ -74,6 +74,8 @@ def plain_type(hint: Any) -> str:
     origin, inside = get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
         return " or ".join(plain_type(each) for each in inside)
+    if origin is Annotated:  # a range
+        return f"{plain_type(inside[0])}, {inside[1]}"
     if origin is Literal:
         return " or ".join(str(each) for each in inside)
     if origin in {list, tuple, dict} and inside:

@@ -1,4 +1,4 @@
-"""Animals by species and number, and herds of them: the data the package brings along."""
+"""Generated animals: one by its species and number, or many."""
 
 import hashlib
 from collections.abc import Sequence
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from normalgan.animals.quadrupeds_poses import POSTURES
 from normalgan.animals.species import GROUPS, SPECIES
 from normalgan.errors import InputError, did_you_mean
+from normalgan.ranges import Count, check_ranges
 from normalgan.rendering.mesh import Mesh
 from normalgan.seeds import rng_of
 
@@ -33,7 +34,7 @@ class Animal:
     """
 
     species: str
-    seed: int
+    seed: Count
     pose: str | None = None
 
     def __post_init__(self) -> None:
@@ -41,8 +42,7 @@ class Animal:
         _known("species", self.species, list(SPECIES))
         if self.pose is not None:
             _known(f"pose of {self.species}", self.pose, list(SPECIES[self.species].poses))
-        if self.seed < 0:
-            raise InputError(f"an animal's seed is a whole number from 0 on, not {self.seed}.")
+        check_ranges(self)
 
     @property
     def name(self) -> str:

@@ -82,7 +82,7 @@ class Measures:
 
 @dataclass(frozen=True, eq=False)
 class _Limb:
-    """Where a limb is, right-handed, in the frame of the trunk's end that it grows from.
+    """A limb of the right side, in the frame of the end of the trunk that it grows from.
 
     Args:
         points: (3, 3) shoulder, elbow, wrist; or hip, knee, ankle.

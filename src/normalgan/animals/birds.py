@@ -221,7 +221,7 @@ class Bird(PosedPlan):
         face: crest, comb or tufts, or None.
         train: sickle feathers, or None.
         turn: greatest turn of the head, in degrees.
-        chick: whether it is drawn young at times.
+        chick: whether some individuals are chicks.
         ranges: ranges of proportions that differ from the general ones.
 
     Raises:

@@ -55,7 +55,7 @@ class Shape(ABC):
 
     @abstractmethod
     def area(self) -> float:
-        """Return about how much surface it has."""
+        """Return its approximate surface area."""
 
     @abstractmethod
     def thickened(self, thinnest: float) -> Self:

@@ -188,8 +188,8 @@ def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> in
     """Measure what another program predicted of the plan's test split, print tables, return the exit code.
 
     Args:
-        plan: in what way.
-        scale: at which.
+        plan: the benchmark.
+        scale: its picture size and networks.
         folder: of the submission; see `normalgan.benchmark.submissions`.
         out: as in `evaluate`.
     """

@@ -14,12 +14,13 @@ from normalgan.cli.light_parser import LightParser
 from normalgan.cli.parser_errors import refusal
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.shipped_configs import find_config
+from normalgan.ranges import Count, NonNegative, PositiveInt, check_ranges
 
 __all__ = ["PLACEMENTS", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
 
 Settings = dict[str, Any]
 _DRAWN = ("hand", "lines", "medium")
-_MESHES = ("meshes", "split_file", "orientation", "fractions", "poses", "crease_angle", "test_views")
+_MESHES = ("meshes", "reading", "split", "test_views")
 _TEST_DATA = (*_DRAWN, *_MESHES)
 """Settings of the data that may be others for the test split; its size is that of the networks."""
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
@@ -89,34 +90,29 @@ class Plan:
     """
 
     name: str
-    images: int
+    images: PositiveInt
     rows: list[Row]
     data: dict[str, Any] = field(default_factory=dict)
     test_data: dict[str, Any] = field(default_factory=dict)
-    seeds: list[int] = field(default_factory=lambda: [0])
-    hints: int = 15
-    hint_counts: list[int] = field(default_factory=lambda: [0, 5, 10, 20, 50])
-    hint_seed: int = 0
+    seeds: list[Count] = field(default_factory=lambda: [0])
+    hints: PositiveInt = 15
+    hint_counts: list[Count] = field(default_factory=lambda: [0, 5, 10, 20, 50])
+    hint_seed: Count = 0
     checkpoint: Literal["best", "last"] = "best"
-    gallery: int = 4
+    gallery: PositiveInt = 4
     reference: str | None = None
     placements: list[str] = field(default_factory=list)
-    placement_counts: list[int] = field(default_factory=list)
-    noise_degrees: list[float] = field(default_factory=list)
-    noise_pixels: list[float] = field(default_factory=list)
-    pins: int = 0
+    placement_counts: list[Count] = field(default_factory=list)
+    noise_degrees: list[NonNegative] = field(default_factory=list)
+    noise_pixels: list[NonNegative] = field(default_factory=list)
+    pins: Count = 0
     metrics: list[str | dict[str, Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        for name, least in {"images": 1, "hints": 1, "gallery": 1, "hint_seed": 0, "pins": 0}.items():
-            if getattr(self, name) < least:
-                raise InputError(f"{name} must be {least} or more in a plan, not {getattr(self, name)}.")
+        check_ranges(self)
         for name in ("rows", "seeds"):
             if not getattr(self, name):
                 raise InputError(f"a plan needs {name}, but its list of them is empty.")
-        for name in ("seeds", "hint_counts", "placement_counts", "noise_degrees", "noise_pixels"):
-            if min(getattr(self, name), default=0) < 0:
-                raise InputError(f"{name} must all be 0 or more in a plan, not {getattr(self, name)}.")
         unknown = [name for name in self.placements if name not in PLACEMENTS]
         if unknown:
             raise InputError(f"there is no placement {unknown[0]!r} in a plan; use {', '.join(PLACEMENTS)}.")

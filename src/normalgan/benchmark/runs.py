@@ -25,8 +25,8 @@ __all__ = [
 ]
 
 OWN_DATA = (
-    *("augmentation", "batch_size", "extra_animals", "extra_postures", "local_cache", "local_cache_size"),
-    *("memory", "on_the_fly", "render_workers", "variants", "variation", "workers"),
+    *("animals.extra", "animals.extra_postures", "augmentation", "batch_size", "on_the_fly"),
+    *("reading.variants", "reading.variation", "storage", "workers"),
 )
 """Settings of the data that are a method's own affair; all others are the same for every row."""
 
@@ -77,7 +77,7 @@ def build_data(settings: Settings, **changes: Any) -> MeshDataModule:
     """
     parser = OwnDefaultsParser(exit_on_error=False)
     parser.add_class_arguments(MeshDataModule, "data")
-    parsed = parser.parse_object({"data": {**settings["data"], **changes}})
+    parsed = parser.parse_object({"data": changes}, parser.parse_object({"data": settings["data"]}))
     data: MeshDataModule = parser.instantiate(parsed).data
     return data
 

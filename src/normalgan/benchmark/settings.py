@@ -15,8 +15,8 @@ from normalgan.errors import InputError
 __all__ = ["MACHINE", "compose", "differences", "digest", "flatten", "nest", "part", "without"]
 
 MACHINE = (
-    *("data.cache", "data.local_cache", "data.local_cache_size", "data.meshes", "data.memory"),
-    *("data.render_workers", "data.workers", "trainer.default_root_dir", "trainer.enable_progress_bar"),
+    *("data.cache", "data.meshes", "data.storage", "data.workers"),
+    *("trainer.default_root_dir", "trainer.enable_progress_bar"),
     *("ckpt_path", "output", "pictures", "report", "trainer.logger", "weights_only"),
 )
 """Settings that say where and how to work, and change no figure."""

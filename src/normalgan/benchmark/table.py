@@ -259,11 +259,11 @@ def _difference_of(interval: Callable[..., Interval | None], given: str, referen
 def interval_table(plan: Plan, results: Results) -> list[str]:
     """Return the lines of table 3: mean errors, and differences from the reference, over the test meshes.
 
-    Then those of table 4: the differences over the test meshes and the seeds, if there are two of a row.
+    If a row has two seeds or more, table 4 follows: the differences over the test meshes and the seeds.
 
     Args:
-        plan: in whose order the rows come.
-        results: of the rows, of which the meshes are looked at.
+        plan: which says the order of the rows.
+        results: of the rows, with those of each mesh.
     """
     reference = results.get(plan.reference or "", [])
     cells: dict[str, Cell] = {}

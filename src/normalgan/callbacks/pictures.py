@@ -12,8 +12,8 @@ from normalgan.batch import Batch
 from normalgan.callbacks.gallery import draw_gallery
 from normalgan.callbacks.rows import batch_row
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
+from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = ["PictureLogger"]
 
@@ -26,11 +26,10 @@ class PictureLogger(Callback):
         samples: how many rows, at most one batch of them.
     """
 
-    def __init__(self, every_n_epochs: int = 5, samples: int = 4) -> None:
-        if every_n_epochs < 1 or samples < 1:
-            raise InputError("the pictures' every_n_epochs and samples must be 1 or more.")
+    def __init__(self, every_n_epochs: PositiveInt = 5, samples: PositiveInt = 4) -> None:
         self.every_n_epochs = every_n_epochs
         self.samples = samples
+        check_ranges(self)
 
     @rank_zero_only
     def on_validation_batch_end(

@@ -17,11 +17,11 @@ from normalgan.callbacks.table import results_table
 from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.order import spread
-from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.gan import NormalGAN
 from normalgan.metrics import MapMetric, StageMetrics
 from normalgan.metrics.collection import check_names
+from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.version import __version__
 
 __all__ = ["TestReport"]
@@ -52,11 +52,10 @@ class TestReport(Callback):
     _mean_map: Tensor
     _of_pairs: bool
 
-    def __init__(self, samples: int = 6, metrics: list[MapMetric] = []) -> None:  # noqa: B006  # never changed
-        if samples < 1:
-            raise InputError(f"the report's samples must be 1 or more, not {samples}.")
+    def __init__(self, samples: PositiveInt = 6, metrics: list[MapMetric] = []) -> None:  # noqa: B006  # never changed
         check_names(metrics)
         self.samples = samples
+        check_ranges(self)
         self.metrics = metrics
         self.checkpoint: Path | None = None
         self._rows: list[Row] = []

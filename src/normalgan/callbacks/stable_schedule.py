@@ -7,6 +7,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from normalgan.batch import Batch
 from normalgan.callbacks.rates import base_rates, scale_rates
 from normalgan.errors import InputError
+from normalgan.ranges import Count, PositiveInt, check_ranges
 
 __all__ = ["StableSchedule", "stable_factor"]
 
@@ -48,13 +49,10 @@ class StableSchedule(Callback):
         InputError: if ``warmup`` is negative or ``cooldown`` is not positive.
     """
 
-    def __init__(self, warmup: int = 200, cooldown: int | None = None) -> None:
-        if warmup < 0:
-            raise InputError(f"StableSchedule was given warmup={warmup}; use 0 or more batches.")
-        if cooldown is not None and cooldown < 1:
-            raise InputError(f"StableSchedule was given cooldown={cooldown}; use 1 or more batches, or null.")
+    def __init__(self, warmup: Count = 200, cooldown: PositiveInt | None = None) -> None:
         self.warmup = warmup
         self.cooldown = cooldown
+        check_ranges(self)
         self._cooldown_start: int | None = None
         self._rates: list[list[float]] = []
 

@@ -2,13 +2,14 @@
 
 import math
 from time import monotonic
-from typing import Any
+from typing import Annotated, Any
 
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
 from normalgan.callbacks.rates import base_rates, scale_rates
 from normalgan.errors import InputError
+from normalgan.ranges import Positive, Range, check_ranges
 
 __all__ = ["WallClockSchedule", "cosine_factor"]
 
@@ -43,13 +44,10 @@ class WallClockSchedule(Callback):
         InputError: if ``seconds`` or ``warmup`` is out of range.
     """
 
-    def __init__(self, seconds: float, warmup: float = 0.03) -> None:
-        if not 0 < seconds < math.inf:
-            raise InputError(f"WallClockSchedule was given seconds={seconds}; use a time greater than 0.")
-        if not 0 <= warmup < 1:
-            raise InputError(f"WallClockSchedule was given warmup={warmup}; use a share from 0 to below 1.")
+    def __init__(self, seconds: Positive, warmup: Annotated[float, Range(0, 1, below=True)] = 0.03) -> None:
         self.seconds = seconds
         self.warmup = warmup
+        check_ranges(self)
         self._before = 0.0  # seconds spent by the runs that this one resumes
         self._start: float | None = None
         self._rates: list[list[float]] = []

@@ -1,6 +1,6 @@
 """WarmAverage: an exponential moving average of the weights."""
 
-from typing import Any
+from typing import Annotated, Any
 
 import torch
 from lightning.pytorch import LightningModule, Trainer
@@ -8,8 +8,8 @@ from lightning.pytorch.callbacks import WeightAveraging
 from torch import Tensor
 from torch.optim.swa_utils import get_ema_multi_avg_fn
 
-from normalgan.errors import InputError
 from normalgan.models.statistics import average_statistics
+from normalgan.ranges import Range, check_ranges
 
 __all__ = ["WarmAverage"]
 
@@ -32,10 +32,9 @@ class WarmAverage(WeightAveraging):
         InputError: if the decay is not in [0, 1).
     """
 
-    def __init__(self, decay: float = 0.998) -> None:
-        if not 0 <= decay < 1:
-            raise InputError(f"WarmAverage was given decay={decay}; use a share from 0 to below 1.")
+    def __init__(self, decay: Annotated[float, Range(0, 1, below=True)] = 0.998) -> None:
         self.decay = decay
+        check_ranges(self)
         super().__init__()
         self._steps = 0  # as the average's own count, which lies on the device
         self._pairs: tuple[list[Tensor], list[Tensor]] = ([], [])

@@ -106,7 +106,7 @@ def _packing(settings: Namespace) -> Packing:
     """Return how drawings are found in a file.
 
     Raises:
-        InputError: if the settings of it do not go together.
+        InputError: if its settings contradict each other.
     """
     packed = settings.sheet or settings.split or settings.atlas or settings.tileset
     if settings.tile and (packed or settings.layers):
@@ -174,7 +174,7 @@ def _outputs(settings: Namespace) -> Outputs:
     """Return what is to be written.
 
     Raises:
-        InputError: if the settings of it do not go together.
+        InputError: if its settings contradict each other.
     """
     output = Path(settings.output)
     form = format_of(output, settings.format) if is_file_name(output) else settings.format

@@ -30,6 +30,10 @@ def help_of(section: str | None) -> Iterator[None]:
         _section.reset(token)
 
 
+_RANGED = re.compile(r"Annotated\[(\w+(?:\[[\w,\s]*\])?),(\s+[^\[\]]*)\]")
+"""A type with a range, which reads well without the word."""
+
+
 class Parser(OwnDefaultsParser, LightningArgumentParser):
     """Says a mistake in one sentence, and names what a typo may have meant."""
 
@@ -66,6 +70,7 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
             text = super().format_help(formatter)
         finally:
             self._action_groups = groups
+        text = _RANGED.sub(r"\1,\2", text)
         if not dests >= set(SETTINGS.values()):
             return text
         plugins = described(section or "")

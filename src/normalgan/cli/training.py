@@ -78,7 +78,7 @@ SAFE_CONFIG = "--safe-config"
 """The option under which only registered classes are imported and built."""
 _OUTPUTS = (
     *("trainer.default_root_dir", "trainer.logger", "trainer.model_registry", "checkpoint.filename"),
-    *("data.cache", "data.local_cache", "output.folder", "cluster"),
+    *("data.cache", "data.storage.local_cache", "output.folder", "cluster"),
 )
 """What writes, or runs elsewhere: `SAFE_CONFIG` takes it from the command line alone."""
 

@@ -34,7 +34,7 @@ _MOST_USED = {
     "--config NAME|FILE": "settings: a YAML file, or one of the package, such as paper; repeats",
     "--data.meshes PATH": "folder, file or pattern of meshes to learn from",
     "--data.source CLASS": "what to learn from in place of meshes, such as Pairs of pictures",
-    "--data.sketches PATH": "drawings to predict",
+    "--data.prediction.sketches PATH": "drawings to predict",
     "--data.size PIXELS": "side of the pictures",
     "--data.batch_size N": "samples of a training step",
     "--trainer.max_epochs N": "how long to train",

@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import math
 from abc import ABC, abstractmethod
-from typing import Any, cast
+from typing import Annotated, Any, cast
 
 import torch
 import torch.nn.functional as F
@@ -16,6 +16,7 @@ from normalgan.data.surface_marks import mark_surfaces
 from normalgan.errors import InputError
 from normalgan.losses.distractor_consistency import add_distractor_strokes
 from normalgan.metrics.functional import unit_vectors, unit_vectors_within
+from normalgan.ranges import NonNegative, Range, Share, check_ranges
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 
@@ -252,38 +253,20 @@ class Augmentation(BatchAugmentation):
 
     def __init__(
         self,
-        flip: float = 0.5,
-        rotation: float = 10.0,
-        scale: tuple[float, float] = (0.9, 1.1),
-        translation: float = 0.03,
-        jitter: float = 0.7,
-        dropout: float = 0.05,
-        width: float = 0.4,
+        flip: Share = 0.5,
+        rotation: NonNegative = 10.0,
+        scale: Annotated[tuple[float, float], Range(0, above=True)] = (0.9, 1.1),
+        translation: Share = 0.03,
+        jitter: NonNegative = 0.7,
+        dropout: Share = 0.05,
+        width: Share = 0.4,
         stretch: bool = False,
-        shear: float = 0.0,
-        distractor_strokes: float = 0.0,
-        fills: float = 0.0,
-        decals: float = 0.0,
-        hatching: float = 0.0,
+        shear: Annotated[float, Range(0, 45)] = 0.0,
+        distractor_strokes: Share = 0.0,
+        fills: Share = 0.0,
+        decals: Share = 0.0,
+        hatching: Share = 0.0,
     ) -> None:
-        for name, share in {
-            "flip": flip,
-            "dropout": dropout,
-            "width": width,
-            "translation": translation,
-            "distractor_strokes": distractor_strokes,
-            "fills": fills,
-            "decals": decals,
-            "hatching": hatching,
-        }.items():
-            if not 0 <= share <= 1:
-                raise InputError(f"the augmentation's {name} must be between 0 and 1, not {share}.")
-        if not 0 < scale[0] <= scale[1]:
-            raise InputError(f"the augmentation's scale must be two positive numbers in order, not {scale}.")
-        if rotation < 0 or jitter < 0:
-            raise InputError("the augmentation's rotation and jitter must be 0 or more.")
-        if not 0 <= shear <= 45:
-            raise InputError(f"the augmentation's shear must be between 0 and 45 degrees, not {shear}.")
         self.settings: dict[str, Any] = {
             "flip": flip,
             "rotation": rotation,
@@ -299,6 +282,7 @@ class Augmentation(BatchAugmentation):
             "decals": decals,
             "hatching": hatching,
         }
+        check_ranges(self, self.settings)
         self.jitter = jitter
         self.dropout = dropout
         self.width = width

@@ -24,6 +24,7 @@ from normalgan.data.loading.training_data import changes, describe_training_data
 from normalgan.data.mean import ENOUGH, mean_of_maps
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import open_samples, render_samples
+from normalgan.data.settings import EmbeddedAnimals, MeshReading, Prediction, Split, Storage
 from normalgan.data.sketches import SketchDataset, SketchSample
 from normalgan.data.sources import Animals, DataSource, MeshGroup, PairSource, SplitSettings
 from normalgan.data.splits import SPLITS
@@ -32,12 +33,12 @@ from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
 from normalgan.inference.jobs.plan import find_files
 from normalgan.line_widths import USUAL_WIDTHS
+from normalgan.ranges import Count, PositiveInt, check_ranges
 from normalgan.rendering import EmbreeRenderer, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.media import Medium
 from normalgan.rendering.samples import Recipe
-from normalgan.rendering.variation import Variation
 from normalgan.seeds import derive_seed
 
 __all__ = ["MeshDataModule"]
@@ -50,27 +51,18 @@ _PAIRS_PER_SHARD = 8
 class MeshDataModule(LightningDataModule):
     """Makes or reads sketches, normal maps and masks, and serves them and drawings to predict in batches.
 
+    What researchers change from run to run is a parameter of its own, as in other data modules; the rest is
+    grouped.
+
     Args:
         meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
             embedded procedural animals, or the source.
         groups: kinds of meshes that are read, posed and split each in its own way, besides ``meshes`` or in
             place of them.
-        animals: how many embedded animals there are, if no meshes are given.
-        extra_animals: embedded animals that join the training meshes that are given; those to validate and
-            test stay as they are.
-        extra_postures: share of these animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back,
-            where the species knows one of these.
-        species: groups (such as quadrupeds or birds) and species that the embedded animals are of, in turn.
-        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
-        variants: individuals that join each training mesh, varied at random; those to validate and test stay
-            as they are.
-        variation: how far such individuals differ from the mesh.
         source: where samples come from, such as `Pairs` on disk, in place of meshes and animals.
-        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
-        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-        split_file: JSON file that lists the train, val and test meshes; None splits by fractions.
-        fractions: shares of train, val and test meshes, if there is no split file.
-        split_seed: which meshes go where, if there is no split file.
+        reading: how ``meshes`` are read, and how many meshes become of each.
+        animals: embedded animals, in place of meshes or beside them.
+        split: which meshes are for training, validation and testing.
         views: where the objects are looked at from.
         renderer: what turns a mesh and a camera into maps.
         lines: the style of the sketches.
@@ -83,42 +75,23 @@ class MeshDataModule(LightningDataModule):
         on_the_fly: render training samples while training, in ``workers``, other views every epoch, and
             keep none; if not, they are rendered once and kept, as those to validate and test always are.
         cache: folder or URL where rendered samples are kept.
-        local_cache: folder on this machine for shards of a cache behind a URL, so that each is fetched once;
-            None fetches what is wanted each time. A cache on this machine needs none.
-        local_cache_size: bytes that may be used there.
-        render_workers: processes that render what is kept, side by side; 0 renders in this one.
+        storage: memory, disk and processes that this machine spends on samples.
         batch_size: samples a batch.
         workers: processes that load samples, or render them on the fly; 0 does it in this one: enough for
             samples that fit in memory.
-        memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
-            fly, what the meshes may take in all workers together.
         augmentation: random changes of training samples; None for none.
         seed: of the animals, the views, the order of training samples and the augmentation.
-        sketches: a folder, a glob or a list of drawings, for predict.
-        hints: hints for the drawings: a file, or a folder of ``<sketch>_hints.png`` or ``.json``.
-        mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
-            fill what lines enclose, ``reader`` to let a small network vote on that, or ``model`` to leave it
-            to the model; None is its opacity if that tells, else the reader.
-        map_size: longer side of the maps in pixels; None is the drawing's, 1024 of an SVG.
+        prediction: drawings, for predict.
     """
 
     def __init__(
         self,
         meshes: str | list[str] | None = None,
         groups: list[MeshGroup] = [],  # noqa: B006  # never changed
-        animals: int = 24,
-        extra_animals: int = 0,
-        extra_postures: float = 0.0,
-        species: list[str] = ["quadrupeds"],  # noqa: B006  # never changed
-        poses: int = 0,
-        variants: int = 0,
-        variation: Variation = Variation(),  # noqa: B008  # frozen
         source: DataSource | None = None,
-        orientation: str | None = None,
-        crease_angle: float | None = None,
-        split_file: str | None = None,
-        fractions: tuple[float, float, float] = (0.7, 0.1, 0.2),
-        split_seed: int = 0,
+        reading: MeshReading = MeshReading(),  # noqa: B008  # frozen, as are all below
+        animals: EmbeddedAnimals = EmbeddedAnimals(),  # noqa: B008
+        split: Split = Split(),  # noqa: B008
         views: Views = Views(),  # noqa: B008
         renderer: Renderer = EmbreeRenderer(),  # noqa: B008
         lines: LineDrawing = SuggestiveContours(),  # noqa: B008
@@ -130,18 +103,12 @@ class MeshDataModule(LightningDataModule):
         test_views: int = 20,
         on_the_fly: bool = False,
         cache: str = "cache",
-        local_cache: str | None = None,
-        local_cache_size: int = 20 * 10**9,
-        render_workers: int = 2,
-        batch_size: int = 8,
-        workers: int = 0,
-        memory: int = 2 * 1024**3,
+        storage: Storage = Storage(),  # noqa: B008
+        batch_size: PositiveInt = 8,
+        workers: Count = 0,
         augmentation: BatchAugmentation | None = None,
         seed: int = 0,
-        sketches: str | list[str] | None = None,
-        hints: str | None = None,
-        mask: str | None = None,
-        map_size: int | None = None,
+        prediction: Prediction = Prediction(),  # noqa: B008
     ) -> None:
         super().__init__()
         self._drawings: SketchDataset | None = None
@@ -156,27 +123,15 @@ class MeshDataModule(LightningDataModule):
             "data.augmentation": (augmentation, BatchAugmentation),
         }
         check_kinds(kinds, optional=["data.source", "data.hand", "data.medium", "data.augmentation"])
-        _check_species(species)
-        for name, number in {"animals": animals, "batch_size": batch_size}.items():
-            if number < 1:
-                raise InputError(f"data.{name} must be 1 or more, not {number}.")
-        if extra_animals and meshes is None and not groups:
+        if animals.extra and meshes is None and not groups:
             raise InputError(
-                "data.extra_animals join meshes of yours, and data.meshes names none; data.animals says how "
-                "many animals there are without."
+                "data.animals.extra join meshes of yours, and data.meshes names none; data.animals.count "
+                "says how many animals there are without."
             )
-        counts = {"extra_animals": extra_animals, "poses": poses, "variants": variants, "memory": memory}
-        for name, number in (counts | {"render_workers": render_workers, "workers": workers}).items():
-            if number < 0:
-                raise InputError(f"data.{name} must be 0 or more, not {number}.")
-        given = [
-            name
-            for name, value in {"meshes": meshes, "groups": groups, "extra_animals": extra_animals}.items()
-            if value
-        ]
-        if source is not None and given:
+        given = {"meshes": meshes, "groups": groups, "animals.extra": animals.extra}
+        if source is not None and (named := [name for name, value in given.items() if value]):
             raise InputError(
-                f"data.{given[0]} says that the data are meshes, and data.source names "
+                f"data.{named[0]} says that the data are meshes, and data.source names "
                 f"{type(source).__name__}; leave one of them out."
             )
         if on_the_fly and isinstance(source, PairSource):
@@ -184,20 +139,8 @@ class MeshDataModule(LightningDataModule):
                 f"data.on_the_fly renders meshes while training, but {type(source).__name__} has "
                 "pairs, which are read once and kept; leave it out."
             )
-        self.meshes = meshes
-        self.groups = groups
-        self.animals = animals
-        self.extra_animals, self.extra_postures = extra_animals, extra_postures
-        self.species = species
-        self.poses = poses
-        self.variants = variants
-        self.variation = variation
-        self.orientation = orientation
-        self.crease_angle = crease_angle
-        self.split_file = split_file
-        self.fractions = fractions
-        self.split_seed = split_seed
-        self.source = source
+        self.meshes, self.groups, self.source = meshes, groups, source
+        self.reading, self.animals, self.split = reading, animals, split
         self.recipe: SampleRecipe = Recipe(views, renderer, lines, size, seed, hand, medium)
         self.views_per_mesh = {"train": train_views, "val": val_views, "test": test_views}
         if source is not None:
@@ -206,18 +149,15 @@ class MeshDataModule(LightningDataModule):
                 dict(source.views(self.views_per_mesh)),
             )
         self.on_the_fly = on_the_fly
-        self.cache = cache
-        self.nearby = LocalCache(local_cache, local_cache_size) if local_cache else None
-        self.render_workers = render_workers
-        self.batch_size = batch_size
-        self.workers = workers
-        self.memory = memory
+        self.cache, self.storage = cache, storage
+        self.nearby = (
+            LocalCache(storage.local_cache, storage.local_cache_size) if storage.local_cache else None
+        )
+        self.batch_size, self.workers = batch_size, workers
         self.augmentation = augmentation
         self.seed = seed
-        self.sketches = sketches
-        self.hints = hints
-        self.mask = mask
-        self.map_size = map_size
+        self.prediction = prediction
+        check_ranges(self)
 
     # --- what there is --------------------------------------------------------------------------------
 
@@ -233,7 +173,8 @@ class MeshDataModule(LightningDataModule):
         Raises:
             InputError: if a mesh, a pair, the split or the orientation cannot be used.
         """
-        settings = SplitSettings(self.fractions, self.split_seed, self.split_file, self.seed, self.variation)
+        how = (self.split.fractions, self.split.seed, self.split.file)
+        settings = SplitSettings(*how, data_seed=self.seed, variation=self.reading.variation)
         if self.source is None:
             return self._meshes(settings)
         found: object = self.source.split(settings)
@@ -248,13 +189,20 @@ class MeshDataModule(LightningDataModule):
     def _meshes(self, settings: SplitSettings) -> dict[str, Sequence[Loadable]]:
         """Return what there is if no source is named: meshes, groups of them, or the embedded animals."""
         kinds = [group.split(settings) for group in self.groups]
+        reading, animals = self.reading, self.animals
         if self.meshes is not None:
-            how = (self.orientation, self.crease_angle, self.poses, self.variants, self.split_file)
+            how = (
+                reading.orientation,
+                reading.crease_angle,
+                reading.poses,
+                reading.variants,
+                self.split.file,
+            )
             kinds = [MeshGroup(self.meshes, *how).split(settings), *kinds]
         elif not self.groups:
-            kinds = [Animals(self.animals, tuple(self.species), self.variants).split(settings)]
-        how_many = (self.extra_animals, self.seed, self.species, self.extra_postures)
-        extra = make_animals(*how_many) if self.extra_animals else []
+            kinds = [Animals(animals.count, animals.species, reading.variants).split(settings)]
+        how_many = (animals.extra, self.seed, list(animals.species), animals.extra_postures)
+        extra = make_animals(*how_many) if animals.extra else []
         joined = {split: [mesh for kind in kinds for mesh in kind[split]] for split in SPLITS}
         return {**joined, "train": [*joined["train"], *extra]}
 
@@ -282,14 +230,14 @@ class MeshDataModule(LightningDataModule):
         views_by_split(self.views_per_mesh, self.sources)  # refuses now what training would stumble over
         if any(self.kept.values()):
             render_samples(
-                *(self.cache, self.kept, self.views_per_mesh, self.recipe, self.render_workers),
+                *(self.cache, self.kept, self.views_per_mesh, self.recipe, self.storage.render_workers),
                 cluster=cluster,
                 thorough=thorough,
                 per_shard=_PAIRS_PER_SHARD if self.of_pairs else _PER_SHARD,
                 later=self._later(),
             )
         if self.on_the_fly:
-            reasons = find_unusable(self.cache, self.sources["train"], self.render_workers)
+            reasons = find_unusable(self.cache, self.sources["train"], self.storage.render_workers)
             for name, reason in reasons.items():
                 warnings.warn(f"the {self.recipe.noun} {name} is left out: {reason}", stacklevel=2)
             leave_out(self.sources["train"], reasons, "train")
@@ -314,12 +262,15 @@ class MeshDataModule(LightningDataModule):
         if stage == "fit":
             self._training_data = self._describe_training_data()
         if stage == "predict":
-            if self.sketches is None:
-                raise InputError("predict needs drawings: --data.sketches names a folder, a glob or a list.")
-            files = find_files(self.sketches, hints=self.hints, mask=self.mask)
+            asked = self.prediction
+            if asked.sketches is None:
+                raise InputError(
+                    "predict needs drawings: --data.prediction.sketches names a folder, a glob or a list."
+                )
+            files = find_files(asked.sketches, hints=asked.hints, mask=asked.mask)
             model = self.trainer.lightning_module if self.trainer is not None else None
             widths = getattr(model, "line_widths", USUAL_WIDTHS)  # another one's module does not say
-            self._drawings = SketchDataset(files, self.recipe.size, self.map_size, widths)
+            self._drawings = SketchDataset(files, self.recipe.size, asked.map_size, widths)
 
     def _describe_training_data(self) -> dict[str, Any]:
         """Return all that decides which training samples come when, by setting, as plain values for JSON."""
@@ -355,7 +306,7 @@ class MeshDataModule(LightningDataModule):
             return self._open("train")
         sources = self.sources["train"]
         usable = leave_out(sources, find_unusable(self.cache, sources), "train")
-        memory = self.memory // max(self.workers, 1)
+        memory = self.storage.memory // max(self.workers, 1)
         return StreamDataset(usable, self.views_per_mesh["train"], self.recipe, memory)
 
     @cached_property
@@ -372,7 +323,7 @@ class MeshDataModule(LightningDataModule):
         if not self.kept[split]:
             raise InputError(
                 f"there is nothing in the split {split}, which is asked for; give it a share in "
-                "data.fractions, or names in data.split_file."
+                "data.split.fractions, or names in data.split.file."
             )
         # A training pair that cannot be used keeps its place, whenever that is found: a resumed run, which
         # knows it from the start, has the same order.
@@ -381,7 +332,7 @@ class MeshDataModule(LightningDataModule):
             self.cache, self.kept, self.views_per_mesh, self.recipe, self.nearby, later=later
         )
         substitute = self.of_pairs and split == "train"
-        return SampleDataset(stores[split], self.memory, max(self.workers, 1), substitute)
+        return SampleDataset(stores[split], self.storage.memory, max(self.workers, 1), substitute)
 
     # --- from samples to batches ----------------------------------------------------------------------
 
@@ -442,8 +393,3 @@ class MeshDataModule(LightningDataModule):
         if self._drawings is None:
             raise RuntimeError("the drawings are read in setup('predict').")
         return self._drawings
-
-
-def _check_species(species: object) -> None:
-    if isinstance(species, str):  # in Python a lone one may be given, which would be read letter by letter
-        raise InputError(f"data.species is a list of names, such as [{species!r}], not {species!r}.")

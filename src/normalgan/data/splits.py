@@ -13,17 +13,17 @@ from normalgan.errors import InputError, brief
 from normalgan.files.limits import read_bounded
 from normalgan.files.shipped_configs import find_beside
 
-__all__ = ["SPLITS", "Split", "plural", "split_by_file", "split_by_fractions"]
+__all__ = ["SPLITS", "plural", "split_by_file", "split_by_fractions"]
 
 SPLITS = ("train", "val", "test")
 """The names of the splits, in the order in which fractions are given."""
 
-Split = dict[str, list[str]]
+_Names = dict[str, list[str]]
 
 
 def split_by_fractions(
     names: Sequence[str], fractions: tuple[float, float, float], seed: int = 0, noun: str = "mesh"
-) -> Split:
+) -> _Names:
     """Split meshes at random in given proportions; names keep their order within a split.
 
     The counts are the fractions of the whole by largest remainder, but every fraction above 0 gets at
@@ -60,14 +60,14 @@ def split_by_fractions(
         )
     counts = _apportion(len(names), fractions)
     dealt = np.random.default_rng(seed).permutation(sorted(names)).tolist()
-    split: Split = {}
+    split: _Names = {}
     for part, count in zip(SPLITS, counts, strict=True):
         chosen, dealt = set(dealt[:count]), dealt[count:]
         split[part] = [name for name in names if name in chosen]
     return split
 
 
-def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split:
+def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> _Names:
     """Return the split in a JSON file: ``{"train": ["381", …], "val": […], "test": […]}``.
 
     Meshes the file does not name are left out, with a warning.
@@ -98,7 +98,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> Split
     return split
 
 
-def _read(path: Path) -> Split:
+def _read(path: Path) -> _Names:
     right = 'it must be like {"train": ["a", "b"], "val": ["c"], "test": ["d"]}.'
     try:
         content: Any = json.loads(read_bounded(path))

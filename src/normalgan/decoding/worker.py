@@ -458,10 +458,10 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
 
 
 def float_white(most: float) -> float:
-    """Return what white is in a picture of floats, for which no range is agreed on.
+    """Return the value of white in a picture of floats, whose range no standard fixes.
 
     Args:
-        most: its largest value: up to 16 the range is 0 to 1, with lights beyond; else that of integers.
+        most: its largest value. Up to 16 white is 1, as in HDR pictures; above, it is that of 8 or 16 bits.
     """
     return 1.0 if most <= 16 else 255.0 if most <= 255 else 65535.0
 

@@ -10,6 +10,7 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.hints.divergence import Estimator, curvature_map
+from normalgan.ranges import Count, NonNegative, Positive, Share, check_ranges
 
 __all__ = ["Comparison", "CurvatureHints", "Normalisation", "Rounding"]
 
@@ -59,27 +60,23 @@ class CurvatureHints(HintSampler):
 
     estimator: Estimator = "central"
     signed: bool = True
-    blur: float = 0.0
+    blur: NonNegative = 0.0
     normalisation: Normalisation = "none"
-    gain: float = 0.05
-    offset: float = 0.5
+    gain: Positive = 0.05
+    offset: Share = 0.5
     rounding: Rounding = "round"
     thresholds: tuple[int, int] = (127, 126)
     comparison: Comparison = "greater"
     object_only: bool = True
-    dropout: float = 0.95
-    count: int | None = None
+    dropout: Share = 0.95
+    count: Count | None = None
 
     def __post_init__(self) -> None:
         self._check_choice("estimator", get_args(Estimator))
         self._check_choice("normalisation", get_args(Normalisation))
         self._check_choice("rounding", get_args(Rounding))
         self._check_choice("comparison", get_args(Comparison))
-        self._check(0 <= self.blur < math.inf, "blur", "a number of pixels, 0 or more")
-        self._check(0 < self.gain < math.inf, "gain", "a positive number")
-        self._check(0 <= self.offset <= 1, "offset", "a grey from 0 to 1")
-        self._check(0 <= self.dropout <= 1, "dropout", "a probability from 0 to 1")
-        self._check(self.count is None or self.count >= 0, "count", "0 or more points, or null")
+        check_ranges(self)
         levels = set(range(256)).intersection(self.thresholds)
         self._check(
             len(self.thresholds) == len(levels) == 2, "thresholds", "two different levels from 0 to 255"

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
+from normalgan.ranges import Count, check_ranges
 
 __all__ = ["FarthestPointHints"]
 
@@ -25,11 +25,10 @@ class FarthestPointHints(HintSampler):
         Eldar, Lindenbaum, Porat, Zeevi 1997, "The Farthest Point Strategy for Progressive Image Sampling".
     """
 
-    count: int = 15
+    count: Count = 15
 
     def __post_init__(self) -> None:
-        if self.count < 0:
-            raise InputError(f"FarthestPointHints was given count={self.count}; use 0 or more points.")
+        check_ranges(self)
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`."""

@@ -9,6 +9,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
+from normalgan.ranges import Count, Share, check_ranges
 
 __all__ = ["UniformHints"]
 
@@ -31,19 +32,18 @@ class UniformHints(HintSampler):
         none: share of samples without any hint, so that a generator learns to work without them.
     """
 
-    minimum: int = 10
-    maximum: int = 50
-    none: float = 0.0
+    minimum: Count = 10
+    maximum: Count = 50
+    none: Share = 0.0
     numbers: Literal["even", "log"] = "even"
 
     def __post_init__(self) -> None:
-        if not 0 <= self.minimum <= self.maximum:
+        check_ranges(self)
+        if self.minimum > self.maximum:
             raise InputError(
                 f"UniformHints was given minimum={self.minimum} and maximum={self.maximum}; "
-                "use whole numbers with 0 <= minimum <= maximum."
+                "use a minimum that is not larger."
             )
-        if not 0 <= self.none <= 1:
-            raise InputError(f"UniformHints was given none={self.none}; it is a share, from 0 to 1.")
         if self.numbers == "log" and self.minimum < 1:
             raise InputError(
                 f"UniformHints was given minimum={self.minimum}; with numbers: log it is 1 or more."

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler
+from normalgan.ranges import Count, NonNegative, check_ranges
 
 __all__ = ["WorstErrorHints"]
 
@@ -28,14 +28,11 @@ class WorstErrorHints(ErrorHintSampler):
         spacing: smallest distance of two points, in sides of the square that has a point's share of the area.
     """
 
-    count: int = 15
-    spacing: float = 0.5
+    count: Count = 15
+    spacing: NonNegative = 0.5
 
     def __post_init__(self) -> None:
-        if self.count < 0:
-            raise InputError(f"WorstErrorHints was given count={self.count}; use 0 or more points.")
-        if not 0 <= self.spacing < math.inf:
-            raise InputError(f"WorstErrorHints was given spacing={self.spacing}; use 0 or more.")
+        check_ranges(self)
 
     def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return where the hints are, (N, 1, H, W) of the error's type; ``rng`` is left as it is."""

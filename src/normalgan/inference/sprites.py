@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.errors import InputError
 from normalgan.inference.conversion import reoriented
 from normalgan.inference.network.tile import Tile, middle, wrapped
 from normalgan.inference.normal_map import NormalMap, part_of
 from normalgan.inference.reading.picture import Picture
 from normalgan.inference.vectors import unit
+from normalgan.ranges import Share, check_ranges
 
 __all__ = ["DIRECTIONS", "Sprite", "art_pixel", "outlines", "slopes_of"]
 
@@ -71,13 +71,11 @@ class Sprite:
         InputError: if the detail is not from 0 to 1.
     """
 
-    detail: float = 0.0
+    detail: Share = 0.0
     pixel_art: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse a share that is none."""
-        if not 0 <= self.detail <= 1:
-            raise InputError(f"detail is {self.detail}; use 0 for the inferred form alone, up to 1.")
+        check_ranges(self)
 
     @property
     def changes(self) -> bool:

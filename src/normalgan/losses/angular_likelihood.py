@@ -10,6 +10,7 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.models.predictions import Predictions
+from normalgan.ranges import NonNegative, PositiveInt, check_ranges
 
 __all__ = ["AngularLikelihood", "angular_nll", "relief_error", "smooth_angle"]
 
@@ -79,18 +80,14 @@ class AngularLikelihood(Reconstruction):
         InputError: if a weight is negative or, in training, the generator has no presence or confidence.
     """
 
-    presence_weight: float = 0.5
-    angle_weight: float = 0.0
-    relief_weight: float = 0.0
-    stride: int = 1
-    likelihood_weight: float = 1.0
+    presence_weight: NonNegative = 0.5
+    angle_weight: NonNegative = 0.0
+    relief_weight: NonNegative = 0.0
+    stride: PositiveInt = 1
+    likelihood_weight: NonNegative = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("presence_weight", "angle_weight", "relief_weight", "likelihood_weight"):
-            if getattr(self, name) < 0:
-                raise InputError(f"{name} must be 0 or more, not {getattr(self, name)}.")
-        if self.stride < 1:
-            raise InputError(f"stride must be 1 or more, not {self.stride}.")
+        check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return likelihood, angle (if it has a weight) and presence; see `Reconstruction.terms`."""

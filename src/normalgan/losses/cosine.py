@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import torch.nn.functional as F
 from torch import Tensor
 
-from normalgan.errors import InputError
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.models.predictions import Predictions
+from normalgan.ranges import NonNegative, check_ranges
 
 __all__ = ["CosineAndL2"]
 
@@ -28,13 +28,11 @@ class CosineAndL2(Reconstruction):
         InputError: if a weight is negative.
     """
 
-    cosine_weight: float = 1.0
-    l2_weight: float = 1.0
+    cosine_weight: NonNegative = 1.0
+    l2_weight: NonNegative = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("cosine_weight", "l2_weight"):
-            if getattr(self, name) < 0:
-                raise InputError(f"{name} must be 0 or more, not {getattr(self, name)}.")
+        check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return both parts; see `Reconstruction.terms`."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from normalgan.errors import InputError
 from normalgan.losses.pixel_losses import hint_loss, l1_loss
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.models.predictions import Predictions
+from normalgan.ranges import NonNegative, check_ranges
 
 __all__ = ["L1AndHints"]
 
@@ -28,14 +28,12 @@ class L1AndHints(Reconstruction):
         InputError: if a weight is negative.
     """
 
-    l1_weight: float = 500.0
-    hint_weight: float = 15.0
+    l1_weight: NonNegative = 500.0
+    hint_weight: NonNegative = 15.0
     composited: bool = False
 
     def __post_init__(self) -> None:
-        for name, weight in (("l1", self.l1_weight), ("hint", self.hint_weight)):
-            if weight < 0:
-                raise InputError(f"{name}_weight must be 0 or more, not {weight}.")
+        check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return the L1 loss and the hint loss; see `Reconstruction.terms`."""

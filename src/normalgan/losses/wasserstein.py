@@ -13,6 +13,7 @@ from normalgan.losses.base import (
     Scores,
     mean_over_heads,
 )
+from normalgan.ranges import NonNegative, Positive, check_ranges
 
 __all__ = ["Wasserstein", "WassersteinGradientPenalty"]
 
@@ -45,11 +46,10 @@ class Wasserstein(_DistanceObjective):
         Arjovsky et al. 2017, "Wasserstein GAN", algorithm 1; He et al. 2021, equation 3.
     """
 
-    weight_clip: float = 0.01
+    weight_clip: Positive = 0.01
 
     def __post_init__(self) -> None:
-        if self.weight_clip <= 0:
-            raise InputError(f"weight_clip must be positive, not {self.weight_clip}.")
+        check_ranges(self)
 
     @torch.no_grad()
     def after_discriminator_step(self, discriminator: nn.Module) -> None:
@@ -70,11 +70,10 @@ class WassersteinGradientPenalty(_DistanceObjective):
         Gulrajani et al. 2017, "Improved Training of Wasserstein GANs", algorithm 1.
     """
 
-    gradient_penalty: float = 10.0
+    gradient_penalty: NonNegative = 10.0
 
     def __post_init__(self) -> None:
-        if self.gradient_penalty < 0:
-            raise InputError(f"gradient_penalty must be 0 or more, not {self.gradient_penalty}.")
+        check_ranges(self)
 
     def check(self, discriminator: nn.Module) -> None:
         """Raise `InputError` if the discriminator uses batch norm."""

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from glob import glob
 from itertools import pairwise
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
+from normalgan.ranges import Range, check_ranges
 from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
@@ -41,14 +43,13 @@ class MeshFile:
     path: str
     rotation: Rotation | None = None
     inside_out: bool | None = None
-    crease_angle: float | None = None
+    crease_angle: Annotated[float, Range(0, 180)] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a matrix that is no rotation and an angle that none is."""
+        """Refuse a matrix that is no rotation, and an angle that is out of range."""
+        check_ranges(self)
         if self.rotation is not None:
             object.__setattr__(self, "rotation", checked_rotation(self.path, self.rotation))
-        if self.crease_angle is not None and not 0 <= self.crease_angle <= 180:
-            raise InputError(f"crease_angle is {self.crease_angle}; it must lie from 0 to 180 degrees.")
 
     @property
     def name(self) -> str:
@@ -182,8 +183,8 @@ def _paths(source: str) -> list[Path]:
 def _has_polygons(path: Path) -> bool:
     """Return whether a PLY has faces of more than three corners.
 
-    These were cut up in another way once. PLYs of triangles keep the fingerprint that their samples are
-    stored under.
+    Such faces were split into triangles differently before. A PLY of triangles keeps its fingerprint, and so
+    its stored samples.
     """
     try:
         return path.suffix.lower() == ".ply" and not read_ply(mesh_bytes(path)).triangular

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.registry import source_hash
 from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand
@@ -73,15 +74,13 @@ class Recipe:
     views: Views
     renderer: Renderer
     lines: LineDrawing
-    size: int = 256
+    size: PositiveInt = 256
     seed: int = 0
     hand: Hand | None = None
     medium: Medium | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a picture without pixels."""
-        if self.size < 1:
-            raise InputError(f"size is {self.size}; it is the side of the pictures in pixels, at least 1.")
+        check_ranges(self)
 
     def check(self) -> None:
         """Raise `InputError` if this machine lacks what the renderer needs."""

@@ -1,12 +1,13 @@
 """Cameras: their position around the object, and how the object fills the frame."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles
-from normalgan.errors import InputError
+from normalgan.ranges import Range, Share, check_ranges
 from normalgan.rendering.mesh import Mesh
 
 __all__ = ["Camera", "Views", "framed", "look_at_origin"]
@@ -114,23 +115,15 @@ class Views:
         margin: part of the frame's side left free on each side of the object, from 0 to below 0.5.
     """
 
-    azimuth: tuple[float, float] = (0.0, 360.0)
-    elevation: tuple[float, float] = (-10.0, 30.0)
-    roll: tuple[float, float] = (-5.0, 5.0)
-    perspective: float = 0.5
-    field_of_view: tuple[float, float] = (20.0, 50.0)
-    margin: float = 0.06
+    azimuth: Annotated[tuple[float, float], Range(-360, 360)] = (0.0, 360.0)
+    elevation: Annotated[tuple[float, float], Range(-90, 90)] = (-10.0, 30.0)
+    roll: Annotated[tuple[float, float], Range(-180, 180)] = (-5.0, 5.0)
+    perspective: Share = 0.5
+    field_of_view: Annotated[tuple[float, float], Range(1, 120)] = (20.0, 50.0)
+    margin: Annotated[float, Range(0, 0.5, below=True)] = 0.06
 
     def __post_init__(self) -> None:
-        """Check that cameras can be drawn from the settings."""
-        _check_range("azimuth", self.azimuth, -360.0, 360.0)
-        _check_range("elevation", self.elevation, -90.0, 90.0)
-        _check_range("roll", self.roll, -180.0, 180.0)
-        _check_range("field_of_view", self.field_of_view, 1.0, 120.0)
-        if not 0.0 <= self.perspective <= 1.0:
-            raise InputError(f"perspective is {self.perspective}; it is a share, from 0 to 1.")
-        if not 0.0 <= self.margin < 0.5:
-            raise InputError(f"margin is {self.margin}; it must lie from 0 to below 0.5.")
+        check_ranges(self)
 
     def camera(self, mesh: Mesh, rng: np.random.Generator) -> Camera:
         """Draw a random camera that shows all of ``mesh``, centred, with ``margin`` on each side."""
@@ -168,11 +161,3 @@ def framed(
     # 1 % of slack, so that rounding cannot push the nearest or farthest point out of the depth range.
     near, far = 0.99 * (distance - radius), 1.01 * (distance + radius)
     return Camera(rotation, np.array([0.0, 0.0, -distance]), perspective, window, float(near), float(far))
-
-
-def _check_range(name: str, values: tuple[float, float], lowest: float, highest: float) -> None:
-    if len(values) != 2 or not lowest <= values[0] <= values[1] <= highest:
-        raise InputError(
-            f"{name} is {values}; it must be two angles, low then high, "
-            f"from {lowest:g} to {highest:g} degrees."
-        )

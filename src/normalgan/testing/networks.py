@@ -78,7 +78,7 @@ def _learning(network: N, size: int, answer: Answer[N]) -> None:
 
 
 def _looking(network: N, size: int, answer: Answer[N], sees_normals: bool) -> None:
-    """Demand that the answer depends on what the network is given."""
+    """Demand that the answer depends on every input."""
     network.eval()
     condition, normal = (part.requires_grad_() for part in given(2, size))
     total = torch.stack([part.float().square().mean() for part in answer(network, condition, normal)]).sum()
@@ -156,7 +156,7 @@ def _state(network: N, size: int, answer: Answer[N]) -> None:
 
 @torch.no_grad()
 def _devices(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that the answer is where the network and what it is given are."""
+    """Demand that the answer is on the device of the network and its input."""
     for device in device_list():
         condition, normal = (part.to(device) for part in given(1, size))
         for part in answer(network.to(device).eval(), condition, normal):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.settings import Split, Storage
 from normalgan.data.sources import Pair, Pairs, SplitSettings
 from normalgan.data.sources.pair import PairRecipe
 from normalgan.data.sources.pairs import PairFiles
@@ -29,7 +30,13 @@ SPLITS = ("train", "val", "test")
 def data(files: object, cache: Path, **settings: object) -> MeshDataModule:
     keys = ("green", "hints", "group_by")
     of_source = {key: settings.pop(key) for key in keys if key in settings}
-    defaults = {"size": 32, "cache": str(cache), "render_workers": 0, "batch_size": 2, **settings}
+    defaults = {
+        "size": 32,
+        "cache": str(cache),
+        "storage": Storage(render_workers=0),
+        "batch_size": 2,
+        **settings,
+    }
     source = Pairs([*map(str, files)] if isinstance(files, list) else str(files), **of_source)  # type: ignore[arg-type]
     return MeshDataModule(source=source, **defaults)  # type: ignore[arg-type]
 
@@ -118,7 +125,7 @@ def test_mask_and_hints_come_along(tmp_path: Path, layout: str) -> None:
     mask[:, : SIZE // 2] = np.where(np.abs(ellipsoid(1)[1][:, : SIZE // 2]).sum(-1) > 0, 255, 0)
     Image.fromarray(mask).save(mask_at)
     hints_picture(1).save(hints_at)
-    module = data(tmp_path, tmp_path / "cache", hints=True, fractions=(1.0, 0.0, 0.0))
+    module = data(tmp_path, tmp_path / "cache", hints=True, split=Split((1.0, 0.0, 0.0)))
     module.prepare_data()
     by_name = {module.train_dataset[i]["name"]: module.train_dataset[i] for i in range(3)}
     assert by_name["a1/0"]["mask"].sum() < 0.7 * by_name["a0/0"]["mask"].sum()
@@ -131,7 +138,7 @@ def test_mask_and_hints_come_along(tmp_path: Path, layout: str) -> None:
     assert float(given @ there) > 0.98
     batch = next(iter(module.train_dataloader()))
     assert batch["hints"].shape == (2, 4, 32, 32)
-    plain = data(tmp_path, tmp_path / "cache", fractions=(1.0, 0.0, 0.0))
+    plain = data(tmp_path, tmp_path / "cache", split=Split((1.0, 0.0, 0.0)))
     plain.prepare_data()
     assert "hints" not in next(iter(plain.train_dataloader()))
     assert len(list((tmp_path / "cache").glob("*/dataset.json"))) == 2
@@ -140,7 +147,9 @@ def test_mask_and_hints_come_along(tmp_path: Path, layout: str) -> None:
 def test_a_glob_of_folders_is_split_by_folder(tmp_path: Path) -> None:
     for group in "bcdef":
         write_pairs(tmp_path / group, 3)
-    module = data(tmp_path / "**" / "*.png", tmp_path / "cache", group_by="folder", fractions=(0.6, 0.2, 0.2))
+    module = data(
+        tmp_path / "**" / "*.png", tmp_path / "cache", group_by="folder", split=Split((0.6, 0.2, 0.2))
+    )
     found = names(module)
     assert {split: len(part) for split, part in found.items()} == {"train": 9, "val": 3, "test": 3}
     folders = {split: {name.split("/")[0] for name in part} for split, part in found.items()}
@@ -150,7 +159,7 @@ def test_a_glob_of_folders_is_split_by_folder(tmp_path: Path) -> None:
         tmp_path / "**" / "*.png",
         tmp_path / "cache",
         group_by="folder",
-        split_file=str(tmp_path / "split.json"),
+        split=Split(file=str(tmp_path / "split.json")),
     )
     assert {name.split("/")[0] for name in names(fixed)["test"]} == {"e", "f"}
     by_file = names(data(tmp_path / "*" / "*.png", tmp_path / "cache"))
@@ -170,7 +179,7 @@ def test_a_csv_lists_pairs_their_groups_and_their_splits(tmp_path: Path) -> None
     write_pairs(tmp_path / "in", 4)
     rows = ["sketch, normal, group", *(f"in/a{i}.png, in/a{i}_normal.png, {'xyzx'[i]}" for i in range(4))]
     (tmp_path / "pairs.csv").write_text("\n".join(rows))
-    found = names(data(tmp_path / "pairs.csv", tmp_path / "cache", fractions=(0.4, 0.3, 0.3)))
+    found = names(data(tmp_path / "pairs.csv", tmp_path / "cache", split=Split((0.4, 0.3, 0.3))))
     assert sorted(name for part in found.values() for name in part) == [f"in/a{i}" for i in range(4)]
     (side,) = (split for split, part in found.items() if "in/a0" in part)
     assert "in/a3" in found[side]
@@ -415,12 +424,12 @@ def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
     spoil(tmp_path)
     splits = '{"train": ["a0", "a1"], "val": ["a2"], "test": ["a3"]}'
     (tmp_path / "split.json").write_text(splits)
-    module = data(tmp_path, tmp_path / "cache", split_file=str(tmp_path / "split.json"), hints=True)
+    module = data(tmp_path, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")), hints=True)
     with pytest.warns(UserWarning, match=f"(the pair a1|1 file) is left out: .*{sentence}"):
         module.prepare_data()
     assert {module.train_dataset[i]["name"] for i in range(len(module.train_dataset))} == {"a0/0"}
     (tmp_path / "split.json").write_text(splits.replace('["a0", "a1"]', '["a1"]').replace('"a2"', '"a0"'))
-    alone = data(tmp_path, tmp_path / "other", split_file=str(tmp_path / "split.json"), hints=True)
+    alone = data(tmp_path, tmp_path / "other", split=Split(file=str(tmp_path / "split.json")), hints=True)
     with (
         pytest.warns(UserWarning, match=re.escape("does not name")),
         pytest.raises(InputError, match=f"(?s)none of the 1 .*for train .*: .*{sentence}"),

@@ -103,7 +103,7 @@ def test_an_object_too_large_says_what_size_it_takes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("size", [0, -3])
 def test_a_cache_without_room_is_refused(size: int) -> None:
-    with pytest.raises(InputError, match=f"^the local cache's size is {size}; it must be 1 byte or more"):
+    with pytest.raises(InputError, match=f"^size of LocalCache is {size}; it must be 1 or more"):
         LocalCache("x", size)
 
 

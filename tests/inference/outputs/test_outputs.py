@@ -221,7 +221,7 @@ def test_the_height_of_a_large_map_is_that_of_a_reduced_one(monkeypatch: pytest.
             "height_scale is 0.0; it is pixels, more than 0, or batch.",
         ),
         (["--faces", "500"], "faces is a setting of the relief mesh; add --relief glb, or leave it out."),
-        (["--relief", "obj", "--faces", "2"], "faces is 2; a closed relief has 12 triangles or more."),
+        (["--relief", "obj", "--faces", "2"], "faces of Relief is 2; it must be 12 or more."),
         (["--engine", "unity3d"], "expected"),
     ],
 )

@@ -168,12 +168,12 @@ def test_nothing_to_draw_is_no_trouble() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"strength": (0.5, 0.2)}, r"the hand's strength is \(0.5, 0.2\)"),
+        ({"strength": (0.5, 0.2)}, r"strength of Hand is \(0.5, 0.2\)"),
         ({"strength": (0.0, 1.5)}, "low then high, from 0 to 1"),
-        ({"pen": (0.0, 1.0)}, "two factors of width"),
-        ({"wobble": -0.1}, "the hand's wobble is -0.1; it must lie from 0 to 0.1"),
+        ({"pen": (0.0, 1.0)}, "pen of Hand is .* two numbers, low then high, from 0.1"),
+        ({"wobble": -0.1}, "wobble of Hand is -0.1; it must lie from 0 to 0.1"),
         ({"missed": 1.2}, "it must lie from 0 to 1"),
-        ({"taper": float("nan")}, "the hand's taper is nan"),
+        ({"taper": float("nan")}, "taper of Hand is nan"),
     ],
 )
 def test_what_no_hand_can_do_is_refused(settings: dict[str, Any], message: str) -> None:

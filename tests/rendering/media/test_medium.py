@@ -74,9 +74,9 @@ def test_noise_has_its_deviation() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"strength": (0.5, 0.2)}, "two numbers, 0 ≤ low ≤ high ≤ 1"),
-        ({"strength": (0.0, 2.0)}, "two numbers, 0 ≤ low ≤ high ≤ 1"),
-        ({"noise": -0.1}, "noise of Medium is -0.1; it must lie from 0 to 1"),
+        ({"strength": (0.5, 0.2)}, "two numbers, low then high, from 0 to 1"),
+        ({"strength": (0.0, 2.0)}, "two numbers, low then high, from 0 to 1"),
+        ({"noise": -0.1}, "noise of Medium is -0.1; it must be from 0 to 1"),
         ({"grain": 1.5}, "grain of Medium is 1.5"),
     ],
 )

@@ -105,7 +105,7 @@ def test_a_pose_is_drawn_by_its_number(tmp_path: Path) -> None:
     before = poses[0].fingerprint()
     write_glb(tmp_path / "bar.glb", limping())
     assert poses[0].fingerprint() != before
-    with pytest.raises(InputError, match="a pose's number is a whole number from 0 on, not -1"):
+    with pytest.raises(InputError, match="pose of RiggedFile is -1; it must be 0 or more"):
         RiggedFile(file, -1)
 
 

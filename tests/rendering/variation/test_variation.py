@@ -142,7 +142,7 @@ def test_numbers_draw_individuals_and_names_tell_the_family() -> None:
     assert np.abs(one.load().vertices - two.load().vertices).max() > 0.02
     prints = {each.fingerprint() for each in (one, two, Varied(source, Variation(bend=3.0), 0))}
     assert len(prints) == 3
-    with pytest.raises(InputError, match="a variation's number is a whole number from 0 on, not -1"):
+    with pytest.raises(InputError, match="number of Varied is -1; it must be 0 or more"):
         Varied(source, Variation(), -1)
 
 

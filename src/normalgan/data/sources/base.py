@@ -1,13 +1,12 @@
-"""DataSource: the base of the data sources; SplitSettings: how they are split."""
+"""DataSource: the base of the data sources; SplitSettings: what of the settings they may go by."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from normalgan.data.recipe import Loadable, SampleRecipe
+from normalgan.data.settings import Split
 from normalgan.data.sources.pair import PairRecipe
-from normalgan.data.splits import split_by_file, split_by_fractions
 from normalgan.registry import Registry
 from normalgan.rendering.samples import Recipe
 from normalgan.rendering.variation import Variation
@@ -16,7 +15,7 @@ __all__ = ["DATA_SOURCES", "DataSource", "PairSource", "SplitSettings"]
 
 
 @dataclass(frozen=True)
-class SplitSettings:
+class SplitSettings(Split):
     """How data are split, and what else of the settings of the data a source may go by.
 
     Args:
@@ -27,25 +26,8 @@ class SplitSettings:
         variation: how far individuals that join the training meshes differ from them.
     """
 
-    fractions: tuple[float, float, float] = (0.7, 0.1, 0.2)
-    seed: int = 0
-    file: str | None = None
     data_seed: int = 0
     variation: Variation = field(default_factory=Variation)
-
-    def deal(self, names: Sequence[str], noun: str = "mesh") -> dict[str, list[str]]:
-        """Return the names of each split, by the file or else by fractions.
-
-        Args:
-            names: of what is not to be on two sides of the split: a mesh, a pair, or a group of pairs.
-            noun: what messages call one.
-
-        Raises:
-            InputError: if the file or the fractions cannot be used.
-        """
-        if self.file is None:
-            return split_by_fractions(names, self.fractions, self.seed, noun)
-        return split_by_file(Path(self.file), names, noun)
 
 
 class DataSource(ABC):

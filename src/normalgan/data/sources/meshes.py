@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from normalgan.animals import make_animals
 from normalgan.data.sources.base import DATA_SOURCES, DataSource, SplitSettings
 from normalgan.data.splits import SPLITS
-from normalgan.errors import InputError
+from normalgan.ranges import Count, PositiveInt, Share, check_ranges
 from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
@@ -38,19 +38,13 @@ class MeshGroup:
     meshes: str | list[str]
     orientation: str | None = None
     crease_angle: float | None = None
-    poses: int = 0
-    variants: int = 0
+    poses: Count = 0
+    variants: Count = 0
     split_file: str | None = None
-    postures: float = 0.0
+    postures: Share = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("poses", "variants"):
-            if getattr(self, name) < 0:
-                raise InputError(f"{name} of a group of meshes is {getattr(self, name)}; give 0 or more.")
-        if not 0 <= self.postures <= 1:
-            raise InputError(
-                f"postures of a group of meshes is {self.postures}; it is a share of the poses, from 0 to 1."
-            )
+        check_ranges(self)
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
         """Return the group's meshes by split.
@@ -80,7 +74,7 @@ class Meshes(MeshGroup, DataSource):
         crease_angle: degrees from which an edge is sharp; None shades everything smooth.
         poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
         variants: individuals that join each training mesh, varied at random.
-        split_file: JSON file that lists the train, val and test meshes; None takes `data.split_file`.
+        split_file: JSON file that lists the train, val and test meshes; None takes `data.split.file`.
         postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
             rearing, where the skeleton is a known one; the others are as the animations show them.
     """
@@ -94,7 +88,7 @@ class Meshes(MeshGroup, DataSource):
 @DATA_SOURCES.register
 @dataclass(frozen=True)
 class Animals(DataSource):
-    """The embedded procedural animals, the default; `data.animals` is short for it.
+    """The embedded procedural animals, the default; `data.animals.count` is short for it.
 
     Args:
         count: how many there are.
@@ -102,16 +96,12 @@ class Animals(DataSource):
         variants: individuals that join each training animal, varied at random.
     """
 
-    count: int = 24
+    count: PositiveInt = 24
     species: tuple[str, ...] = ("quadrupeds",)
-    variants: int = 0
+    variants: Count = 0
 
     def __post_init__(self) -> None:
-        if self.count < 1 or self.variants < 0:
-            raise InputError(
-                f"Animals was given count={self.count} and variants={self.variants}; use 1 or more animals, "
-                "and 0 or more variants of each."
-            )
+        check_ranges(self)
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
         """Return the animals by split.

@@ -14,6 +14,7 @@ from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import resize
 from normalgan.normals import normalize
+from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.samples import Sample
 
 __all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "looks_flipped", "outwardness"]
@@ -81,13 +82,11 @@ class PairRecipe:
 
     noun: ClassVar[str] = "pair"
 
-    size: int = 256
+    size: PositiveInt = 256
     hints: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse a picture without pixels."""
-        if self.size < 1:
-            raise InputError(f"size is {self.size}; it is the side of the pictures in pixels, at least 1.")
+        check_ranges(self)
 
     def check(self) -> None:
         """Ask nothing of the machine."""

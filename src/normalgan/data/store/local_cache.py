@@ -13,6 +13,7 @@ from filelock import FileLock
 
 from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
+from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = ["BUCKETS", "LocalCache"]
 
@@ -45,12 +46,10 @@ class LocalCache:
     """
 
     folder: str
-    size: int = 20 * 10**9
+    size: PositiveInt = 20 * 10**9
 
     def __post_init__(self) -> None:
-        """Refuse a cache without room."""
-        if self.size < 1:
-            raise InputError(f"the local cache's size is {self.size}; it must be 1 byte or more.")
+        check_ranges(self)
 
     def read(
         self, key: str, fetch: Callable[[], bytes], start: int | None = None, stop: int | None = None

@@ -212,7 +212,7 @@ class ShardedSamples:
             raise self._trouble(shard) from error
 
     def _trust(self, shard: int, store: ObjectStore) -> None:
-        """See once that a shard is finished, its objects as long as they were; a cache compares all bytes."""
+        """Check once that a shard is finished, its files of their lengths; a cache compares all bytes."""
         if shard in self._trusted:
             return
         sums = read_sums(self._storage, self.split, shard)

@@ -50,7 +50,7 @@ class _Tileset:
 
 @dataclass(frozen=True)
 class _LayerChunk:
-    """What an Aseprite file says of a layer.
+    """The properties of a layer in an Aseprite file.
 
     Args:
         name: of the layer.

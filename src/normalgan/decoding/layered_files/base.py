@@ -19,7 +19,7 @@ class UnreadableError(Exception):
 
 
 class Notes:
-    """What is to be said of a layered file: what of it is not shown as its program shows it."""
+    """What of a layered file is not shown as its own program shows it."""
 
     def __init__(self) -> None:
         self._said: dict[str, None] = {}

@@ -50,7 +50,7 @@ class Cell:
         return np.rot90(part, self.turned) if self.turned else part
 
     def turn(self, part: NDArray[T]) -> NDArray[T]:
-        """Return an upright array as it lies in the sheet; directions in it are not turned along."""
+        """Return an upright array as it lies in the sheet; vectors in it keep their values."""
         return np.rot90(part, -self.turned) if self.turned else part
 
     def local(self, hints: Hints) -> Hints | None:

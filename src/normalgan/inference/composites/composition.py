@@ -71,7 +71,7 @@ def tiled(pictures: Sequence[Floats]) -> Floats:
 
 
 def _opacity(part: NormalMap) -> Floats:
-    """Return how much (H, W) a part hides; a little wherever it is, however thin."""
+    """Return how opaque (H, W) a part is, and more than 0 wherever its mask is."""
     return np.where(part.mask, np.maximum(part.alpha, _THIN), part.alpha)
 
 

@@ -60,7 +60,7 @@ class Packing:
 
     @property
     def given(self) -> bool:
-        """Whether drawings are sheets at all."""
+        """Whether any option says that drawings are sheets."""
         return any(getattr(self, each) is not None for each in _WAYS)
 
     def beside(self, path: Path, below: Path | None = None) -> list[Path]:

@@ -143,7 +143,7 @@ def planes(normals: Floats, ink: Floats, mask: BoolMask) -> Floats:
     Args:
         normals: (H, W, 3), enlarged.
         ink: (H, W) in [0, 1].
-        mask: (H, W), the object; beyond the picture's edge there is none of it.
+        mask: (H, W), the object, which does not go on beyond the picture's edge.
     """
     depth = cv2.distanceTransform(np.pad(mask.astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
     out = np.empty((6, *mask.shape), np.float32)

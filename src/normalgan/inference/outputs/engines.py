@@ -44,7 +44,7 @@ CONVENTIONS: dict[Engine, Convention] = {
 
 
 def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
-    """Return the file, and its content, by which an engine imports a map as numbers and no colours.
+    """Return the file, and its content, by which an engine imports a map as numbers, not as colours.
 
     Args:
         engine: Unity and Godot read theirs by themselves; godot is Godot 4. Unreal and Blender know no such

@@ -1,11 +1,11 @@
 """Relief: the object as a closed mesh."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
-from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.ranges import Range, check_ranges
 
 __all__ = ["FEWEST", "Relief"]
 
@@ -30,12 +30,10 @@ class Relief(Output):
     label: ClassVar[str] = "Relief mesh"
 
     format: Literal["glb", "obj"] = "glb"
-    faces: int | None = None
+    faces: Annotated[int, Range(FEWEST)] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse too few triangles."""
-        if self.faces is not None and self.faces < FEWEST:
-            raise InputError(f"faces is {self.faces}; a closed relief has {FEWEST} triangles or more.")
+        check_ranges(self)
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""

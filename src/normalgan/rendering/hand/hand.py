@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 
 from normalgan.errors import InputError
+from normalgan.ranges import Range, check_ranges
 from normalgan.rendering.hand.curves import resample
 from normalgan.rendering.hand.distortion import random_distortion
 from normalgan.rendering.hand.ends import miss_ends
@@ -62,7 +63,7 @@ class Hand:
         InputError: if a setting is out of range.
     """
 
-    strength: tuple[float, float] = (0.0, 1.0)
+    strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
     distortion: float = 0.02
     proportion: float = 0.08
     cuts: float = 0.8
@@ -79,22 +80,15 @@ class Hand:
     fade: float = 0.15
     taper: float = 0.4
     slowness: float = 0.2
-    pen: tuple[float, float] = (0.9, 3.0)
+    pen: Annotated[tuple[float, float], Range(0.1, 10)] = (0.9, 3.0)
 
     def __post_init__(self) -> None:
         """Check the ranges of all settings."""
-        if len(self.strength) != 2 or not 0 <= self.strength[0] <= self.strength[1] <= 1:
-            raise InputError(
-                f"the hand's strength is {self.strength}; it is two numbers, low then high, from 0 to 1."
-            )
-        if len(self.pen) != 2 or not 0.1 <= self.pen[0] <= self.pen[1] <= 10:
-            raise InputError(
-                f"the hand's pen is {self.pen}; it is two factors of width, low then high, from 0.1 to 10."
-            )
+        check_ranges(self)
         for field in fields(self)[1:-1]:
             value, most = getattr(self, field.name), _LIMITS.get(field.name, _LONGEST)
             if not 0 <= value <= most:
-                raise InputError(f"the hand's {field.name} is {value}; it must lie from 0 to {most:g}.")
+                raise InputError(f"{field.name} of Hand is {value}; it must lie from 0 to {most:g}.")
 
     def draw(
         self, strokes: Sequence[Stroke], maps: Maps, rng: np.random.Generator

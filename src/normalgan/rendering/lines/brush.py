@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import Doubles, Floats
+from normalgan.ranges import NonNegative, Positive, PositiveInt, check_ranges
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.marks import mark
 from normalgan.rendering.lines.occluding import occluding_contours
 from normalgan.rendering.lines.thinning import thin, without_specks
@@ -54,18 +54,18 @@ class Brush(LineDrawing):
         InputError: if a setting is out of range.
     """
 
-    line_width: float = 2.0
-    widest: float = 2.0
-    sigma: float = 0.005
-    sharpening: float = 50.0
-    threshold: float = 0.0
-    gap: float = 0.01
-    shortest_contour: float = 0.012
-    shortest: float = 0.045
-    resolution: int = 512
+    line_width: Positive = 2.0
+    widest: Positive = 2.0
+    sigma: Positive = 0.005
+    sharpening: NonNegative = 50.0
+    threshold: NonNegative = 0.0
+    gap: Positive = 0.01
+    shortest_contour: NonNegative = 0.012
+    shortest: NonNegative = 0.045
+    resolution: PositiveInt = 512
 
     def __post_init__(self) -> None:
-        check_settings(self, positive=("line_width", "widest", "sigma", "gap", "resolution"))
+        check_ranges(self)
 
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
         """Return the strokes; see `LineDrawing.trace`."""

@@ -1,13 +1,13 @@
 """Occluding contours: the outline, and every edge where one part hides another."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from normalgan.errors import InputError
+from normalgan.ranges import NonNegative, Positive, PositiveInt, Range, check_ranges
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.crossings import Line
 from normalgan.rendering.lines.edges import creases, depth_gaps
 from normalgan.rendering.lines.pens import draw_border
@@ -35,16 +35,14 @@ class OccludingContours(LineDrawing):
         InputError: if a setting is out of range.
     """
 
-    line_width: float = 1.25
-    gap: float = 0.01
-    crease: float | None = None
-    shortest: float = 0.012
-    resolution: int = 512
+    line_width: Positive = 1.25
+    gap: Positive = 0.01
+    crease: Annotated[float, Range(0, 180, above=True, below=True)] | None = None
+    shortest: NonNegative = 0.012
+    resolution: PositiveInt = 512
 
     def __post_init__(self) -> None:
-        check_settings(self, positive=("line_width", "gap", "resolution"))
-        if self.crease is not None and not 0 < self.crease < 180:
-            raise InputError(f"crease is {self.crease}; it is an angle between 0 and 180 degrees, or null.")
+        check_ranges(self)
 
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
         """Return the strokes; see `LineDrawing.trace`."""

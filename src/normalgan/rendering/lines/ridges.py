@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.arrays import Doubles, Floats
+from normalgan.ranges import NonNegative, Positive, PositiveInt, check_ranges
 from normalgan.rendering.lines.apparent_ridges import apparent_curvature, extremes
 from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.inside import Inside
 from normalgan.rendering.lines.outlined import OutlinedDrawing
 from normalgan.rendering.lines.projection import towards_eye
@@ -54,20 +54,20 @@ class RidgesAndValleys(OutlinedDrawing):
         InputError: if a setting is out of range.
     """
 
-    line_width: float = 1.25
-    interior_width: float = 0.9
-    gap: float = 0.01
-    smoothing: float = 0.03
-    strength: float = 6.0
-    sharpness: float = 0.2
-    shortest_contour: float = 0.012
-    shortest: float = 0.05
-    bridge: float = 0.02
-    apart: float = 0.015
-    resolution: int = 512
+    line_width: Positive = 1.25
+    interior_width: NonNegative = 0.9
+    gap: Positive = 0.01
+    smoothing: NonNegative = 0.03
+    strength: Positive = 6.0
+    sharpness: NonNegative = 0.2
+    shortest_contour: NonNegative = 0.012
+    shortest: NonNegative = 0.05
+    bridge: NonNegative = 0.02
+    apart: NonNegative = 0.015
+    resolution: PositiveInt = 512
 
     def __post_init__(self) -> None:
-        check_settings(self, positive=("line_width", "gap", "strength", "resolution"))
+        check_ranges(self)
 
     def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
         """Return the ridges and valleys; see `OutlinedDrawing._draw_inside`."""

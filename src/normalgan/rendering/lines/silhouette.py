@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.arrays import BoolMask
+from normalgan.ranges import NonNegative, Positive, PositiveInt, check_ranges
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings
 from normalgan.rendering.lines.pens import draw_border
 from normalgan.rendering.strokes.stroke import Stroke
@@ -31,12 +31,12 @@ class Silhouette(LineDrawing):
         InputError: if a setting is out of range.
     """
 
-    line_width: float = 1.25
-    shortest: float = 0.05
-    resolution: int = 512
+    line_width: Positive = 1.25
+    shortest: NonNegative = 0.05
+    resolution: PositiveInt = 512
 
     def __post_init__(self) -> None:
-        check_settings(self, positive=("line_width", "resolution"))
+        check_ranges(self)
 
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
         """Return the strokes; see `LineDrawing.trace`."""

@@ -1,14 +1,14 @@
 """Suggestive contours: occluding contours and the strokes that would become so from nearby."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
+from normalgan.ranges import NonNegative, Positive, PositiveInt, Range, check_ranges
 from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.checks import check_settings
 from normalgan.rendering.lines.crossings import Line
 from normalgan.rendering.lines.outlined import OutlinedDrawing
 from normalgan.rendering.lines.pens import draw_curve
@@ -50,21 +50,19 @@ class SuggestiveContours(OutlinedDrawing):
         InputError: if a setting is out of range.
     """
 
-    line_width: float = 1.25
-    interior_width: float = 0.75
-    gap: float = 0.01
-    smoothing: float = 0.008
-    strength: float = 20.0
-    theta: float = 28.0
-    shortest_contour: float = 0.012
-    shortest: float = 0.035
-    apart: float = 0.012
-    resolution: int = 512
+    line_width: Positive = 1.25
+    interior_width: NonNegative = 0.75
+    gap: Positive = 0.01
+    smoothing: Positive = 0.008
+    strength: Positive = 20.0
+    theta: Annotated[float, Range(0, 90, below=True)] = 28.0
+    shortest_contour: NonNegative = 0.012
+    shortest: NonNegative = 0.035
+    apart: NonNegative = 0.012
+    resolution: PositiveInt = 512
 
     def __post_init__(self) -> None:
-        check_settings(self, positive=("line_width", "gap", "smoothing", "strength", "resolution"))
-        if not 0 <= self.theta < 90:
-            raise InputError(f"theta is {self.theta}; it is an angle from 0 to below 90 degrees.")
+        check_ranges(self)
 
     def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
         """Return the suggestive contours; see `OutlinedDrawing._draw_inside`."""

@@ -1,11 +1,12 @@
 """Medium: effects of pen, paper and scanner."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
+from normalgan.ranges import Range, Share, check_ranges
 from normalgan.rendering.media.paper import on_paper, scanned
 from normalgan.rendering.media.tools import bleed, pencil
 
@@ -32,25 +33,17 @@ class Medium:
         InputError: if a setting is not from 0 to 1, or the range of strengths is upside down.
     """
 
-    strength: tuple[float, float] = (0.0, 1.0)
-    pencil: float = 0.4
-    grain: float = 0.8
-    lightness: float = 0.5
-    bleed: float = 0.002
-    tint: float = 0.12
-    shadow: float = 0.15
-    noise: float = 0.03
+    strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
+    pencil: Share = 0.4
+    grain: Share = 0.8
+    lightness: Share = 0.5
+    bleed: Share = 0.002
+    tint: Share = 0.12
+    shadow: Share = 0.15
+    noise: Share = 0.03
 
     def __post_init__(self) -> None:
-        low, high = self.strength
-        if not 0 <= low <= high <= 1:
-            raise InputError(
-                f"strength of Medium is {self.strength}; it must be two numbers, 0 ≤ low ≤ high ≤ 1."
-            )
-        for field in fields(self)[1:]:
-            value = getattr(self, field.name)
-            if not 0 <= value <= 1:
-                raise InputError(f"{field.name} of Medium is {value}; it must lie from 0 to 1.")
+        check_ranges(self)
 
     def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
         """Return the darkness of the finished picture, (H, W) in [0, 1], from its ink.

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from normalgan.errors import InputError
+from normalgan.ranges import Count, Share, check_ranges
 from normalgan.rendering.families import pose_name
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
@@ -38,13 +39,11 @@ class RiggedFile:
     """
 
     file: MeshFile
-    pose: int
-    postures: float = 0.0
+    pose: Count
+    postures: Share = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse a number that cannot seed."""
-        if self.pose < 0:
-            raise InputError(f"a pose's number is a whole number from 0 on, not {self.pose}.")
+        check_ranges(self)
 
     @property
     def name(self) -> str:

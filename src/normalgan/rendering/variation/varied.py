@@ -4,7 +4,7 @@ import hashlib
 import json
 from dataclasses import asdict, dataclass, replace
 
-from normalgan.errors import InputError
+from normalgan.ranges import Count, check_ranges
 from normalgan.rendering.families import variation_name
 from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.variation.variation import Variation
@@ -32,12 +32,10 @@ class Varied:
 
     source: MeshSource
     variation: Variation
-    number: int
+    number: Count
 
     def __post_init__(self) -> None:
-        """Refuse a number that cannot seed."""
-        if self.number < 0:
-            raise InputError(f"a variation's number is a whole number from 0 on, not {self.number}.")
+        check_ranges(self)
 
     @property
     def name(self) -> str:

@@ -1,0 +1,131 @@
+"""Settings of the data module in groups: how meshes are read and split, animals, storage, prediction."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from normalgan.data.splits import split_by_file, split_by_fractions
+from normalgan.errors import InputError
+from normalgan.ranges import Count, PositiveInt, Share, check_ranges
+from normalgan.rendering.variation import Variation
+
+__all__ = ["EmbeddedAnimals", "MeshReading", "Prediction", "Split", "Storage"]
+
+
+@dataclass(frozen=True)
+class MeshReading:
+    """How mesh files are read, and how many meshes become of each.
+
+    Args:
+        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
+        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
+        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
+        variants: individuals that join each training mesh or embedded animal, varied at random; meshes to
+            validate and test stay as they are.
+        variation: how far such individuals differ from their mesh, those of groups included.
+    """
+
+    orientation: str | None = None
+    crease_angle: float | None = None
+    poses: Count = 0
+    variants: Count = 0
+    variation: Variation = Variation()  # noqa: RUF009  # frozen
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
+
+@dataclass(frozen=True)
+class EmbeddedAnimals:
+    """Animals that the package generates.
+
+    Args:
+        count: how many there are, if no meshes are given.
+        extra: how many join the training meshes that are given; meshes to validate and test stay as they are.
+        extra_postures: share of the extra ones that sit, lie, rear, beg, bow, leap or look back, where the
+            species knows one of these.
+        species: groups (such as quadrupeds or birds) and species that they are of, in turn.
+    """
+
+    count: PositiveInt = 24
+    extra: Count = 0
+    extra_postures: Share = 0.0
+    species: tuple[str, ...] = ("quadrupeds",)
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        species: object = self.species
+        if isinstance(species, str):  # Python would read a lone name letter by letter
+            raise InputError(
+                f"data.animals.species is a list of names, such as [{species!r}], not {species!r}."
+            )
+
+
+@dataclass(frozen=True)
+class Split:
+    """Which meshes or pairs are for training, validation and testing.
+
+    Args:
+        fractions: shares of train, val and test, if there is no file.
+        seed: which names go where, if there is no file.
+        file: JSON file that lists the names of train, val and test; None splits by fractions.
+    """
+
+    fractions: tuple[float, float, float] = (0.7, 0.1, 0.2)
+    seed: int = 0
+    file: str | None = None
+
+    def deal(self, names: Sequence[str], noun: str = "mesh") -> dict[str, list[str]]:
+        """Return the names of each split, by the file or else by fractions.
+
+        Args:
+            names: of what is not to be on two sides of the split: a mesh, a pair, or a group of pairs.
+            noun: what messages call one.
+
+        Raises:
+            InputError: if the file or the fractions cannot be used.
+        """
+        if self.file is None:
+            return split_by_fractions(names, self.fractions, self.seed, noun)
+        return split_by_file(Path(self.file), names, noun)
+
+
+@dataclass(frozen=True)
+class Storage:
+    """What this machine spends on samples: it changes none of them.
+
+    Args:
+        memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
+            fly, what the meshes may take in all workers together.
+        local_cache: folder on this machine for shards of a cache behind a URL, so that each is fetched once;
+            None fetches what is wanted each time. A cache on this machine needs none.
+        local_cache_size: bytes that may be used there.
+        render_workers: processes that render what is kept, side by side; 0 renders in this one.
+    """
+
+    memory: Count = 2 * 1024**3
+    local_cache: str | None = None
+    local_cache_size: PositiveInt = 20 * 10**9
+    render_workers: Count = 2
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Drawings to predict, and what is known of them.
+
+    Args:
+        sketches: a folder, a glob or a list of drawings.
+        hints: hints for the drawings: a file, or a folder of ``<sketch>_hints.png`` or ``.json``.
+        mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
+            fill what lines enclose, ``reader`` to let a small network vote on that, or ``model`` to leave it
+            to the model; None is its opacity if that tells, else the reader.
+        map_size: longer side of the maps in pixels; None is the drawing's, 1024 of an SVG.
+    """
+
+    sketches: str | list[str] | None = None
+    hints: str | None = None
+    mask: str | None = None
+    map_size: int | None = None

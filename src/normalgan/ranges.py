@@ -1,0 +1,111 @@
+"""Ranges: what numbers a setting takes, said in its annotation and checked in its class's constructor."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+from normalgan.errors import InputError
+
+__all__ = ["Count", "NonNegative", "Positive", "PositiveInt", "Range", "Share", "check_ranges"]
+
+
+@dataclass(frozen=True)
+class Range:
+    """The numbers that a setting takes; none of them is infinite.
+
+    Args:
+        least: the smallest.
+        most: the largest.
+        above: whether ``least`` itself is excluded.
+        below: whether ``most`` itself is excluded.
+
+    Example:
+        >>> 90 in Range(0, 90, below=True), 89.5 in Range(0, 90, below=True)
+        (False, True)
+        >>> print(Range(0), Range(0, 1), Range(0, 90, below=True), sep="; ")
+        0 or more; from 0 to 1; from 0 to below 90
+    """
+
+    least: float
+    most: float = math.inf
+    above: bool = False
+    below: bool = False
+
+    def __contains__(self, value: float) -> bool:
+        """Return whether a setting may have a value; not a number never may."""
+        low = self.least < value if self.above else self.least <= value
+        return low and (value < self.most if self.below or self.most == math.inf else value <= self.most)
+
+    def __repr__(self) -> str:
+        """Return the range in words, which `--help` shows as a part of the type."""
+        if self.most == math.inf:
+            return f"more than {self.least:g}" if self.above else f"{self.least:g} or more"
+        first = f"above {self.least:g}, up" if self.above else f"from {self.least:g}"
+        return f"{first} to {'below ' if self.below else ''}{self.most:g}"
+
+
+Count = Annotated[int, Range(0)]
+PositiveInt = Annotated[int, Range(1)]
+NonNegative = Annotated[float, Range(0)]
+Positive = Annotated[float, Range(0, above=True)]
+Share = Annotated[float, Range(0, 1)]
+
+
+def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None:
+    """Check all settings of an object that its constructor annotates with a `Range`.
+
+    Call it in ``__post_init__``, or at the end of ``__init__``. A tuple that is annotated as a whole holds
+    two numbers, low then high.
+
+    Args:
+        settings: the object.
+        values: the settings by name; None takes the object's attributes.
+
+    Raises:
+        InputError: if one lies outside its range.
+
+    Example:
+        >>> @dataclass
+        ... class Blur:
+        ...     radius: Positive = 1.0
+        ...     def __post_init__(self) -> None:
+        ...         check_ranges(self)
+        >>> Blur(radius=0)
+        Traceback (most recent call last):
+        normalgan.errors.InputError: radius of Blur is 0; it must be more than 0.
+    """
+    for name, hint in _hints(type(settings)).items():
+        value = getattr(settings, name) if values is None else values[name]
+        for given, allowed in _given(hint, value):
+            pair = isinstance(given, list | tuple)
+            numbers = given if pair else [given]
+            if any(number not in allowed for number in numbers) or (pair and not _rising(numbers)):
+                right = "it must be" if given is value else "each number must be"
+                right += " two numbers, low then high," if pair else ""
+                raise InputError(f"{name} of {type(settings).__name__} is {value}; {right} {allowed}.")
+
+
+def _hints(kind: type[Any]) -> dict[str, Any]:
+    found = get_type_hints(kind.__init__, include_extras=True)
+    return {name: hint for name, hint in found.items() if _ranged(hint)}
+
+
+def _ranged(hint: Any) -> bool:
+    return get_origin(hint) is Annotated or any(map(_ranged, get_args(hint)))
+
+
+def _rising(numbers: Sequence[float]) -> bool:
+    return len(numbers) == 2 and numbers[0] <= numbers[1]
+
+
+def _given(hint: Any, value: Any) -> list[tuple[Any, Range]]:
+    """Return what a value holds that has a range, a number or a pair, and the range."""
+    if value is None:
+        return []
+    if get_origin(hint) is Annotated:
+        return [(value, each) for each in hint.__metadata__ if isinstance(each, Range)]
+    inner = [each for each in get_args(hint) if each not in (type(None), ...)]
+    if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):
+        return [pair for item in value for pair in _given(inner[0], item)]
+    return [pair for each in inner for pair in _given(each, value)]
