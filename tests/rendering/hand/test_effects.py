@@ -121,6 +121,11 @@ def test_parts_are_skipped_as_often_as_asked_for() -> None:
     )
 
 
+def test_a_second_pass_of_two_points_has_both() -> None:
+    dash = Stroke.even(np.array([[10.0, 20.0], [10.5, 20.0]]), 1.5)
+    assert all(len(second_pass(dash, SIDE, rng(seed)).points) == 2 for seed in range(10))
+
+
 def test_a_second_pass_is_a_part_beside_the_first() -> None:
     for seed in range(30):
         again = second_pass(line(), SIDE, rng(seed))

@@ -20,7 +20,7 @@ def second_pass(stroke: Stroke, side: float, rng: np.random.Generator) -> Stroke
         rng: source of randomness.
     """
     count = len(stroke.points)
-    kept = max(3, round(rng.uniform(_LEAST, 1) * count))
+    kept = min(max(3, round(rng.uniform(_LEAST, 1) * count)), count)
     start = int(rng.integers(count - kept + 1))
     part = piece(stroke, start, start + kept)
     return Stroke(part.points + rng.normal(0, _OFFSET * side, 2), part.width, part.darkness)
