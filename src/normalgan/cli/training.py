@@ -44,10 +44,10 @@ from normalgan.cli.config_files import check_config, load_bounded
 from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.cli.number_types import Strength
 from normalgan.cli.output_options import add_output_options
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
-from normalgan.cli.ranges import Strength
 from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
