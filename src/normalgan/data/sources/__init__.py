@@ -1,7 +1,7 @@
 """Data sources: meshes, embedded animals, pairs on disk; no torch."""
 
 from normalgan.data.sources.base import DATA_SOURCES, DataSource, PairSource, SplitSettings
-from normalgan.data.sources.meshes import Animals, Meshes, MeshGroup
+from normalgan.data.sources.meshes import Animals, MeshGroup
 from normalgan.data.sources.pair import Pair
 from normalgan.data.sources.pairs import Pairs
 
@@ -10,7 +10,6 @@ __all__ = [
     "Animals",
     "DataSource",
     "MeshGroup",
-    "Meshes",
     "Pair",
     "PairSource",
     "Pairs",

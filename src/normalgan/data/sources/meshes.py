@@ -11,7 +11,7 @@ from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 
-__all__ = ["Animals", "MeshGroup", "Meshes", "join_variants", "pose", "split_meshes"]
+__all__ = ["Animals", "MeshGroup", "join_variants", "pose", "split_meshes"]
 
 
 @dataclass(frozen=True)
@@ -61,28 +61,6 @@ class MeshGroup:
             for name, part in split.items()
         }
         return posed | {"train": join_variants(posed["train"], settings.variation, self.variants)}
-
-
-@DATA_SOURCES.register
-@dataclass(frozen=True)
-class Meshes(MeshGroup, DataSource):
-    """Mesh files of yours, rendered and drawn as the settings of the data say; `data.meshes` is short for it.
-
-    Args:
-        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf).
-        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
-        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
-        variants: individuals that join each training mesh, varied at random.
-        split_file: JSON file that lists the train, val and test meshes; None takes `data.split.file`.
-        postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
-            rearing, where the skeleton is a known one; the others are as the animations show them.
-    """
-
-    def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
-        """Return the meshes by split, as `MeshGroup.split` does."""
-        group = self if self.split_file is not None else replace(self, split_file=settings.file)
-        return MeshGroup.split(group, settings)
 
 
 @DATA_SOURCES.register
