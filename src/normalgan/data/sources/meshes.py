@@ -1,17 +1,16 @@
-"""Sources of meshes: your files, groups of them, and the embedded animals."""
+"""Groups of mesh files: how each is read, posed, varied and split."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from normalgan.animals import make_animals
-from normalgan.data.sources.base import DATA_SOURCES, DataSource, SplitSettings
+from normalgan.data.sources.base import SplitSettings
 from normalgan.data.splits import SPLITS
-from normalgan.ranges import Count, PositiveInt, Share, check_ranges
+from normalgan.ranges import Count, Share, check_ranges
 from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 
-__all__ = ["Animals", "MeshGroup", "join_variants", "pose", "split_meshes"]
+__all__ = ["MeshGroup", "join_variants", "pose", "split_meshes"]
 
 
 @dataclass(frozen=True)
@@ -61,34 +60,6 @@ class MeshGroup:
             for name, part in split.items()
         }
         return posed | {"train": join_variants(posed["train"], settings.variation, self.variants)}
-
-
-@DATA_SOURCES.register
-@dataclass(frozen=True)
-class Animals(DataSource):
-    """The embedded procedural animals, the default; `data.animals.count` is short for it.
-
-    Args:
-        count: how many there are.
-        species: groups (such as quadrupeds or birds) and species that they are of, in turn.
-        variants: individuals that join each training animal, varied at random.
-    """
-
-    count: PositiveInt = 24
-    species: tuple[str, ...] = ("quadrupeds",)
-    variants: Count = 0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
-
-    def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
-        """Return the animals by split.
-
-        Raises:
-            InputError: if there is no such species, or the split cannot be used.
-        """
-        split = split_meshes([*make_animals(self.count, settings.data_seed, list(self.species))], settings)
-        return split | {"train": join_variants(split["train"], settings.variation, self.variants)}
 
 
 def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict[str, list[MeshSource]]:
