@@ -16,6 +16,7 @@ _KINDS = {
     "bool": "true or false",
     "NoneType": "null",
     "list": "a list",
+    "tuple": "a list",
     "Iterable": "a list",
     "dict": "a mapping",
 }
