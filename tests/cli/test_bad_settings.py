@@ -60,6 +60,8 @@ def test_and_so_is_one_that_a_file_names_in_either_way(setting: str, tmp_path: P
         ("model: {discriminator: {class_path: UNetDiscriminator, init_args: {wdth: 1}}}", ["mean width?"]),
         ("data: {views: {margin: wide}}", ['"data.views.margin": expected a number, not wide.']),
         ("data: {size: large}", ['argument "data.size": expected a whole number, not large.']),
+        ("data: {animals: {species: birds}}", ['"data.animals.species": expected a list, not birds.']),
+        ("data: {animals: 30}", ["data.animals is a group of settings, such as data.animals.count, not 30"]),
         ("data: {sizes: 32}", ["there is no setting data.sizes. Did you mean data.size?"]),
         ("data: {views: {margn: 0.1}}", ["no setting data.views.margn. Did you mean data.views.margin?"]),
         ("data: {meshes: {a: 1}}", ["expected text or a list or null, not {'a': 1}"]),

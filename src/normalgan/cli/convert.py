@@ -6,7 +6,7 @@ from typing import Literal
 from jsonargparse import Namespace
 
 from normalgan.cli.light_parser import LightParser
-from normalgan.cli.ranges import Strength
+from normalgan.cli.number_types import Strength
 from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail

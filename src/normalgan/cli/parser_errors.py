@@ -16,6 +16,7 @@ _KINDS = {
     "bool": "true or false",
     "NoneType": "null",
     "list": "a list",
+    "tuple": "a list",
     "Iterable": "a list",
     "dict": "a mapping",
 }
@@ -36,6 +37,8 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     'argument "data.size": expected a whole number, not large.'
     >>> explain('Parser key "size":\n  Not of type Side: 4 does not conform to restriction v>=8 and v<=9', {})
     'argument "size": 4 is out of range; it must be >= 8 and <= 9.'
+    >>> explain('Parser key "data.split": Unable to load config "x.yaml"', {}, ["data.split.file"])
+    'data.split is a group of settings, such as data.split.file, and x.yaml is not a file of them.'
     >>> explain("Group 'data' does not accept option 'sise'", {}, ["data.size"])
     'there is no setting data.sise. Did you mean data.size?'
     """
@@ -51,6 +54,9 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     ):
         name = ".".join(part for part in found.groups() if part)
         return f"there is no setting {name}.{did_you_mean(name, settings)}"
+    if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
+        inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
+        return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
     if found := re.search(r"Importing '(.+?)' is not allowed", message):
         return (
             f"{where}--safe-config does not allow {found[1]}; it takes registered classes and a few of "

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from normalgan.animals import SPECIES, Animal
 from normalgan.arrays import Floats
 from normalgan.cli.light_parser import LightParser
+from normalgan.cli.number_types import Degrees, Margin, Side
 from normalgan.cli.parser_errors import refusal
-from normalgan.cli.ranges import Degrees, Margin, Side
 from normalgan.errors import InputError, did_you_mean, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.normals import encode_png, paint_flat

@@ -13,7 +13,7 @@ from textwrap import shorten
 from typing import Any
 
 import yaml
-from jsonargparse import get_loader, set_loader, set_parsing_settings
+from jsonargparse import Namespace, get_loader, set_loader, set_parsing_settings
 from lightning.fabric.utilities.cloud_io import get_filesystem
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
@@ -44,10 +44,10 @@ from normalgan.cli.config_files import check_config, load_bounded
 from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.cli.number_types import Strength
 from normalgan.cli.output_options import add_output_options
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
-from normalgan.cli.ranges import Strength
 from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
@@ -281,6 +281,7 @@ class NormalGANCLI(LightningCLI):
         """Let what is saved in a file decide on the model, after a look at whether it can be used."""
         super().parse_arguments(parser, args)
         command, config = self.command, self.config
+        _check_groups(parser, config)
         if self.safe:
             own = parser.parse_args(_set_here(args))
             for name in _OUTPUTS:
@@ -510,6 +511,15 @@ def _set_here(arguments: list[str]) -> list[str]:
             value = value if joined else following
             found += [] if name.startswith("trainer.logger") and _names_file(value) else [f"{option}={value}"]
     return found
+
+
+def _check_groups(parser: LightningArgumentParser, config: Namespace) -> None:
+    """Refuse a single value in place of a group of settings, which jsonargparse lets a file give."""
+    names = [action.dest for action in parser._actions]
+    for group in (a.dest for a in parser._actions if a.help == "Path to a configuration file."):
+        if isinstance(value := config.get(group), str | int | float | list):
+            inside = next(name for name in names if name.startswith(f"{group}."))
+            raise InputError(f"{group} is a group of settings, such as {inside}, not {value}.")
 
 
 def _names_file(value: object) -> bool:

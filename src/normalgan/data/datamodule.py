@@ -26,7 +26,8 @@ from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.settings import EmbeddedAnimals, MeshReading, Prediction, Split, Storage
 from normalgan.data.sketches import SketchDataset, SketchSample
-from normalgan.data.sources import Animals, DataSource, MeshGroup, PairSource, SplitSettings
+from normalgan.data.sources import DataSource, MeshGroup, PairSource, SplitSettings
+from normalgan.data.sources.meshes import join_variants, split_meshes
 from normalgan.data.splits import SPLITS
 from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.manifest import fingerprints, views_by_split
@@ -200,7 +201,9 @@ class MeshDataModule(LightningDataModule):
             )
             kinds = [MeshGroup(self.meshes, *how).split(settings), *kinds]
         elif not self.groups:
-            kinds = [Animals(animals.count, animals.species, reading.variants).split(settings)]
+            made = split_meshes([*make_animals(animals.count, self.seed, list(animals.species))], settings)
+            varied = join_variants(made["train"], settings.variation, reading.variants)
+            kinds = [made | {"train": varied}]
         how_many = (animals.extra, self.seed, list(animals.species), animals.extra_postures)
         extra = make_animals(*how_many) if animals.extra else []
         joined = {split: [mesh for kind in kinds for mesh in kind[split]] for split in SPLITS}

@@ -9,7 +9,7 @@ from jsonargparse import Namespace
 
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.light_parser import LightParser
-from normalgan.cli.ranges import ModelSide
+from normalgan.cli.number_types import ModelSide
 from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings

@@ -1,16 +1,14 @@
-"""Data sources: meshes, embedded animals, pairs on disk; no torch."""
+"""Data sources: groups of meshes, pairs on disk, and the base of others; no torch."""
 
 from normalgan.data.sources.base import DATA_SOURCES, DataSource, PairSource, SplitSettings
-from normalgan.data.sources.meshes import Animals, Meshes, MeshGroup
+from normalgan.data.sources.meshes import MeshGroup
 from normalgan.data.sources.pair import Pair
 from normalgan.data.sources.pairs import Pairs
 
 __all__ = [
     "DATA_SOURCES",
-    "Animals",
     "DataSource",
     "MeshGroup",
-    "Meshes",
     "Pair",
     "PairSource",
     "Pairs",

@@ -1,17 +1,16 @@
-"""Sources of meshes: your files, groups of them, and the embedded animals."""
+"""Groups of mesh files: how each is read, posed, varied and split."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from normalgan.animals import make_animals
-from normalgan.data.sources.base import DATA_SOURCES, DataSource, SplitSettings
+from normalgan.data.sources.base import SplitSettings
 from normalgan.data.splits import SPLITS
-from normalgan.ranges import Count, PositiveInt, Share, check_ranges
+from normalgan.ranges import Count, Share, check_ranges
 from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 
-__all__ = ["Animals", "MeshGroup", "Meshes", "join_variants", "pose", "split_meshes"]
+__all__ = ["MeshGroup", "join_variants", "pose", "split_meshes"]
 
 
 @dataclass(frozen=True)
@@ -61,56 +60,6 @@ class MeshGroup:
             for name, part in split.items()
         }
         return posed | {"train": join_variants(posed["train"], settings.variation, self.variants)}
-
-
-@DATA_SOURCES.register
-@dataclass(frozen=True)
-class Meshes(MeshGroup, DataSource):
-    """Mesh files of yours, rendered and drawn as the settings of the data say; `data.meshes` is short for it.
-
-    Args:
-        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf).
-        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
-        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
-        variants: individuals that join each training mesh, varied at random.
-        split_file: JSON file that lists the train, val and test meshes; None takes `data.split.file`.
-        postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
-            rearing, where the skeleton is a known one; the others are as the animations show them.
-    """
-
-    def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
-        """Return the meshes by split, as `MeshGroup.split` does."""
-        group = self if self.split_file is not None else replace(self, split_file=settings.file)
-        return MeshGroup.split(group, settings)
-
-
-@DATA_SOURCES.register
-@dataclass(frozen=True)
-class Animals(DataSource):
-    """The embedded procedural animals, the default; `data.animals.count` is short for it.
-
-    Args:
-        count: how many there are.
-        species: groups (such as quadrupeds or birds) and species that they are of, in turn.
-        variants: individuals that join each training animal, varied at random.
-    """
-
-    count: PositiveInt = 24
-    species: tuple[str, ...] = ("quadrupeds",)
-    variants: Count = 0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
-
-    def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
-        """Return the animals by split.
-
-        Raises:
-            InputError: if there is no such species, or the split cannot be used.
-        """
-        split = split_meshes([*make_animals(self.count, settings.data_seed, list(self.species))], settings)
-        return split | {"train": join_variants(split["train"], settings.variation, self.variants)}
 
 
 def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict[str, list[MeshSource]]:

@@ -1,4 +1,4 @@
-"""Ranges: types of numbers that options take; the parser checks them, and `--help` names them."""
+"""Types of the numbers that light commands take: the parser checks their range, and `--help` names it."""
 
 from jsonargparse.typing import restricted_number_type
 
