@@ -77,18 +77,21 @@ def build_parser() -> LightParser:
         "--config",
         action="append",
         type=str,
-        help="the plan, which has rows, and overlays of `normalgan fit`, which make the scale; repeats",
+        help="the plan, a file with rows; and overlays of `normalgan fit`, which set the scale; may be given "
+        "several times",
     )
     parser.add_argument(
         "-o",
         "--output",
         type=str | None,
-        help="where runs and report go, runs/benchmark if null; with --evaluate the folder of "
-        "evaluation.json, which null does not write",
+        help="folder of the runs and the report (default runs/benchmark); with --evaluate the folder of "
+        "evaluation.json, which is not written without it",
     )
-    parser.add_argument("--rows", type=str | None, help="names of rows, with commas; null takes all")
+    parser.add_argument("--rows", type=str | None, help="names of rows, with commas; by default all")
     parser.add_argument("--seeds", type=str, nargs="+", help="seeds in place of the plan's")
-    parser.add_argument("--images", type=int | None, help="images each generator learns from, not the plan's")
+    parser.add_argument(
+        "--images", type=int | None, help="images that each generator learns from, in place of the plan's"
+    )
     parser.add_argument(
         "--budget", type=str | None, help="wall-clock time of each run in place of the images, such as 8m"
     )
@@ -97,7 +100,7 @@ def build_parser() -> LightParser:
         action="extend",
         type=str,
         nargs="+",
-        help="settings of data or trainer that win over all: data.size=64",
+        help="settings of data or trainer that override all others, such as data.size=64",
     )
     parser.add_argument(
         "--evaluate",
@@ -108,7 +111,7 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--score",
         type=str | None,
-        help="measure the normal maps in a folder that another program painted, and train nothing",
+        help="measure the normal maps in a folder that another program made, and train nothing",
     )
     parser.add_argument(
         "--inputs",
@@ -118,13 +121,13 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--human",
         type=str | None,
-        help="measure a model, --evaluate or shipped, on drawings by people: a folder with a "
-        "drawings.json, see docs/benchmark.md; takes no plan; --rows names groups",
+        help="measure a model (that of --evaluate, or shipped) on drawings by people, in a folder with a "
+        "drawings.json (docs/compare.md); takes no plan; --rows names groups",
     )
     parser.add_argument(
         "--spec",
         type=str | None,
-        help="a frozen specification, such as configs/benchmark/v3.json; refuse to measure on anything else",
+        help="a frozen specification, such as configs/benchmark/v3.json; anything else is refused",
     )
     return parser
 
