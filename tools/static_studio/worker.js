@@ -21,6 +21,7 @@ const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
  * @property {import("./document.js").Hint[]} hints
  * @property {import("./document.js").Area[]} areas
  * @property {import("./document.js").Source} source
+ * @property {import("./document.js").Form | null} form
  */
 /**
  * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number}} Wish
@@ -97,10 +98,10 @@ async function recalled(kept, key, make) {
 }
 
 /** @param {Layer} layer @param {number | null} longest @returns {Promise<Painted>} */
-async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
+async function paintLayer({ ink, strokes, hints, areas, source, form }, longest) {
   const { session, refiner, reader, widths, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
-  return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
+  return recalled(painted, JSON.stringify([key, strokes, hints, areas, form]), async () => {
     const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader));
     const { width, height, frame } = lines;
     const scale = width / ink.width;
@@ -109,7 +110,7 @@ async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
     const { normal, confidence } = await session.run(feeds);
     const { normals, mask, covered, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale, lines.ink));
     const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
-    hold({ normals, mask, width, height }, hints, areas, scale);
+    hold({ normals, mask, width, height }, hints, areas, form, scale);
     // Only few ask for it, and it is as large as the map.
     return { normals, mask, covered, width, height, warning, confidence: null, certainty: () => restored(confidence.data, lines, 1) };
   });

@@ -23,6 +23,7 @@ export function nameOf(before, after) {
   const at = Math.max(0, before.layers.findIndex((layer, i) => layer !== after.layers[i]));
   const [old, now] = [before.layers[at], after.layers[at]];
   if (old.name !== now.name) return text.stepLayerNamed;
+  if (old.form !== now.form) return text.stepForm;
   if (old.source !== now.source) return text.stepSource;
   if (old.visible !== now.visible) return now.visible ? text.stepLayerShown : text.stepLayerHidden;
   /** @type {["strokes" | "hints" | "areas" | "mask", string, string, string][]} */
@@ -37,6 +38,7 @@ export function nameOf(before, after) {
       const last = list === "strokes" ? now.strokes[now.strokes.length - 1].kind : "";
       return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;
     }
+    if (list === "areas" && now.areas.some((area, i) => area.form !== old.areas[i]?.form || area.soft !== old.areas[i]?.soft)) return text.stepForm;
     return to.length < from.length ? removed : changed;
   }
   const more = after.pictures.length - before.pictures.length;

@@ -11,6 +11,7 @@ import { Editor } from "./editor.js";
 import { Exporting } from "./exporting.js";
 import { Folder } from "./folder.js";
 import { followHistory } from "./history_list.js";
+import { followForms } from "./forms.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
 import { Inks } from "./ink.js";
@@ -102,6 +103,7 @@ offerSamples((doc, name) => {
 });
 followHistory(editor, announce);
 followPaper(editor, importing);
+const nextForm = followForms(editor);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
@@ -173,6 +175,7 @@ followKeys({
   a: () => editor.set({ tool: "mask", fills: true }),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
+  g: nextForm,
   n: () => points.next(1), "shift+n": () => points.next(-1),
   y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), "ctrl+d": () => arranging.duplicate(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
 });

@@ -14,6 +14,7 @@ export const SHOWN = [
   ["Ctrl+D  Ctrl+C  Ctrl+X  Ctrl+V", "keyArrange"],
   ["Y", "keySymmetry"],
   ["X  A", "keyMask"],
+  ["G", "keyForm"],
   [",  .", "keyTurn"],
   ["PgUp  PgDn", "keyLayer"],
   ["N  Shift+N", "keyHint"],
