@@ -22,8 +22,11 @@ from chromium import browser, storage
 from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
+from normalgan.inference.composites.context import context_of, in_context
 from normalgan.inference.mask.masks import MODEL
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.pipeline import predict
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
@@ -156,8 +159,11 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
         np.rint(255 * (1 - outline(blob((SIDE, SIDE), middle, 120)))).astype(np.uint8)
         for middle in ((200, 256), (300, 280))
     ]
-    predict = normalgan.load(SHIPPED)
-    wanted = compose([predict(each) for each in drawn])
+    model = OnnxBackend(SHIPPED)
+    pictures = [Picture(np.dstack([each / np.float32(255)] * 3), None) for each in drawn]
+    parts = [prepare(each, model.size, line_widths=model.line_widths) for each in pictures]
+    context = context_of(parts)
+    wanted = compose([predict(model, in_context(each, context)) for each in parts])
     found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
     assert_near(found, wanted, share=0.98, degrees=1)
     lines = np.full_like(drawn[0], 255)

@@ -21,7 +21,7 @@ import { say, text } from "./text.js";
  * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
  *   added to or cut from; fills: a click, for all of the area between lines about it
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
- *   mask: MaskStroke[], source: Source, form: Form | null}} Layer a part of the drawing, which is painted for itself
+ *   mask: MaskStroke[], source: Source, form: Form | null}} Layer a part of the drawing
  * @typedef {null | "outline" | "model"} Source where a layer's object is: by itself, inside the outline, as the model sees it
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture to trace or to look at
  * @typedef {{name: string}} Settings
