@@ -6,6 +6,9 @@ import { say, text } from "./text.js";
 /** Steps that are listed; older ones are undone one by one. */
 const SHOWN = 200;
 
+/** Whether a line was made a shape: moved lines keep their number of points. @param {import("./document.js").Stroke | undefined} from @param {import("./document.js").Stroke | undefined} to */
+const isShaped = (from, to) => from?.kind === "pen" && to?.kind === "pen" && from.points.length !== to.points.length;
+
 /**
  * Returns what a step did.
  * @param {import("./document.js").Doc} before
@@ -34,6 +37,7 @@ export function nameOf(before, after) {
   for (const [list, added, removed, changed] of lists) {
     const [from, to] = [old[list], now[list]];
     if (from === to) continue;
+    if (list === "strokes" && from.length === to.length && old.strokes.slice(0, -1).every((each, i) => each === now.strokes[i]) && isShaped(old.strokes.at(-1), now.strokes.at(-1))) return text.stepShape;
     if (to.length > from.length) {
       const last = list === "strokes" ? now.strokes[now.strokes.length - 1].kind : "";
       return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;

@@ -69,9 +69,9 @@ const folder = new Folder(importing, projects);
 importing.onSeveral = (/** @type {DataTransfer} */ dropped) => folder.take(dropped);
 const exporting = new Exporting(editor, predictor, status, (map) =>
   result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));
-const lines = new LineTool(editor, inks);
 /** @type {import("./status.js").Announce} */
 const announce = (words, kind) => status.say(words, kind);
+const lines = new LineTool(editor, inks, announce);
 const pins = new HintTool(editor, () => predictor.painted, announce);
 const areas = new AreaTool(editor, () => predictor.painted, announce);
 const points = new Points([board, overlay], pins, predictor, status);

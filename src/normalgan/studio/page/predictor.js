@@ -261,7 +261,8 @@ export class Predictor extends EventTarget {
     const running = new AbortController();
     this.running = running;
     this.climbing?.abort();
-    while (this.stale && this.running === running) {
+    // A stroke that is becoming a shape may be all that there is.
+    while (this.stale && this.running === running && this.#drawn().length) {
       try {
         await this.#paint(running);
       } catch (error) {
