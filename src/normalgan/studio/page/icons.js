@@ -33,6 +33,8 @@ const paths = {
   play: "M7 4.5v15l12-7.5z",
   compare: "M4 5h16v14H4z M12 3v18 M15 9h2 M15 12h2 M15 15h2",
   lines: "M4 5h16v14H4z M7 15c2-6 4-6 5-3s3 2 5-3",
+  tiled: "M4 4h16v16H4z M4 9.3h16 M4 14.7h16 M9.3 4v16 M14.7 4v16",
+  pixelated: "M4 4h16v16H4z M4 12h16 M12 4v16 M4 4h8v8H4z M12 12h8v8h-8z M6 8h4 M14 16h4",
   doubt: "M12 4a8 8 0 1 0 0 16 8 8 0 0 0 0-16z M12 8v5 M12 16v.2",
   layer: "M12 4l9 5-9 5-9-5z M3 14l9 5 9-5",
   paper: "M5 3.5h14v17H5z M8 16l3-4 2.5 2.5L15.5 12l1.5 4z M9 8.5h.2",

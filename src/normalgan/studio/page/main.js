@@ -142,6 +142,12 @@ const zoom = (factor) => {
   const { camera, x, y } = middle();
   camera.zoom(x, y, factor);
 };
+// All repeats are to be seen.
+result.onLook = (/** @type {"tiled" | "pixelated"} */ way) => {
+  if (way !== "tiled") return;
+  view.fit();
+  if (result.look.tiled) zoom(1 / 3);
+};
 /** @param {number} degrees */
 const turn = (degrees) => {
   const { camera, x, y } = middle();
@@ -175,7 +181,7 @@ followKeys({
   a: () => editor.set({ tool: "mask", fills: true }),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
-  g: nextForm,
+  g: nextForm, t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),
   n: () => points.next(1), "shift+n": () => points.next(-1),
   y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), "ctrl+d": () => arranging.duplicate(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
 });

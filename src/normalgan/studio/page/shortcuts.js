@@ -10,6 +10,7 @@ export const SHOWN = [
   ["Space", "keyPan"],
   ["1 … 5", "keyViews"],
   ["F  C  O", "keyPanes"],
+  ["T  K", "keyLook"],
   ["Ctrl+A", "keySelect"],
   ["Ctrl+D  Ctrl+C  Ctrl+X  Ctrl+V", "keyArrange"],
   ["Y", "keySymmetry"],
