@@ -23,7 +23,7 @@ def disc(side: int, radius: float) -> tuple[NDArray[np.bool_], Floats, Floats]:
 
 
 def degrees(a: Floats, b: Floats) -> Floats:
-    return np.degrees(np.arccos(np.clip((a * b).sum(-1), -1, 1)))
+    return np.asarray(np.degrees(np.arccos(np.clip((a * b).sum(-1), -1, 1))), np.float32)
 
 
 @pytest.mark.parametrize("side", [64, SIDE, 700])
@@ -33,8 +33,8 @@ def test_a_round_disc_is_a_ball_and_a_hollow_one_the_inside_of_one(side: int) ->
     dish = np.sin(np.radians(60)) * np.dstack([-x, -y])
     dish = np.dstack([dish, np.sqrt(1 - np.clip((dish**2).sum(-1), 0, 1))])
     within = np.hypot(x, y) < 0.95
-    for kind, wanted in (("round", ball), ("hollow", dish)):
-        formed = give_form(ramp(inside.shape), inside, inside.astype(np.float32), Form(kind, 1, 1))
+    for form, wanted in ((Form("round", 1, 1), ball), (Form("hollow", 1, 1), dish)):
+        formed = give_form(ramp(inside.shape), inside, inside.astype(np.float32), form)
         assert degrees(formed, wanted)[within].mean() < (2 if side < 100 else 1.2)
         assert degrees(formed, wanted)[within].max() < 6
         assert np.array_equal(formed[~inside], ramp(inside.shape)[~inside])
@@ -61,8 +61,8 @@ def test_a_bevel_leaves_the_middle_level_and_half_a_strength_is_between() -> Non
     assert slopes[0] < 3
     assert slopes[1] > 20
     half = give_form(ramp(inside.shape), inside, area, Form("round", 1, 0.5))
-    mean = (whole + ramp(inside.shape)) / 2
-    mean /= np.linalg.norm(mean, axis=-1, keepdims=True)
+    between = (whole + ramp(inside.shape)) / 2
+    mean = np.asarray(between / np.linalg.norm(between, axis=-1, keepdims=True), np.float32)
     assert degrees(half, mean)[away < 0.9].max() < 0.1
     assert give_form(whole, inside, area, Form("flat", 0.2, 0)) is whole
 
